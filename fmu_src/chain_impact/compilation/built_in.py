@@ -11,6 +11,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
 
+from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.record_type import (
     INSTANCE,
     TABLES,
@@ -31,7 +32,8 @@ from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
     *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
-    *(functions.clear, functions.copy_row, inputs.input_field, ranges.ranged_field),
+    *(functions.clear, functions.copy_row, inputs.input_field),
+    *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
 """The functions for which this module gives numba the code."""
 
@@ -114,7 +116,31 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
         return array_at(context, builder, kind, address, [count])
 
 
+def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
+    """Give the code of a function of (instance, k) that returns number k of ``bounds``."""
+
+    @type_callable(function)
+    def _type_of_bound(_context: Any) -> Any:
+        def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
+            return types.int64 if isinstance(instance, Record) else None
+
+        return typer
+
+    @lower_builtin(function, Record, types.Integer)
+    def _bound(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+        instance, number = arguments
+        number = context.cast(builder, number, signature.args[1], types.intp)
+        makers = [partial(lambda bound: [built(bound, builder, instance)], bound) for bound in bounds]
+        (chosen,) = _chosen(builder, number, makers)
+        return chosen
+
+
 _give_field(ranges.ranged_field, ranges.RANGED, types.float64)
+_give_field(ranges.bounded_field, ranges.BOUNDED, types.int64)
+_BOUNDS = [zip(*pairs, strict=True) for pairs in zip(*map(ranges.bounds_of, SAMPLES), strict=True)]
+_LEAST, _MOST = zip(*([affine(numbers) for numbers in bounds] for bounds in _BOUNDS), strict=True)
+_give_bound(ranges.least_bound, _LEAST)
+_give_bound(ranges.most_bound, _MOST)
 
 
 @type_callable(duals.block)

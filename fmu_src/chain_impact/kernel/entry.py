@@ -8,30 +8,17 @@ number leads to a fault status, never to an access outside the record.
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
 from chain_impact.kernel.chain.inputs import CHANNEL, input_field
-from chain_impact.kernel.chain.signals import (
-    CONSTANT,
-    RAMP,
-    SIGNAL_DEGREE,
-    SINE,
-    TABLE,
-    TRAPEZOID,
-)
+from chain_impact.kernel.chain.signals import knot_count
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
-from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.friction_modes import clear_changes
-from chain_impact.kernel.events.marks import NEIGHBOUR
-from chain_impact.kernel.forces.friction import NO_FRICTION
-from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_motion
-from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT, SOLVER_METHODS
-from chain_impact.kernel.ode.last_step import SOLVER, keep_state, return_to_kept_state
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state
+from chain_impact.kernel.record.ranges import BOUNDED, bounded_field, least_bound, most_bound
 from chain_impact.kernel.rows.geometry import candidate_within_bounds
 from chain_impact.kernel.status import (
-    LAST_STATUS,
     LOG_FULL,
     OK,
     PAUSED,
@@ -54,76 +41,55 @@ def sound(d):
 
 def within_bounds(d):
     """Return whether every index of the record is within its bounds."""
+    return indices_within_bounds(d) and relations_hold(d)
+
+
+def indices_within_bounds(d):
+    """Return whether each index is within the bounds that the layout declares (record/fields.py)."""
+    for k in range(len(BOUNDED)):
+        values, least, most = bounded_field(d, k), least_bound(d, k), most_bound(d, k)
+        for i in range(len(values)):
+            if not least <= values[i] <= most:
+                return False
+    return True
+
+
+def relations_hold(d):
+    """Return whether the indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + present()
-    fits = within(d.model.meeting_joint, 0, d.links)
-    fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
-    fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.contact_log.count >= 0
-    fits = fits and within(d.step.method, EXPLICIT, IMPLICIT)
-    fits = fits and within(d.step.last_method, EXPLICIT, IMPLICIT)
-    fits = fits and within(d.trial.outcome, ACCEPTED, DIVERGED)
-    fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
-    fits = fits and within(d.statistics.status, OK, LAST_STATUS)
-    fits = fits and within(d.latest.kept, 0, len(d.latest.time))
-    fits = fits and within(d.given.piece.order, 0, DEGREE) and within(d.inputs.piece.order, 0, DEGREE)
-    fits = fits and within(d.touch.active_count, 0, d.candidates)
-    fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
-    fits = fits and friction_within_bounds(d)
+    fits = d.contact_log.count >= 0 and within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and within(d.model.base_moves, 0, d.channels // 2)
-    fits = fits and within(d.quadrature.count, 0, len(d.quadrature.index))
-    for k in range(len(d.quadrature.index)):
-        fits = fits and within(d.quadrature.index[k], 0, len(d.quadrature.index) - 1)
     for c in range(d.candidates):
         fits = fits and candidate_within_bounds(d, c)
         fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
         fits = fits and within(d.law.number[c], least_law(d), laws)
         fits = fits and within(d.law.same_as[c], 0, c)
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
-        fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
-        fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
-    fits = fits and signals_within_bounds(d)
-    for s in range(d.sites):
-        fits = fits and within(d.site.link[s], 0, d.links - 1)
-    for i in range(d.links + 1):
-        fits = fits and within(d.model.first_site[i], 0, d.sites)
-    return fits
+    return fits and friction_counts_fit(d) and signals_fit(d)
 
 
-def signals_within_bounds(d):
-    """Return whether the indices of signals are within their bounds."""
-    fits, signal = True, d.signal
+def signals_fit(d):
+    """Return whether the knots and the driven values of all signals are in the record."""
+    signal = d.signal
     for j in range(d.signals):
-        driven = signal.input[j]
-        if not within(driven, 0, CHANNEL):
-            return False
+        driven, first, last = signal.input[j], signal.first[j], signal.last[j]
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
-        fits = fits and within(signal.index[j], 0, values - 1)
-        fits = fits and within(signal.source[j], 0, d.signals - 1) and within(signal.order[j], 0, 2)
-        fits = fits and within(signal.integrals[j], 0, 2)
-        fits = fits and within(signal.form[j], CONSTANT, TABLE) and within(signal.degree[j], 0, SIGNAL_DEGREE)
-        fits = fits and within(signal.first[j], 0, signal.last[j]) and within(signal.last[j], 0, d.knots - 1)
-        fits = fits and within(signal.segment[j], signal.first[j], signal.last[j])
-        if fits:
-            # number of given knots in the record, and number of knots that a form of signal needs
-            given, needed = signal.first[signal.source[j]] + signal.last[j] - signal.first[j], 0
-            if signal.form[j] == SINE or signal.form[j] == RAMP:
-                needed = 4 if signal.shape[signal.source[j]] == TRAPEZOID else 2
-            fits = within(given, 0, d.knots - 1) and signal.last[j] - signal.first[j] >= needed
-    return fits
+        if not (within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
+            return False
+        given = signal.first[signal.source[j]]  # the first of the given knots, of which there are as many
+        knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
+        if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
+            return False
+    return True
 
 
-def friction_within_bounds(d):
-    """Return whether the indices and counts of dry friction are within their bounds."""
+def friction_counts_fit(d):
+    """Return whether the counts of dry friction fit together."""
     friction = d.friction
-    fits = within(friction.used, 0, min(1, d.elements)) and within(friction.count, 0, d.elements)
+    fits = within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
     fits = fits and within(friction.contact_count, 0, min(friction.count, d.candidates))
     fits = fits and within(friction.stuck_count, 0, friction.count)
-    fits = fits and within(friction.stuck_joints, 0, friction.stuck_count)
-    fits = fits and d.changes.count >= 0
-    for e in range(d.elements):
-        fits = fits and within(d.element.index[e], 0, d.elements - 1)
-        fits = fits and within(d.element.stuck[e], 0, d.elements - 1)
-        fits = fits and within(d.element.mode[e], -1, NO_FRICTION)
-    return fits
+    return fits and within(friction.stuck_joints, 0, friction.stuck_count)
 
 
 def least_law(d):

@@ -53,7 +53,7 @@ PATHS: dict[str, DataPath] = {
     "channel": ("shift", AT, "channel"),
     **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
     "stop_law": ("stops", "law"),
-    **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1).names or ()},
+    **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }

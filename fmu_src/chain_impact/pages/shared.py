@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
@@ -70,7 +71,8 @@ def shared() -> dict[str, Any]:
             "NUMBERS": NUMBERS,
             "REQUIRED": {name: form.required for name, form in FORMS.items()},
             "OTHER": {name: form.optional for name, form in FORMS.items()},
-            "KNOTS": {name: form.knots for name, form in FORMS.items() if form.knots},
+            "KNOTS": {name: form.knots for name, form in FORMS.items() if form.knots}
+            | {"trapezoid": TRAPEZOID_KNOTS},
         },
         "record": {"WORD": indices.WORD, "COUNTS": COUNTS},
         "kernel": {

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
 from chain_impact.scene.key_rules import NO_KEY, quantity
 from chain_impact.scene.names import INPUTS_OF, is_like, nearest
 
@@ -35,15 +36,15 @@ FORMS = {
     "sine": Form(
         ("amplitude", "frequency"),
         {"mean": 0.0, "frequency_rate": 0.0, "phase": 0.0, "start": 0.0, "rise": 0.0},
-        3,
+        SINE_KNOTS,
     ),
-    "ramp": Form(("final", "duration"), {"initial": 0.0, "start": 0.0, "shape": SHAPES[0]}, 3),
+    "ramp": Form(("final", "duration"), {"initial": 0.0, "start": 0.0, "shape": SHAPES[0]}, RAMP_KNOTS),
     "steps": Form(("times", "values"), {}, None),
     "table": Form(("file",), {"interpolation": None, "period": None}, None),
 }
 """Form → its keys and its number of polynomials, in the order of the kernel's numbers of forms.
 
-A ramp with the shape of a trapezoid needs two more polynomials.
+A ramp with the shape of a trapezoid needs TRAPEZOID_KNOTS polynomials.
 """
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.signals import derive_signals, signal_at
+from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS, derive_signals, signal_at
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.scene.signal import FORMS, SHAPES, Signal
 
@@ -26,7 +26,8 @@ CLOSED = 1e-9
 
 def value_at_start(signal: Signal, driven: str, stop: float) -> float:
     """Return the value at t = 0 of an input that a signal drives, in a run until ``stop`` [s]."""
-    row, knot = np.zeros((), signal_dtype(1)), np.zeros((), knot_dtype(knots_of(signal)))
+    knots = knots_of(signal)
+    row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
     write_signal({"signal": row, "knot": knot}, 0, signal, driven, stop)
     d = SimpleNamespace(signals=1, signal=_fields(row), knot=_fields(knot))
     derive_signals(d, 0.0)
@@ -73,7 +74,7 @@ def knots_of(signal: Signal) -> int:
         return count - is_closed(signal) if signal.period else count + 1
     if (knots := FORMS[signal.form].knots) is None:
         return len(signal.times or ())
-    return knots + 2 * (signal.shape == "trapezoid")
+    return TRAPEZOID_KNOTS if signal.shape == "trapezoid" else knots
 
 
 def joined_by(signal: Signal, driven: str) -> str:

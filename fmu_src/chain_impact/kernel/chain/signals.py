@@ -22,6 +22,7 @@ from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
+SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5  # number of knots; other forms have any number
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # largest degree of the polynomials: a ramp that drives an acceleration is integrated twice
 SIGNAL_DEGREE = RAMP_DEGREE + 2
@@ -191,6 +192,15 @@ def next_segment(d, j):
 def set_segment(d, j, k, lap):
     """Let signal j use knot k; ``lap`` is the number of times that its table has been repeated."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
+
+
+def knot_count(form, shape):
+    """Return the number of knots that a signal of a form and a shape needs, at least 1."""
+    if form == SINE:
+        return SINE_KNOTS
+    if form == RAMP:
+        return TRAPEZOID_KNOTS if shape == TRAPEZOID else RAMP_KNOTS
+    return 1
 
 
 # ---- derivation of the polynomials from the scene's numbers -----------------------------------------------

@@ -3,9 +3,11 @@
 import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count
+from chain_impact.kernel.events.marks import NEIGHBOUR
+from chain_impact.kernel.forces.friction import NO_FRICTION
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, record, table, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, index, record, table, written_by
 
 # number of changes between sticking and sliding, for each element, that the log can store until they are
 # collected
@@ -86,15 +88,15 @@ def touch_dtype(candidates: int) -> np.dtype:
         # counter that increases whenever the active contacts are packed: stages of earlier contacts are then
         # not used
         ("listings", INTEGER),
-        ("active_count", INTEGER),
+        ("active_count", index(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts, packed: in the first ``active_count`` entries
-        ("active_index", INTEGER, (candidates,)),
-        ("active", INTEGER, (candidates,)),  # 1: in contact
+        ("active_index", index(0, candidates - 1), (candidates,)),
+        ("active", index(0, 1), (candidates,)),  # 1: in contact
         # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
-        ("event", INTEGER, (candidates,)),
+        ("event", index(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset
         # m/s, approach speed of the point along the normal at the onset
         ("onset_speed", REAL, (candidates,)),
@@ -160,7 +162,7 @@ def latest_dtype() -> np.dtype:
     If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
     """
     return record(
-        ("kept", INTEGER),  # number of latest impacts that the scene requests
+        ("kept", index(0, LATEST)),  # number of latest impacts that the scene requests
         ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
         ("point", INTEGER, (LATEST,)),  # as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
@@ -291,8 +293,9 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("total", REAL, (count,)),
         # rate of each quadrature at the most recent time at which contacts began or ended
         ("rate", REAL, (count,)),
-        ("count", INTEGER),
-        ("index", INTEGER, (count,)),  # indices in ``total`` of the quadratures that are integrated, packed
+        ("count", index(0, count)),
+        # indices in ``total`` of the quadratures that are integrated, packed
+        ("index", index(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values at the start of the last step
         ("state_end", REAL, (count,)),  # values at the end of the last step
         ("rate_end", REAL, (count,)),  # rates at the end of the last step
@@ -303,12 +306,12 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
 
 
 @written_by("forces/friction.py")
-def friction_dtype() -> np.dtype:
+def friction_dtype(elements: int) -> np.dtype:
     """Return the layout of the counts of elements with dry friction: candidates, joints and the slider."""
     return record(
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
         # number of elements with friction now: active contacts, then joints, then the slider
-        ("count", INTEGER),
+        ("count", index(0, elements)),
         ("contact_count", INTEGER),  # number of contacts among the elements with friction now
         ("stuck_count", INTEGER),  # number of sticking elements
         ("stuck_joints", INTEGER),  # number of joints, and the slider, among the sticking elements
@@ -324,9 +327,9 @@ def friction_dtype() -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
-        ("index", INTEGER, (elements,)),  # indices of the elements with friction now, packed
-        ("stuck", INTEGER, (elements,)),  # indices of the sticking elements, packed
-        ("mode", INTEGER, (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
+        ("index", index(0, elements - 1), (elements,)),  # indices of the elements with friction now, packed
+        ("stuck", index(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
+        ("mode", index(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
         # the event of an element at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes

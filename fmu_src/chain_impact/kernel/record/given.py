@@ -4,6 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.inputs import EACH_JOINT, FIELDS, is_target
 from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
     AT_START,
@@ -13,6 +14,7 @@ from chain_impact.kernel.record.fields import (
     NOT_NEGATIVE,
     POSITIVE,
     REAL,
+    index,
     record,
     settable,
     table,
@@ -23,7 +25,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 
 @settable(AT_START)
 @written_by("initialize.py")
-def model_dtype(links: int) -> np.dtype:
+def model_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain and its box."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
@@ -67,9 +69,10 @@ def model_dtype(links: int) -> np.dtype:
         ("offset_ratio", REAL, (links,)),  # offset of the centre of mass, divided by the length
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia about the proximal joint
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
-        ("first_site", INTEGER, (links + 1,)),  # first site of each link; entry N is the number of sites
+        # first site of each link; entry N is the number of sites
+        ("first_site", index(0, sites), (links + 1,)),
         # joint at which the two arms of the elimination meet; for a pinned chain, the base
-        ("meeting_joint", INTEGER),
+        ("meeting_joint", index(0, links)),
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain, or to a site that is farther from the base
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
@@ -151,7 +154,8 @@ def initial_dtype(links: int) -> np.dtype:
 def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return record(
-        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/ode/control.py, from 1
+        # index into SOLVER_METHODS of kernel/ode/control.py, from 1
+        ("method", index(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),
         ("work_limit", POSITIVE),  # 1/s, largest number of evaluations per second of simulated time
     )
@@ -171,7 +175,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
 def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
-        ("order", INTEGER),  # degree of the polynomials; 0: the inputs are constant
+        ("order", index(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
@@ -272,10 +276,10 @@ def moved_dtype(channels: int) -> np.dtype:
 
 @settable(AT_START)
 @written_by("initialize.py")
-def site_dtype(sites: int) -> np.dtype:
+def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites, points fixed to links beside the joints, in the order of the links."""
     return record(
-        ("link", INTEGER, (sites,)),  # index of the link, from 0
+        ("link", index(0, links - 1), (sites,)),  # index of the link, from 0
         # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, along the link from the proximal joint

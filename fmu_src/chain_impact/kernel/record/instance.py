@@ -184,7 +184,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("slides", INTEGER),  # 1: the base slides along a line
         # number of tangent instances that follow the record in memory (kernel/tangent/)
         ("tangents", INTEGER),
-        ("model", model_dtype(links)),
+        ("model", model_dtype(links, sites)),
         ("contact", contact_dtype()),
         ("stops", stops_dtype()),
         ("slider", slider_dtype()),
@@ -192,7 +192,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("solver", solver_dtype()),
         ("given", given_dtype(links)),
         ("inputs", inputs_dtype(links)),
-        ("step", step_dtype(links)),
+        ("step", step_dtype(links, candidates)),
         ("trial", trial_dtype(links)),
         ("impact", impact_dtype()),
         ("latest", latest_dtype()),
@@ -203,7 +203,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("balance", balance_dtype()),
         ("work", work_dtype(links, sites)),
         ("drive", drive_dtype(links)),
-        ("friction", friction_dtype()),
+        ("friction", friction_dtype(elements)),
         ("touch", touch_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),
         ("walls", walls_dtype(candidates)),
@@ -221,7 +221,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("shift", shift_dtype(candidates)),
         ("motion", motion_dtype(channels)),
         ("moved", moved_dtype(channels)),
-        ("site", site_dtype(sites)),
-        ("signal", signal_dtype(signals)),
+        ("site", site_dtype(links, sites)),
+        ("signal", signal_dtype(signals, knots)),
         ("knot", knot_dtype(knots)),
     )

@@ -5,7 +5,7 @@ The compiled versions of the functions on instances are in compilation/built_in.
 
 import numpy as np
 
-from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.instance import instance_dtype
 
 
@@ -34,14 +34,48 @@ RANGE_OWNERS = tuple(
 )
 
 
-def ranged_field(d, k):
-    """Return the values of field k of RANGED, an array; of a number, an array with one entry."""
-    part = d
-    for name in RANGED[k]:
+def values_at(part, path):
+    """Return the values of a field of a part of the record; of a number, an array with one entry."""
+    for name in path:
         part = getattr(part, name)
     return np.ravel(part)
+
+
+def ranged_field(d, k):
+    """Return the values of field k of RANGED, an array; of a number, an array with one entry."""
+    return values_at(d, RANGED[k])
 
 
 def in_range(value, k):
     """Return whether a value is in the range of field k of RANGED."""
     return RANGE_LEAST[k] <= value <= RANGE_MOST[k]
+
+
+BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
+"""The paths of the integers with bounds."""
+
+
+def bounded_field(d, k):
+    """Return the values of field k of BOUNDED, an array; of a number, an array with one entry."""
+    return values_at(d, BOUNDED[k])
+
+
+def least_bound(d, k):
+    """Return the least allowed value of field k of BOUNDED."""
+    return bounds_of(tuple(getattr(d, name) for name in COUNTS))[k][0]
+
+
+def most_bound(d, k):
+    """Return the largest allowed value of field k of BOUNDED."""
+    return bounds_of(tuple(getattr(d, name) for name in COUNTS))[k][1]
+
+
+def bounds_of(counts):
+    """Return the bounds of each field of BOUNDED, for the values of ``Counts``."""
+    if counts not in _bounds:
+        marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
+        _bounds[counts] = [(mark["least"], mark["most"]) for mark in marks]
+    return _bounds[counts]
+
+
+_bounds: dict[tuple[int, ...], list[tuple[int, int]]] = {}

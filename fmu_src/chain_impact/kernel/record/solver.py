@@ -4,20 +4,26 @@ import numpy as np
 
 from chain_impact.kernel.chain.response import ROWS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
+from chain_impact.kernel.events.exclusion import FAR
+from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
+from chain_impact.kernel.ode.last_step import SOLVER
 from chain_impact.kernel.ode.radau import PAIRS, RADAU_STAGES
+from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.fields import (
     COMPLEX,
     INTEGER,
     REAL,
     impedance_dtype,
+    index,
     loads_dtype,
     place_count,
     record,
     vectors_dtype,
     written_by,
 )
+from chain_impact.kernel.status import LAST_STATUS, OK
 
 
 @written_by(
@@ -26,7 +32,7 @@ from chain_impact.kernel.record.fields import (
     **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
     **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "explicit_size"), "ode/methods.py"),
 )
-def step_dtype(links: int) -> np.dtype:
+def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step and its dense output, valid from `start` to `end`."""
     state = state_size(links)
     return record(
@@ -51,15 +57,15 @@ def step_dtype(links: int) -> np.dtype:
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # the user of the dense output, see kernel/ode/last_step.py
-        ("last_method", INTEGER),  # the method of the last step, see kernel/ode/control.py
+        ("dense_for", index(0, SOLVER)),  # the user of the dense output, see kernel/ode/last_step.py
+        ("last_method", index(EXPLICIT, IMPLICIT)),  # the method of the last step, see kernel/ode/control.py
         # number of breaks in the sequence of steps, where a step did not continue from the end of the last
         # step
         ("breaks", INTEGER),
         # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
         # time
-        ("regularized", INTEGER),
-        ("method", INTEGER),  # the current method, see kernel/ode/control.py
+        ("regularized", index(NO_CONTACT, candidates - 1)),
+        ("method", index(EXPLICIT, IMPLICIT)),  # the current method, see kernel/ode/control.py
         ("explicit_size", REAL),  # s, size of the last explicit step before implicit steps; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that favoured the other method
         ("switch_hysteresis", INTEGER),  # number of steps in a row that causes a change of the method
@@ -72,7 +78,7 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("outcome", INTEGER),  # whether the step is accepted, see kernel/ode/control.py
+        ("outcome", index(ACCEPTED, DIVERGED)),  # whether the step is accepted, see kernel/ode/control.py
         ("error", REAL),  # error relative to the tolerance, of a step that is ACCEPTED or INACCURATE
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
@@ -94,7 +100,7 @@ def statistics_dtype() -> np.dtype:
         ("rejected_steps", INTEGER),
         ("rhs_evaluations", INTEGER),  # number of evaluations by the solver, without evaluations for outputs
         ("implicit_steps", INTEGER),
-        ("status", INTEGER),  # status of the run, see kernel/status.py
+        ("status", index(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
     )
 
 
@@ -207,7 +213,7 @@ def work_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with data at both ends of the searched interval."""
     return record(
-        ("known", INTEGER),  # which data are known at the end of a step, see kernel/events/exclusion.py
+        ("known", index(0, FAR)),  # which data are known at the end of a step, see kernel/events/exclusion.py
         ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
         # m, lower bound on the clearances at the end of a step, if the clearances were not evaluated
         ("safe_distance", REAL),

@@ -62,7 +62,7 @@ export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,
     table: () => tables[name].columns[input].knots,
-  }[form] ?? (() => SIGNALS.KNOTS[form] + (shape === "trapezoid" ? 2 : 0)))();
+  }[form] ?? (() => SIGNALS.KNOTS[shape === "trapezoid" ? shape : form]))();
   const rows = Object.entries(signals).flatMap(([name, signal]) =>
     signal.input.map((input) => ({ name, input, signal, knots: count(name, input, signal) })));
   // a target velocity comes after the target whose rate it replaces
