@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Write all files again that are made from the sources, and print which files differ from the last commit.
 
 The references of the models stay: they change only if a motion is meant to change.

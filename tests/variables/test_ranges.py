@@ -4,14 +4,24 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from chain_impact.kernel.record.fields import LARGEST, SMALLEST
-from chain_impact.kernel.record.ranges import RANGE_LEAST, RANGE_MOST, RANGED
+from chain_impact.kernel.record.ranges import (
+    BOUNDED,
+    RANGE_LEAST,
+    RANGE_MOST,
+    RANGED,
+    bounded_field,
+    least_bound,
+    most_bound,
+)
 from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.names import STOPS
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.variables.parameters import PARAMETERS
+from tests.helpers.kernel.plain import Plain
 from tests.helpers.scenes.derivative_scenes import table
 
 RANGES = dict(zip(RANGED, zip(RANGE_LEAST, RANGE_MOST, strict=True), strict=True))
@@ -87,3 +97,29 @@ def test_the_compiled_kernel_refuses_what_is_out_of_a_range_and_names_its_link()
                 of_links += 1
                 assert d["fault"]["part"] == 1 + d["candidates"] + len(links) - 1
     assert of_links > 10
+
+
+def test_the_compiled_kernel_refuses_an_integer_beyond_its_bounds():
+    rod = {"length": 0.3, "mass": 1.0, "joint_friction": 0.1, "joint_max": 1.0}
+    signal = {"input": "joint[2].torque", "form": "ramp", "final": 1.0, "duration": 1.0}
+    still = {"position": [0.0, 0.0], "angles": [0.0] * 2}
+    extra = {"inputs": {"joint_torques": True}, "signals": {"push": signal}}
+    links = [{"length": 0.3, "mass": 1.0}, rod]
+    instance = Instance(table(links, initial=still, box={"y_min": -9.0}, **extra))
+    d, start = Plain(instance.record), instance.words.copy()
+    assert instance.is_sound(instance.words)
+    checked = 0
+    for k in range(len(BOUNDED)):
+        values = bounded_field(d, k)
+        for number in (least_bound(d, k) - 1, most_bound(d, k) + 1) if len(values) else ():
+            instance.words[:] = start
+            part = d
+            for name in BOUNDED[k][:-1]:
+                part = getattr(part, name)
+            if np.ndim(part[BOUNDED[k][-1]]):
+                part[BOUNDED[k][-1]][-1] = number
+            else:
+                part[BOUNDED[k][-1]] = number
+            assert not instance.is_sound(instance.words), BOUNDED[k]
+            checked += 1
+    assert checked > len(BOUNDED)

@@ -69,7 +69,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance):
     control.raise_scales(d, y, after, 0)
     np.testing.assert_array_equal(after, before)
     control.raise_scales(d, y, after, 1)
-    least = 4e3 * size * control.ROUND_OFF / tolerance
+    least = 4e3 * size * control.PLACE_ROUND_OFF / tolerance
     turning, raised = omega_at(2), tolerance == 1e-13
     assert after[gap] == pytest.approx(least if raised else before[gap], rel=1e-13)
     assert after[turning - 1] == pytest.approx(5e5 * least if raised else before[turning - 1], rel=1e-13)

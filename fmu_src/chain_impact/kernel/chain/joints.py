@@ -109,7 +109,7 @@ def wanted_torque(d, y, i):
 
 
 def joint_torque(d, y, i):
-    """Return the torque [N·m] of motor, damper and spring in joint i; in a mode of ±1 it is ± the limit."""
+    """Return the torque [N·m] of the drive in joint i; while the drive is at its limit, ± this limit."""
     return limited_drive(wanted_torque(d, y, i), d.model.joint_torque_limit[i], d.drive.mode[i])
 
 

@@ -26,7 +26,7 @@ def slider_position(d, y):
 
 
 def rate_along_line(d, y):
-    """Return the rate ṡ [m/s] of the coordinate if y is a state, and s̈ [m/s²] if y is the rate of a state."""
+    """Return the rate of the slider's coordinate: ṡ [m/s] if y is a state, s̈ [m/s²] if y is a rate."""
     n = d.links
     return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
 

@@ -148,9 +148,10 @@ def end_at_output_time(d):
 
 
 def list_latest(d):
-    """List the latest impacts. The values of a contact that still lasts are those at the communication point.
+    """Write the latest impacts to ``latest``, from the log and the active contacts.
 
-    The points must be located and accelerated at this point, and the outputs must already hold the impulses.
+    A contact that still lasts gets its values up to the communication point. The points must be located and
+    accelerated at this point, and the outputs must already hold the impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.kept == 0 or (d.touch.active_count == 0 and latest.listed == rows):

@@ -199,7 +199,10 @@ def stays_positive(d, c, error):
 
 
 def stays_in_contact(d, c, error):
-    """Return the result of ``stays_positive`` for a contact: φ is its penetration, or u if regularized."""
+    """Return whether a contact surely lasts through the last step.
+
+    Its penetration stays above ``error`` (``stays_positive``) or, if it is regularized, u > 0 at the end.
+    """
     if c == d.step.regularized:
         # u, the root of the penetration δ, does not fall to zero and rise again, because δ̇ would have to
         # change its sign twice

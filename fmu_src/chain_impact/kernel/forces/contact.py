@@ -142,7 +142,7 @@ def latch(d, c):
 
 
 def relatch(d, c, factor):
-    """Multiply the fixed impact speed v₀ of candidate c by a factor, and set again what depends on it."""
+    """Multiply the v₀ that candidate c keeps from its onset by a factor; set again what depends on v₀."""
     d.touch.impact_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)

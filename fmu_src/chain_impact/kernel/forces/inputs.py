@@ -231,7 +231,7 @@ def interpolate_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Record that the wall of channel j is the reason for WALL_JUMPS, and return this status."""
+    """Record the first candidate at the wall of channel j as the reason of WALL_JUMPS; return this status."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:

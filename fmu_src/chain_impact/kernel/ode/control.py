@@ -184,7 +184,7 @@ def time_scale(d, c):
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
 # the round-off of a place that is found from coordinates and angles, relative to the largest of them
-ROUND_OFF = 1e-15
+PLACE_ROUND_OFF = 1e-15
 
 
 def set_scales(d, y, scale, contacts):
@@ -224,7 +224,7 @@ def raise_scales(d, y, scale, contacts):
         return
     for i in range(n):
         turned = max(turned, abs(y[ANGLES + i]))
-    least = ROUND_OFF / d.solver.tolerance * max(farthest(d), size * turned)
+    least = PLACE_ROUND_OFF / d.solver.tolerance * max(farthest(d), size * turned)
     for k in range(contacts):
         c = d.touch.active_index[k]
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
@@ -270,10 +270,11 @@ def largest_errors(first_error, second_error, weight, count):
 
 
 def scaled_errors(d):
-    """Return the sizes of the two error estimates in ``work.error`` and ``gap_error``, for the tried step.
+    """Return the sizes of both error estimates of the tried step, relative to the tolerance.
 
-    The points must be located at the end of the step. The size of an error is at most 1 if the error is
-    within the tolerance, and infinity if the result is not finite.
+    Estimate k = 0, 1 is row k of ``work.error`` and, for the clearances of active contacts, row k of
+    ``touch.gap_error``. Both sizes are infinity if the step is not finite. The points must be located at the
+    end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     first_error, second_error, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0

@@ -122,8 +122,9 @@ def extend_start(d):
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
-        # the limits of friction at the start, not those of a row of outputs, share out the impedance
-        apply_contacts(d, implicit.start)
+        # The limits of friction share out the impedance of sticking elements. A system that is factorized
+        # before the first stage, as in ``size_for_fast_motion``, takes the limits at the start.
+        apply_contacts_at(d, implicit.start)
 
 
 def clearance_rates(d, z, rate):
@@ -138,7 +139,7 @@ def extended_rate(d, z, elapsed, rate):
     if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
-    dissipated = apply_contacts(d, z)
+    dissipated = apply_contacts_at(d, z)
     # this call also sets the rates at the indices of u and time; z has other entries there, set below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
@@ -150,7 +151,7 @@ def extended_rate(d, z, elapsed, rate):
     clearance_rates(d, z, rate)
 
 
-def apply_contacts(d, z):
+def apply_contacts_at(d, z):
     """Set the loads by contacts and friction, with the clearances in z; return the dissipated power [W]."""
     clear_loads(d)
     dissipated = 0.0
@@ -245,9 +246,10 @@ def factorize_complex(d, s, pair):
 
 
 def solve_complex(d, s, pair, x, y, size):
-    """Solve (1 − s A) (x + iy) = r for a complex shift s [s].
+    """Solve (1 − s A) (x + iy) = r for the complex shift s [s] that is factorized as number ``pair``.
 
-    x and y have ``size`` entries each; at the start they hold the real and imaginary parts of r.
+    x and y have ``size`` entries each: the real and imaginary parts of r at the start, of the solution at the
+    end.
     """
     pairs = d.implicit.pairs
     for j in range(size):

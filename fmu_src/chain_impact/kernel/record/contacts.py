@@ -7,7 +7,7 @@ from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.forces.friction import NO_FRICTION
 from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, index, record, table, written_by
+from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
 # number of changes between sticking and sliding, for each element, that the log can store until they are
 # collected
@@ -85,18 +85,18 @@ def touch_dtype(candidates: int) -> np.dtype:
     those of its place: angles times a lever arm (rows/geometry.py).
     """
     return record(
-        # counter that increases whenever the active contacts are packed: stages of earlier contacts are then
-        # not used
+        # counter of the packings of the active contacts: stages at another count do not predict the stages of
+        # the next step
         ("listings", INTEGER),
-        ("active_count", index(0, candidates)),
+        ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts, packed: in the first ``active_count`` entries
-        ("active_index", index(0, candidates - 1), (candidates,)),
-        ("active", index(0, 1), (candidates,)),  # 1: in contact
+        ("active_index", bounded(0, candidates - 1), (candidates,)),
+        ("active", bounded(0, 1), (candidates,)),  # 1: in contact
         # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
-        ("event", index(0, NEIGHBOUR), (candidates,)),
+        ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset
         # m/s, approach speed of the point along the normal at the onset
         ("onset_speed", REAL, (candidates,)),
@@ -162,7 +162,7 @@ def latest_dtype() -> np.dtype:
     If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
     """
     return record(
-        ("kept", index(0, LATEST)),  # number of latest impacts that the scene requests
+        ("kept", bounded(0, LATEST)),  # number of latest impacts that the scene requests
         ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
         ("point", INTEGER, (LATEST,)),  # as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
@@ -227,8 +227,8 @@ def share_dtype(links: int, elements: int) -> np.dtype:
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
         # ±1: the sign of a sticking element's force at its limit; 0: the force is below it; packed
         ("at_limit", INTEGER, (elements,)),
-        ("force", REAL, (rows,)),  # N, the force p⁺ after an iteration
-        ("center", REAL, (rows,)),  # N, the force p before an iteration
+        ("force", REAL, (rows,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
+        ("center", REAL, (rows,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
         # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺
         ("wanted", REAL, (rows,)),
@@ -287,15 +287,15 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: the quadratures are computed
+        ("computed", INTEGER),  # 1: integrated; 0: nobody reads impulses or work of friction
         ("impulse_at_onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
         # value of each quadrature since the start, at the most recent time at which contacts began or ended
         ("total", REAL, (count,)),
         # rate of each quadrature at the most recent time at which contacts began or ended
         ("rate", REAL, (count,)),
-        ("count", index(0, count)),
+        ("count", bounded(0, count)),
         # indices in ``total`` of the quadratures that are integrated, packed
-        ("index", index(0, count - 1), (count,)),
+        ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values at the start of the last step
         ("state_end", REAL, (count,)),  # values at the end of the last step
         ("rate_end", REAL, (count,)),  # rates at the end of the last step
@@ -311,7 +311,7 @@ def friction_dtype(elements: int) -> np.dtype:
     return record(
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
         # number of elements with friction now: active contacts, then joints, then the slider
-        ("count", index(0, elements)),
+        ("count", bounded(0, elements)),
         ("contact_count", INTEGER),  # number of contacts among the elements with friction now
         ("stuck_count", INTEGER),  # number of sticking elements
         ("stuck_joints", INTEGER),  # number of joints, and the slider, among the sticking elements
@@ -327,9 +327,9 @@ def friction_dtype(elements: int) -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
-        ("index", index(0, elements - 1), (elements,)),  # indices of the elements with friction now, packed
-        ("stuck", index(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
-        ("mode", index(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
+        ("index", bounded(0, elements - 1), (elements,)),  # indices of the elements with friction now, packed
+        ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
+        ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
         # the event of an element at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes

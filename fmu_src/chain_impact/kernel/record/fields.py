@@ -19,8 +19,8 @@ POSITIVE, NOT_NEGATIVE, FINITE = real(SMALLEST, LARGEST), real(0.0, LARGEST), re
 LIMIT = real(0.0, float("inf"))  # infinite: no limit
 
 
-def index(least: int, most: int) -> np.dtype:
-    """Return an integer that the kernel uses as an index or as a number of iterations, with its bounds.
+def bounded(least: int, most: int) -> np.dtype:
+    """Return an integer with bounds, on which the kernel relies: an index, a choice, a number of iterations.
 
     ``within_bounds`` in kernel/entry.py checks the fields of such integers. A bound is an affine function of
     the counts, as are all sizes.

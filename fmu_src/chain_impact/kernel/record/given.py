@@ -14,7 +14,7 @@ from chain_impact.kernel.record.fields import (
     NOT_NEGATIVE,
     POSITIVE,
     REAL,
-    index,
+    bounded,
     record,
     settable,
     table,
@@ -70,9 +70,9 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("proximal_inertia", REAL, (links,)),  # kg·m², inertia about the proximal joint
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
         # first site of each link; entry N is the number of sites
-        ("first_site", index(0, sites), (links + 1,)),
+        ("first_site", bounded(0, sites), (links + 1,)),
         # joint at which the two arms of the elimination meet; for a pinned chain, the base
-        ("meeting_joint", index(0, links)),
+        ("meeting_joint", bounded(0, links)),
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain, or to a site that is farther from the base
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
@@ -155,7 +155,7 @@ def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return record(
         # index into SOLVER_METHODS of kernel/ode/control.py, from 1
-        ("method", index(1, len(SOLVER_METHODS))),
+        ("method", bounded(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),
         ("work_limit", POSITIVE),  # 1/s, largest number of evaluations per second of simulated time
     )
@@ -175,7 +175,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
 def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
-        ("order", index(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
+        ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
@@ -279,7 +279,7 @@ def moved_dtype(channels: int) -> np.dtype:
 def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites, points fixed to links beside the joints, in the order of the links."""
     return record(
-        ("link", index(0, links - 1), (sites,)),  # index of the link, from 0
+        ("link", bounded(0, links - 1), (sites,)),  # index of the link, from 0
         # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, along the link from the proximal joint

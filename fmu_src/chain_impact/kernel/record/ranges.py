@@ -3,6 +3,8 @@
 The compiled versions of the functions on instances are in compilation/built_in.py.
 """
 
+from functools import cache
+
 import numpy as np
 
 from chain_impact.kernel.record.counts import COUNTS, Counts
@@ -70,12 +72,8 @@ def most_bound(d, k):
     return bounds_of(tuple(getattr(d, name) for name in COUNTS))[k][1]
 
 
+@cache
 def bounds_of(counts):
     """Return the bounds of each field of BOUNDED, for the values of ``Counts``."""
-    if counts not in _bounds:
-        marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
-        _bounds[counts] = [(mark["least"], mark["most"]) for mark in marks]
-    return _bounds[counts]
-
-
-_bounds: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+    marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
+    return [(mark["least"], mark["most"]) for mark in marks]

@@ -3,14 +3,14 @@
 import numpy as np
 
 from chain_impact.kernel.chain.inputs import CHANNEL
-from chain_impact.kernel.chain.signals import CONSTANT, SIGNAL_DEGREE, TABLE
+from chain_impact.kernel.chain.signals import CONSTANT, SIGNAL_DEGREE, SMOOTH, TABLE, TRAPEZOID
 from chain_impact.kernel.record.fields import (
     AT_START,
     FINITE,
     INTEGER,
     NOT_NEGATIVE,
     REAL,
-    index,
+    bounded,
     record,
     settable,
     written_by,
@@ -26,15 +26,15 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     index of this row.
     """
     return record(
-        ("form", index(CONSTANT, TABLE), (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
-        ("shape", INTEGER, (signals,)),  # kind of a ramp: SMOOTH, LINEAR or TRAPEZOID
-        ("source", index(0, signals - 1), (signals,)),
-        ("input", index(0, CHANNEL), (signals,)),  # number of the driven input, see kernel/chain/inputs.py
+        ("form", bounded(CONSTANT, TABLE), (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
+        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),  # kind of a ramp: SMOOTH, LINEAR or TRAPEZOID
+        ("source", bounded(0, signals - 1), (signals,)),
+        ("input", bounded(0, CHANNEL), (signals,)),  # number of the driven input, see kernel/chain/inputs.py
         ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
-        ("order", index(0, 2), (signals,)),
+        ("order", bounded(0, 2), (signals,)),
         ("first", INTEGER, (signals,)),  # index of the first knot
-        ("last", index(0, knots - 1), (signals,)),  # index of the last knot
+        ("last", bounded(0, knots - 1), (signals,)),  # index of the last knot
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
         ("gain", REAL, (signals,)),  # growth of an integral in a period of the table
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
@@ -49,9 +49,9 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("final", REAL, (signals,)),
         ("duration", REAL, (signals,)),  # s
         # ---- derived at initialization
-        ("degree", index(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
+        ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
         # number of times that the kernel has integrated the signal: `order` in the end, but 0 for a table
-        ("integrals", index(0, 2), (signals,)),
+        ("integrals", bounded(0, 2), (signals,)),
         # m, constant that is added to an integral: the base's position at the start; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # knot in use

@@ -15,8 +15,8 @@ from chain_impact.kernel.record.fields import (
     COMPLEX,
     INTEGER,
     REAL,
+    bounded,
     impedance_dtype,
-    index,
     loads_dtype,
     place_count,
     record,
@@ -57,15 +57,18 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", index(0, SOLVER)),  # the user of the dense output, see kernel/ode/last_step.py
-        ("last_method", index(EXPLICIT, IMPLICIT)),  # the method of the last step, see kernel/ode/control.py
+        ("dense_for", bounded(0, SOLVER)),  # the user of the dense output, see kernel/ode/last_step.py
+        (
+            "last_method",
+            bounded(EXPLICIT, IMPLICIT),
+        ),  # method of the last step, see kernel/ode/control.py
         # number of breaks in the sequence of steps, where a step did not continue from the end of the last
         # step
         ("breaks", INTEGER),
         # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
         # time
-        ("regularized", index(NO_CONTACT, candidates - 1)),
-        ("method", index(EXPLICIT, IMPLICIT)),  # the current method, see kernel/ode/control.py
+        ("regularized", bounded(NO_CONTACT, candidates - 1)),
+        ("method", bounded(EXPLICIT, IMPLICIT)),  # the current method, see kernel/ode/control.py
         ("explicit_size", REAL),  # s, size of the last explicit step before implicit steps; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that favoured the other method
         ("switch_hysteresis", INTEGER),  # number of steps in a row that causes a change of the method
@@ -78,8 +81,10 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("outcome", index(ACCEPTED, DIVERGED)),  # whether the step is accepted, see kernel/ode/control.py
-        ("error", REAL),  # error relative to the tolerance, of a step that is ACCEPTED or INACCURATE
+        ("outcome", bounded(ACCEPTED, DIVERGED)),  # whether the step is accepted, see kernel/ode/control.py
+        # error relative to the tolerance, or the lost energy relative to the allowed loss if this is larger;
+        # of a step that is ACCEPTED or INACCURATE
+        ("error", REAL),
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
 
@@ -100,7 +105,7 @@ def statistics_dtype() -> np.dtype:
         ("rejected_steps", INTEGER),
         ("rhs_evaluations", INTEGER),  # number of evaluations by the solver, without evaluations for outputs
         ("implicit_steps", INTEGER),
-        ("status", index(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
+        ("status", bounded(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
     )
 
 
@@ -213,7 +218,10 @@ def work_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with data at both ends of the searched interval."""
     return record(
-        ("known", index(0, FAR)),  # which data are known at the end of a step, see kernel/events/exclusion.py
+        (
+            "known",
+            bounded(0, FAR),
+        ),  # which data are known at a step's end, see kernel/events/exclusion.py
         ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
         # m, lower bound on the clearances at the end of a step, if the clearances were not evaluated
         ("safe_distance", REAL),

@@ -59,19 +59,18 @@ STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
 # whole motion, times the large D of the other iterations, would remain in the forces against motions that can
 # hardly be constrained, and steps at tight tolerances would be short.
 GENTLE = 1e3
-# The least mobility W for which a single constraint is solved directly, relative to 1/(mean mass of a link).
+# The least mobility W, times the mean mass of a link, for which one point at a rigid wall is solved directly.
 # A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 # The factor on the impedance of sticking elements for one solution in place of n = SWEEPS iterations, which
-# leave (1 + x)⁻ⁿ of a motion with x = D W. With the factor ((1 + x)ⁿ − 1)/x one solution leaves as much; this
-# is n for small x, and AT_ONCE for x = 0.36. Motions with a larger x are hardly left.
+# leave (1 + x)⁻ⁿ of a motion, x = D W. With the factor ((1 + x)ⁿ − 1)/x, which is n for small x and AT_ONCE
+# for x = 0.36, one solution leaves as much. Motions with a larger x are hardly left.
 AT_ONCE = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
 # smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
 NOISE = 1e-13
-# [m, m/s or m/s²] the size of a residual whose square may underflow, as in a chain that has come to rest
-UNDERFLOWS = 1e-100
+UNDERFLOWS = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
 # The largest motion that sticking elements may keep, relative to the squared tolerance times the largest
 # motion. Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and
 # again.

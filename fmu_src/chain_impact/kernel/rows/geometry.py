@@ -143,7 +143,7 @@ def first_stop(d, c):
 
 
 def candidate_within_bounds(d, c):
-    """Return whether the stop, the point, the place and the wall of candidate c are within their bounds."""
+    """Return whether the numbers of stop, point, place and wall of candidate c are possible in this scene."""
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
     first, last = (1, d.links) if at_joint(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
@@ -260,7 +260,10 @@ def constraint_acceleration(d, k):
 
 
 def to_joints(d, load):
-    """Add the forces at the joints' places, as moments, to the moments in the joints."""
+    """Add the load at each joint's place, times the lever arm ``model.size``, to the moment in the joint.
+
+    The place of a joint is no point of the chain: its x is the angle of the joint times this arm.
+    """
     if d.model.has_joint_places:
         for i in range(d.links):
             load.joint[i] += d.model.size * load.x[joint_place(d, i)]

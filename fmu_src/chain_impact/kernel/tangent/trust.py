@@ -28,9 +28,10 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
 def check_onsets(t):
-    """End the derivatives if they do not exist for an onset at the end of the last step.
+    """Mark the derivatives as not trusted from now on if an onset at the end of the last step has none.
 
-    The points must be located there.
+    Such an onset grazes, is at the least speed of its law, or is one of several at one time. The points must
+    be located at this end.
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
