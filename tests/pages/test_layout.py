@@ -1,4 +1,4 @@
-"""No label overlaps a control on small screens, by the drawn boxes."""
+"""No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
 # Tests: pages/explore.py
 
@@ -17,6 +17,8 @@ SCENES = {
 DIALOGS = ("edit", "map", "curves", "export", "help")
 CLASHES = function_of("layout", "clashes")
 """Overlapping pairs of controls and texts among elements that scroll together."""
+OVERLAPPING_CARDS = function_of("layout", "overlappingCards")
+IS_CUT_OFF = function_of("layout", "isCutOff")
 
 
 @pytest.mark.parametrize("model", SCENES)
@@ -36,3 +38,15 @@ def test_no_label_runs_into_a_control(show, model):
     assert any("contact.stiffness" in clash for clash in page.evaluate(CLASHES)), (
         "what runs into a control is found"
     )
+
+
+@pytest.mark.parametrize("size", [(844, 390), (932, 430), (844, 500)])
+def test_cards_lie_side_by_side_on_a_phone_on_its_side(show, size):
+    """The list of impacts has the width of its table."""
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)), has_touch=True)
+    for _ in range(2):
+        for scrolled in (0, 200, 400):
+            page.evaluate("to => scrollTo(0, to)", scrolled)
+            assert page.evaluate(OVERLAPPING_CARDS) == [], scrolled
+        assert not page.evaluate(IS_CUT_OFF, "impacts")
+        page.evaluate("document.getElementById('pin').click()")

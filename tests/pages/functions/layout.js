@@ -40,3 +40,15 @@ export const clashes = () => {
   const wider = document.documentElement.scrollWidth - innerWidth;
   return wider > 0 ? [...found, `the page is ${wider} pixels too wide`] : found;
 };
+
+/** Return pairs of cards of the page that lie on one another. */
+export const overlappingCards = () => {
+  const cards = [...document.querySelectorAll("#stage, #parameters, #pins, aside > section")].filter((card) => card.checkVisibility());
+  const boxes = cards.map((card) => [card.id || card.getAttribute("aria-labelledby"), card.getBoundingClientRect()]);
+  return boxes.flatMap(([name, a], k) => boxes.slice(k + 1)
+    .filter(([, b]) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)
+    .map(([other]) => `${name} on ${other}`));
+};
+
+/** Return whether a table needs more width than the card has in which it is. */
+export const isCutOff = (card) => document.getElementById(card).scrollWidth > document.getElementById(card).clientWidth;
