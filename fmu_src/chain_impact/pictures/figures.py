@@ -72,10 +72,11 @@ def draw_figure(
         fill: function that draws the figure.
         path: the file; its suffix png, svg or pdf determines the kind. None returns the figure.
         size: width and height [inches]; the height may be None, for a height that the contents need.
+            None: no room is checked.
         usual: width and height [inches] if ``size`` is None.
 
     Raises:
-        ValueError: when the size is not possible, or has no room for the panels.
+        ValueError: when the given size is not possible, or has no room for the panels.
         OSError: when the file cannot be written.
     """
     inches, filled, is_free = usual, fill, False
@@ -109,7 +110,9 @@ def check_alone(path: object, size: object) -> None:
 
 
 def fill_or_refuse(fill: Fill, figure: Figure) -> None:
-    """Draw on a figure, or refuse a figure with too little room; the error names a sufficient height.
+    """Draw on a figure, or refuse a figure with too little room.
+
+    The error names a sufficient height, or says that the figure must be wider.
 
     Raises:
         ValueError: when there is too little room.
@@ -125,10 +128,10 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width with the height [inches] that its contents need.
 
     A figure narrower than WIDE has the usual height. A wider figure, narrower than usual, is also lower.
-    If this height is too low for the contents, the figure has the least height with room.
+    If this height is too low for the contents, the figure is that of ``least_figure``.
 
     Raises:
-        ValueError: when no height is enough.
+        ValueError: when no tried height is enough.
     """
     height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
@@ -147,13 +150,14 @@ def least_figure(
     *,
     free_height: bool = False,
 ) -> Figure:
-    """Return the figure with the least height that has room for all panels; ``height`` [inches] has no room.
+    """Return the figure with the least tried height that has room for all panels.
 
-    ``mean`` and ``lacks`` are the argument and the result of ``lacking_height`` at the given height;
-    ``free_height`` is as in ``StyledFigure``.
+    The tried heights are multiples of STEP above ``height`` [inches], which has no room. ``mean`` and
+    ``lacks`` are the argument and the result of ``lacking_height`` at this height; ``free_height`` is as in
+    ``StyledFigure``.
 
     Raises:
-        ValueError: when no height is enough.
+        ValueError: when no tried height is enough.
     """
     heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
     # every height up to ``low`` is too low, and every height from ``high`` on is enough

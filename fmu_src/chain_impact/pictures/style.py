@@ -258,7 +258,7 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 
 
 def fit_entries(legend: Any, room: float) -> None:
-    """Break the entries of a legend with one column into lines that fit into a width [pixels]."""
+    """Break the entries of a legend with one column into lines, so that it fits into a width [pixels]."""
     texts = legend.get_texts()
     beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:

@@ -11,11 +11,14 @@ MOST_PARTS = 32  # the largest number of pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the path of the tip, with additional points between rows in which the tip is far apart.
+    """Return the path of the tip.
+
+    The path has the rows and, between rows with the tip at distant places, points of a smooth curve; none
+    across an impact.
 
     Args:
         recording: the recording to show.
-        size: the smaller side of the view [m].
+        size: the smaller side of the view [m], which decides what is distant.
 
     Returns:
         The times, shape (S,) [s], and the positions, shape (S, 2) [m].
@@ -39,8 +42,9 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
 def _speeds(recording: Recording) -> np.ndarray:
     """Return the velocity of the tip, shape (T, 2) [m/s].
 
-    If the recording has no velocity, the result is the slope of the parabola through each row and its two
-    neighbours; at the first and the last row, the slope of the line through this row and its neighbour.
+    If the recording lacks a component of the velocity, the result is the slope of the parabola through each
+    row and its two neighbours; at the first and the last row, the slope of the line through this row and its
+    neighbour.
     """
     last = recording.points.shape[1] - 1
     known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]

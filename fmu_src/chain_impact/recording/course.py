@@ -58,9 +58,9 @@ def course_of(
         prepared: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the row of ``Result.impacts``.
-        until: the end of the course if the impact has no end [s].
-        near: the time after the onset [s] in which the samples of a longer contact are dense; 0 for equal
-            distances between all samples.
+        until: the end of the course [s] for a contact that has not ended.
+        near: in a contact that lasts longer than this time [s], the samples are also dense from the onset
+            until this time has passed; 0 for equal distances between all samples.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.

@@ -164,7 +164,7 @@ class Result(Pictured):
 
     @cached_property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of all walls, by their numbers."""
+        """The names of the walls and stops, in the order of their numbers, as in ``impacts``."""
         return self.scene.wall_names
 
     @cached_property
@@ -195,7 +195,11 @@ class Result(Pictured):
 
     @cached_property
     def all_points(self) -> np.ndarray:
-        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
+        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m].
+
+        Raises:
+            UnknownNameError: when the result lacks one of the outputs.
+        """
         return self._all("point_position")
 
     @property
@@ -205,12 +209,20 @@ class Result(Pictured):
 
     @property
     def angles(self) -> np.ndarray:
-        """Absolute angles of the links, shape (T, N) [rad]."""
+        """Absolute angles of the links, shape (T, N) [rad].
+
+        Raises:
+            UnknownNameError: when the result lacks one of the outputs.
+        """
         return self._all("angle")
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """Angular velocities of the links, shape (T, N) [rad/s]."""
+        """Angular velocities of the links, shape (T, N) [rad/s].
+
+        Raises:
+            UnknownNameError: when the result lacks one of the outputs.
+        """
         return self._all("angular_velocity")
 
     @property
@@ -219,6 +231,9 @@ class Result(Pictured):
 
         Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
         total + dissipated − supplied is constant.
+
+        Raises:
+            UnknownNameError: when the result lacks one of the outputs.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
         for name in ENERGIES:
@@ -340,10 +355,10 @@ class Result(Pictured):
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 
     def _all(self, field: str) -> np.ndarray:
-        """Return a field of ``output_dtype`` (kernel/record/instance.py) as an array over time.
+        """Return a field of ``output_dtype`` (kernel/record/instance.py) at all times, shape (T, …).
 
-        If the result has only some outputs, all outputs of the field must be among them; otherwise this
-        raises UnknownNameError.
+        Raises:
+            UnknownNameError: when the result lacks an output of the field, or the scene has none.
         """
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]

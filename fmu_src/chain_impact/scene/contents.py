@@ -132,7 +132,10 @@ class Contents:
 
     @property
     def has_contact_friction(self) -> bool:
-        """Whether a contact may have dry friction: a coefficient is above 0, or a wall has its own."""
+        """Whether contacts are possible and may have dry friction.
+
+        They may have it if a coefficient is above 0, or if a wall has its own.
+        """
         if not (self.may_touch and self.contact.wall):
             return False
         for material in self.contact.wall.values():
@@ -165,7 +168,10 @@ class Contents:
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """The position x, y [m] and radius [m] of each point at the start, by its number."""
+        """The position x, y [m] and radius [m] of each point at the start, by its number.
+
+        A point of a link without a radius of its own has the radius 0.
+        """
         x, y = self.base_at_start
         points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
@@ -179,13 +185,13 @@ class Contents:
 
     @property
     def base_at_start(self) -> tuple[float, float]:
-        """The position x, y [m] of the base at the start; signals that drive the base determine it."""
+        """The position x, y [m] of the base at the start; a signal that drives a coordinate determines it."""
         x, y = self.initial.position
         return self._at_start("base.x", x), self._at_start("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
-        """The free side of each wall at the start, by name; signals that drive the wall determine it."""
+        """The free side of each existing wall at the start, by name; a signal may displace the wall."""
         return {
             name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()

@@ -32,11 +32,11 @@ class HalfPlane:
 def half_planes(
     box: Mapping[str, float], slopes: Mapping[str, tuple[float, float, float]]
 ) -> dict[str, HalfPlane]:
-    """Return the free side of each wall, by name and in the order of the walls' numbers.
+    """Return the half-plane on the free side of each wall, by name and in the order of the walls' numbers.
 
     Args:
         box: the existing walls of the box: name → position [m].
-        slopes: name → x [m], y [m] and angle [rad] of the walls at any angle.
+        slopes: the walls at any angle: name → x [m] and y [m] of one of its points, and its angle [rad].
     """
     planes = {}
     for name, (nx, ny) in zip(WALLS, NORMALS, strict=True):

@@ -77,8 +77,9 @@ class Rule(NamedTuple):
         fault: the fault that the value then is, a key of SENTENCES.
         key: the refused key; its value is the word ``value`` of the sentence.
         condition: the condition under which the value is refused: parts with "and" between them. A part is a
-            key or a fact whose value is given and not 0, such a one after "not", or a comparison with the
-            value of a key, a number or a text in quotes; it is false if one of them is not given.
+            key or a fact whose value is given and not 0 (of several values, one), such a one after "not", or
+            a comparison with the value of a key or fact, a whole number or a text in quotes; the comparison
+            is false if a value is not given.
         least: the key whose value is the word ``least`` of the sentence.
     """
 
@@ -136,7 +137,11 @@ def broken(rules: Iterable[Rule], value_of: Callable[[str], Any]) -> Iterator[Ru
 
 
 def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
-    """Return whether a part of a condition holds."""
+    """Return whether one part of a condition is true.
+
+    A part is ``key``, ``not key`` or ``first operator second``, split into words. A comparison with a missing
+    value is false.
+    """
     if len(words) < 3:  # noqa: PLR2004
         value = value_of(words[-1])
         return (any(value) if isinstance(value, tuple) else bool(value)) != (words[0] == "not")
@@ -146,7 +151,7 @@ def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
 
 
 def _operand(text: str, value_of: Callable[[str], Any]) -> Any:
-    """Return what is compared: a text in quotes, a number, or the value of a key."""
+    """Return what is compared: a text in quotes, a whole number, or the value of a key or fact, or None."""
     if text.startswith("'"):
         return text[1:-1]
     return float(text) if text.isdecimal() else value_of(text)

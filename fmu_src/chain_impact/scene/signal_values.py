@@ -143,7 +143,10 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 
 
 def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
-    """Return the coefficients of the polynomials between rows, for powers of the time since the row."""
+    """Return the coefficients of the polynomials between rows, for powers of the time since the row.
+
+    A single row has no polynomial.
+    """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
         return values[:-1, np.newaxis]
@@ -156,7 +159,8 @@ def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarra
     begin = "clamped" if is_position(driven) and at[0] > 0.0 else "not-a-knot"
     powers = np.array(CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T)
     if is_position(driven) and at[-1] < stop:
-        # only the last piece, a cubic that ends at rest, may depend on the end of the run
+        # the signal ends before the run: its last piece becomes a cubic that ends at rest; the other pieces
+        # must not depend on the end of the run, and stay
         x, v, h = powers[-1, 0], powers[-1, 1], at[-1] - at[-2]
         mean = (values[-1] - x) / h
         powers[-1] = x, v, (3.0 * mean - 2.0 * v) / h, (v - 2.0 * mean) / h**2

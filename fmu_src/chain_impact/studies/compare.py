@@ -1,4 +1,4 @@
-"""Every contact law on the same scene, side by side."""
+"""Every contact law, or some laws, on the same scene, side by side."""
 
 from __future__ import annotations
 

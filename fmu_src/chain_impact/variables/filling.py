@@ -67,7 +67,7 @@ _OTHERS = [
     for entry in fields(Scene)
     if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
 ]
-"""The other tables of the scene, except texts. Of [simulation], only signals depend."""
+"""The other tables of the scene, except texts and [simulation], on which only signals depend."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -92,7 +92,10 @@ which walls the points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
-    """Return what the scenes have in common that differ from a scene only in numbers."""
+    """Return what the scenes have in common that differ from a scene only in numbers.
+
+    If the cache has no such scene, the scene gets a new entry of the cache.
+    """
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
             return common
@@ -129,11 +132,11 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the tables whose numbers differ between two scenes; None if the whole record must be written.
+    """Return the names of the scene's tables whose numbers must be written again.
 
-    The whole record must be written if the scenes differ in more than numbers, or in numbers on which the
-    layout of the record or the variables depend. A table that is the same object in both scenes has not
-    changed.
+    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. None if the whole record
+    must be written, because the scenes differ in more than numbers, or in numbers that determine the layout
+    of the record or which variables exist.
     """
     if before is scene:
         return []
@@ -162,7 +165,10 @@ def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
 
 
 def _fill(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write the parts of a scene that are no parameters into a new instance."""
+    """Write into a new instance what is in no table of ``_tables``.
+
+    These are the parts of a scene that are no parameters, the signals, and the materials of single walls.
+    """
     for path, text, over in RECORD.values():
         *parts, key = (step for step in path if step != AT)
         part = d
@@ -185,7 +191,10 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Return for each table of the scene its kinds of parameters, with the function that reads the values."""
+    """Return for each table of the scene its kinds of parameters, with the function that reads the values.
+
+    The parameters of signals and of the materials of single walls are left out.
+    """
     readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
         for kind in kinds:
@@ -315,7 +324,7 @@ def _words_of(
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write the given values of the materials of single walls."""
+    """Write the materials of single walls: the given values, and ``if_missing`` where none is given."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
         d[part][key] = kind.if_missing

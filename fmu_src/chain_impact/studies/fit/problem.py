@@ -130,15 +130,18 @@ class Problem:
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation without its values after a time ``horizon`` [s]."""
+        """Return an evaluation with the residuals after a time ``horizon`` [s] replaced by NaN.
+
+        The residuals of an impact without a known time stay.
+        """
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether each value is used to see how long the model follows the data, shape (M,).
+        """Which of the values show how long the model follows the data, shape (M,).
 
-        These are the outputs or, if no outputs were measured, the times of impacts.
+        These are the outputs or, if no data set has outputs, the onsets and ends of impacts.
         """
         outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():

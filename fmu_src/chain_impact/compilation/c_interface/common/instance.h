@@ -91,7 +91,7 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
 #define ALL_CATEGORIES (~0u)
 /* the messages with debug logging off: reasons why a call was refused */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
-unsigned category_bit(const char *name); /* 0 if no category has the name */
+unsigned category_bit(const char *name); /* the bit of a category, all bits for logAll; 0 if no category has the name */
 /* Send a sentence to the importer's log if the importer wants its category; return the status. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Return whether a call is allowed in the present phase, or whether an argument is not NULL; else log an error. */

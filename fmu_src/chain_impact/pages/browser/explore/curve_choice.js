@@ -12,7 +12,7 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return a sentence on a name that no output has, with the name that is probably meant. */
+/** Return a sentence on a name that no output has, with the name that is probably meant, if there is one. */
 function noOutput(name, columns) {
   const near = proposed(name, columns.map((column) => column.name));
   return `${name} is no output${near === undefined ? "" : `; the nearest is ${near}`}`;

@@ -137,7 +137,7 @@ export class Editor {
     return Object.entries(labels).map(([key, label]) => `${label}, ${unitText(this.units[table][key].unit)}`);
   }
 
-  /** Return the fields of a link. A free base has no joint, and so no stop; the last link cannot be removed. */
+  /** Return the cells of a link's row. A free base has no joint, and so no stop; the last link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
     const field = (key) =>
       this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), this.units.link[key].unit);
@@ -147,7 +147,7 @@ export class Editor {
     return [`${k + 1}`, ...Object.keys(LINK).map(field), ...stops, remover];
   }
 
-  /** Return the fields of a point of a link, among them the link to which the point belongs. */
+  /** Return the cells of the row of a link's point, among them a field for the link to which the point belongs. */
   #pointRow(file, site, s) {
     const { link, entry } = site;
     const label = `point[${file.chain.links.length + 1 + s}]`;
@@ -170,11 +170,12 @@ export class Editor {
     return [name, ...coordinates, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
-  /** Return a field for a number, or for an angle as text; an empty field stands for no value. */
+  /** Return a field for a number or a text, such as a name or an angle; an empty field stands for no value. */
   #field(name, value, set, unit = "") {
     const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
-    const derived = value === undefined && this.changes.valueOf(name); // a value that follows from others
+    // a key that the scene does not give: its value, if it follows from other keys, is the placeholder of the empty field
+    const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = numberText(Number(derived.toPrecision(4)));
     field.addEventListener("change", () => {
       const text = field.value.trim();

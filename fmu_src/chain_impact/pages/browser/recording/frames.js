@@ -7,7 +7,10 @@ import { viewOf } from "./view.js";
 const COORDINATES = 2_000_000; // largest number of coordinates in all frames
 const FEWEST_FRAMES = 200; // smallest number of frames
 
-/** Return the impacts in the form of the page; an unknown end becomes `stop`, the recording's end, and a peak of 0 null. */
+/**
+ * Return the impacts in the form of the page: an unknown end becomes `stop`, the recording's end, and a peak of 0 null;
+ * `impactEnd` is the end or, if it is earlier, the time until which the contact counts as an impact, from its depth and speed.
+ */
 export function contactsOf(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;
@@ -64,15 +67,29 @@ function ofStops({ n, columns: { moment } }) {
 }
 
 /**
- * Return the parts of a `Recording`.
+ * Return the parts of a `Recording`. Positions, energies and displacements of walls are at the frames, interpolated between
+ * rows; forces and other drawn quantities are at the rows; sticking is spans of frames.
  *
- * @param rows name, links, pointCount, the times of the rows (time), x and y (row after row, a value for each point in each
- *   row), the quantities of `drawn.py` (drawn: group → entries { n, name, and columns: name → a value for each row }),
- *   contacts, walls, the displacements of moving walls along their normals by name (moved, if any move), stops, radius,
- *   touching [point, its radius], pointNames [point, its name], bodies [link, corners in the link's axes], rail { lines,
- *   carriage, stops } of a slider or null, pinned.
- * @param frames the times of the frames, and the number of frames per second on the screen; the frames are the rows if the
- *   times are the array `rows.time` itself.
+ * @param rows the recording at its rows:
+ * @param rows.name the name of the scene.
+ * @param rows.links the number of links.
+ * @param rows.pointCount the number of points.
+ * @param rows.time the times of the rows.
+ * @param rows.x x row after row, a value for each point in each row.
+ * @param rows.y y in the same order.
+ * @param rows.drawn the quantities of `drawn.py`: group → entries { n, name, columns: name → a value for each row }.
+ * @param rows.contacts the impacts, from `contactsOf`.
+ * @param rows.walls the free sides of the walls: name → { normal, offset }.
+ * @param rows.moved the displacements of moving walls along their normals: name → a value for each row; may be missing.
+ * @param rows.stops the joints with stops: { joint, arc, marks }.
+ * @param rows.radius the largest radius of a point that may touch; 0 if it is too small to be seen.
+ * @param rows.touching the points that may touch: [point, its radius].
+ * @param rows.pointNames the points that have a name: [point, its name].
+ * @param rows.bodies the links with points: [link, corners in the link's axes].
+ * @param rows.rail the slider: { lines, carriage, stops }; null without a slider.
+ * @param rows.pinned whether the base is pinned.
+ * @param frames times, the times of the frames, and frameRate, the number of frames per second on the screen; the frames are
+ *   the rows if the times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
   const { name, links, pointCount, drawn, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;

@@ -7,7 +7,7 @@ import { filled, range, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
-/** Return everything that may be a parameter: name → number, path in the file (`steps`), and the rule if it is derived. */
+/** Return all values of `rows` in a file: name → number, path in the file (`steps`), and the rule if the value is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
   for (const { name, path, owner, rule, items, has } of rows) {
@@ -45,7 +45,10 @@ function drawnOf(kit, known, outputs) {
   };
 }
 
-/** Return the parameters of a scene: those of some rows that the scene has, and some others. */
+/**
+ * Return the parameters of a scene in the form of the page: of `rows` those with a value in the scene that is not trivial, then
+ * all `others` (inputs and times).
+ */
 function parametersOf(rows, others, values, { known }, byName) {
   const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
   const names = new Set(shown.map(({ name }) => name));

@@ -85,7 +85,10 @@ export class GridMap {
     if (this.shown?.points !== POINTS) this.run(COARSE);
   }
 
-  /** Return the outputs that a map can show: the largest forces and penetrations, and outputs at the end. */
+  /**
+   * Return the outputs that a map can show: the number and the last time of impacts, the largest forces and penetrations, the
+   * energy and the position of the tip at the end.
+   */
   get #outputs() {
     const { scene } = this.changes;
     const tip = `point[${scene.links}]`;
@@ -95,7 +98,10 @@ export class GridMap {
     return [...first, ...largestOf(scene), ...last].map(labelled);
   }
 
-  /** Fill the lists with the parameters and outputs of the scene; the map of another scene is removed. */
+  /**
+   * Fill the lists with the parameters that a map can vary and the outputs that it can show, and choose usual ones; stop and
+   * remove the map of another scene.
+   */
   #fill() {
     this.#stop();
     this.#refuses = false;
