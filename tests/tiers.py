@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-import chain_impact
 from chain_impact.system import cores
 
 MOST_WORKERS = 8
@@ -40,7 +39,9 @@ GROUPS = {
 }
 """Extra of the package → its modules that ``pytest --full`` needs."""
 
-TESTS, PACKAGE = Path(__file__).parent, Path(chain_impact.__file__).parent
+TESTS = Path(__file__).parent
+SOURCES = TESTS.parent / "fmu_src" / "chain_impact"
+"""The package's sources. An installed package has files of its own beside them."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
 
@@ -80,7 +81,7 @@ def pytest_cmdline_main(config):
 
 def pytest_configure(config):
     """Declare the marker, refuse impossible options, and fix the random examples of the quick tier."""
-    if config.option.of and not (PACKAGE / config.option.of).is_file():
+    if config.option.of and not (SOURCES / config.option.of).is_file():
         raise pytest.UsageError(f"--of {config.option.of} must be a module of the package: kernel/advance.py")
     config.addinivalue_line("markers", "full(reason, but=0): only in pytest --full, but for the first cases")
     if config.option.without_quick and not config.option.full:
@@ -121,7 +122,7 @@ def subjects(file):
     """Return the modules that a file tests: the one of its name, and those of its lines ``# Tests:``."""
     lines = re.findall(r"^# Tests: (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE)
     own = file.relative_to(TESTS).with_name(file.name.removeprefix("test_")).as_posix()
-    return [name for line in lines for name in line.split(", ")] + [own] * (PACKAGE / own).is_file()
+    return [name for line in lines for name in line.split(", ")] + [own] * (SOURCES / own).is_file()
 
 
 @cache
