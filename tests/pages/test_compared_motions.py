@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from chain_impact import simulate
+from chain_impact import load_scene, simulate
 from tests.pages.in_pages import PHONE, PIXELS, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
@@ -107,3 +107,33 @@ def test_the_view_holds_the_motions_that_are_compared(show):
         page.locator("#scrub").fill("1.2")  # s, near the top of the flight
         page.wait_for_function("document.getElementById('time').textContent === '1.20000 s'")
         assert page.evaluate(OUTSIDE) == 0
+
+
+def test_a_pin_with_another_contact_has_no_curve_of_force(show):
+    """The fourth impact is of another point when the restitution is smaller."""
+    page, changes = show(), {"contact.restitution": 0.4}
+    first, other = (simulate(load_scene("four_link_box").with_values(one)).impacts for one in ({}, changes))
+    assert (first["point"][[0, 3]] == other["point"][[0, 3]]).tolist() == [True, False]
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("changes => chainImpact.show(changes)", changes)
+    until_told(page, impacts_of(changes))
+    drawn = {}
+    for number in (1, 4):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        drawn[number] = page.evaluate(PIXELS, ["force", "pin-1"]) > 20
+        assert page.text_content("#contact-name").endswith("; A: another contact") is not drawn[number]
+    assert drawn == {1: True, 4: False}
+
+
+def test_a_pin_without_the_chosen_outputs_is_named(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("location.hash = '#curves=point[4].y'")
+    note = page.locator("#outputs-note")
+    note.wait_for()
+    assert "curves of A:" in note.inner_text()
+    page.get_by_role("button", name="Pin").click()
+    assert "curves of A:" in note.inner_text(), "B has them"
+    page.locator(".unpin").first.click()
+    note.wait_for(state="hidden")

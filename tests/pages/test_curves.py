@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ROWS, packed_module, page_contents, until, until_told
+from tests.pages.in_pages import DESK, ROWS, packed_module, page_contents, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -141,3 +141,19 @@ def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
     )
     assert len(lines) == 6
     assert len(set(lines)) == 5, "the only curve in another unit has a line without dashes, as the first one"
+
+
+def test_charts_are_high_enough_for_their_numbers(show, script):
+    page = show("cart_pole", hash_="#curves=point[1].y,link[1].angle", viewport=DESK)
+    page.get_by_role("button", name="Pin").click()
+    heights = page.locator("#energy .u-over, .curve-chart .u-over").evaluate_all(
+        "charts => charts.filter((one) => one.checkVisibility()).map((one) => one.clientHeight)"
+    )
+    assert len(heights) > 3
+    assert min(heights) >= 70
+    for low, high in ((-5000, 15000), (-0.1, 1.7), (-12.0, 7.0)):
+        for height in (92, 104, 178):
+            ticks = script.evaluate("([...of]) => ticksUpwards(...of)", [{"height": height}, low, high])
+            apart = np.diff(ticks) * (height - 34) / (high - low)
+            assert len(ticks) > 1
+            assert apart.min() > 11, "the numbers have letters of 11 pixels"

@@ -25,6 +25,7 @@ ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 DISTANCES = function_of("drawing", "distancesOfNumbers")
 """The distances of the visible numbers from their points [pixels]."""
+CONTRASTS = function_of("drawing", "contrasts")
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N
 
@@ -241,3 +242,24 @@ def test_a_motion_without_forces_at_walls_has_no_ruler(show_recording):
     assert page.locator(".stop-dot").count() == 1, "a moment has no arrow"
     assert page.locator(".ruler, .ruler-text").count() == 0
     assert page.locator(".bar-text").count() == 1
+
+
+def test_a_force_with_friction_says_so_beside_its_arrow(show_recording):
+    """The list has the largest force at a right angle to the wall, which is smaller."""
+    page = show_recording(record_slowly("thrown_brick"), viewport=PHONE)
+    page.get_by_role("button", name="Go to impact 4, ").click()
+    assert re.fullmatch(r"[\d.]+\skN with friction", page.text_content(".force-text"))
+    name = page.locator("#contact-name")
+    assert name.text_content().endswith("dotted: friction")
+    assert name.evaluate("one => one.scrollWidth <= one.clientWidth"), "the legend is not cut off"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_numbers_of_impacts_are_readable(show_recording, recording, scheme):
+    page, seen = show_recording(color_scheme=scheme), 0
+    for later in np.linspace(0.01, 0.3, 8):
+        go_to(page, recording.impacts["onset"][1] + later)
+        contrasts = page.evaluate(CONTRASTS, ".ring-number")
+        seen += len(contrasts)
+        assert min(contrasts, default=21.0) >= 4.5  # WCAG 2.2, 1.4.3
+    assert seen > 1

@@ -25,3 +25,27 @@ export const distancesOfNumbers = () => {
     .map((number) => [number.textContent, middleOf(number.getBBox())])
     .map(([name, [x, y]]) => Math.hypot(x - at.get(name)[0], y - at.get(name)[1]));
 };
+
+/** Return the least contrast of each text of a kind with the grounds of the drawing (WCAG 2.2). */
+export const contrasts = (kind) => {
+  const context = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  const paint = (colour, alpha = 1) => {
+    context.globalAlpha = alpha;
+    context.fillStyle = colour;
+    context.fillRect(0, 0, 1, 1);
+  };
+  const luminance = () => {
+    const [red, green, blue] = [...context.getImageData(0, 0, 1, 1).data].map((part) => part / 255)
+      .map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  };
+  const grounds = ["free-region", "beyond-walls"].map((name) => getComputedStyle(document.body).getPropertyValue(`--${name}`));
+  return [...document.querySelectorAll(kind)].map((text) => Math.min(...grounds.map((ground) => {
+    const { fill, opacity } = getComputedStyle(text);
+    paint(ground);
+    const below = luminance();
+    paint(fill, Number(opacity) * Number(text.getAttribute("opacity") ?? 1));
+    const [dark, light] = [below, luminance()].sort((a, b) => a - b);
+    return (light + 0.05) / (dark + 0.05);
+  })));
+};

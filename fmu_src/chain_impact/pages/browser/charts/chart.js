@@ -1,9 +1,13 @@
 // The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
 
+import { ticksBetween } from "../base/ticks.js";
+
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-/** The least number of ticks on a vertical axis. */
-export const FEWEST_TICKS = 3;
+// the least numbers of ticks on a vertical axis: the second one if the first one gives ticks that are nearer than TICKS_APART
+const FEWEST_TICKS = [3, 2];
+const TICKS_APART = 15; // [pixels]
+const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights above the axes, and of the axis below them
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
 // where the letters of curves for comparison are: A at a part of the width of the chart, and the next letters further on
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
@@ -15,11 +19,19 @@ export function styleColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
+/** Return the ticks of a vertical axis from `low` to `high`: round numbers that have room below each other. */
+export function ticksUpwards({ height }, low, high) {
+  const ways = FEWEST_TICKS.map((fewest) => ticksBetween(low, high, fewest));
+  const areApart = ([first, second]) => ((height - ABOVE_PLOT - BELOW_PLOT) * (second - first)) / (high - low) >= TICKS_APART;
+  return ways.find(areApart) ?? ways.at(-1);
+}
+
 export function axisOptions(options = {}) {
   return {
     stroke: () => styleColour("muted"),
     grid: { stroke: () => styleColour("line"), width: 1 },
     ticks: { stroke: () => styleColour("line"), width: 1, size: 4 },
+    size: BELOW_PLOT,
     font: "11px system-ui, sans-serif",
     ...options,
   };
@@ -56,7 +68,7 @@ export class Chart {
       {
         width: Math.max(element.clientWidth, 100),
         height,
-        padding: [8, 20, 0, 0],
+        padding: [ABOVE_PLOT, 20, 0, 0],
         pxAlign: 0,
         cursor: { show: false },
         legend: { show: false },

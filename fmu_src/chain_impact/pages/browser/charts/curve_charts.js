@@ -61,9 +61,12 @@ class UnitChart extends TimeChart {
 export class CurveCharts {
   #compared = [];
 
-  /** `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact. */
-  constructor(element, seek, { curvesOf, label, zoomButton, wordsOf = (name) => name }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, wordsOf, charts: new Map() });
+  /**
+   * `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact; `note` is
+   * an element that names the motions for comparison without these curves.
+   */
+  constructor(element, seek, { curvesOf, label, zoomButton, note, wordsOf = (name) => name }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, note, wordsOf, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -91,6 +94,7 @@ export class CurveCharts {
         dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // another one when the colour comes again
       })));
     });
+    this.#nameWithout();
   }
 
   #chartOf() {
@@ -106,6 +110,17 @@ export class CurveCharts {
       chart.compared = recordings;
       chart.plot?.setData(chart.plot.data);
     });
+    this.#nameWithout();
+  }
+
+  /** Name the motions for comparison that lack a shown curve. */
+  #nameWithout() {
+    if (!this.note || !this.recording) return;
+    const namesOf = (recording) => this.curvesOf(recording)?.curves.map(({ name }) => name) ?? [];
+    const shown = namesOf(this.recording);
+    const without = this.#compared.filter(({ recording }) => !shown.every((name) => namesOf(recording).includes(name)));
+    const letters = without.map(({ letter }) => letter).join(", ");
+    this.note.textContent = letters && `Not all curves of ${letters}: a pin keeps the outputs that are chosen when it is set.`;
   }
 
   draw(frame, contact) {

@@ -1,9 +1,8 @@
 // The chart of the force of one contact, over time or over penetration.
 
 import { durationText, forceText, unitsOf } from "../base/format.js";
-import { ticksBetween } from "../base/ticks.js";
 import { lastBefore } from "../recording/recording.js";
-import { axisOptions, Chart, drawCompared, drawCurve, FEWEST_TICKS, labelledWidth, MOMENT, styleColour } from "./chart.js";
+import { axisOptions, Chart, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksUpwards } from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
 const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
@@ -64,10 +63,10 @@ export class ForceChart extends Chart {
           }],
         },
         axes: [
-          axisOptions({ size: 26, values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
+          axisOptions({ values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
           axisOptions({
             size: labelledWidth,
-            splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS),
+            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
             values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")),
           }),
         ],
@@ -122,9 +121,14 @@ export class ForceChart extends Chart {
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
+    const others = []; // letters of the motions whose impact with this number is another contact
     this.curves = this.compared.flatMap(({ recording: other, ...line }) => {
       const same = other.impacts[number - 1];
-      const course = same && same.atStop === contact.atStop && courseAround(other, same);
+      if (same && (same.what !== contact.what || same.wall !== wall)) {
+        others.push(line.letter);
+        return [];
+      }
+      const course = same && courseAround(other, same);
       const x = course && (this.loop ? course.depth : course.times);
       return x ? [{ points: [x, course.force], ...line }] : [];
     });
@@ -140,7 +144,7 @@ export class ForceChart extends Chart {
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    const legend = rubs ? "; dotted: friction" : "";
+    const legend = (rubs ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
     const text = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // it may be cut
   }

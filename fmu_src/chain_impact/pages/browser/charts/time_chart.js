@@ -1,8 +1,7 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
 import { fixed, ticksOf } from "../base/format.js";
-import { ticksBetween } from "../base/ticks.js";
-import { axisOptions, Chart, drawCompared, FEWEST_TICKS, labelledWidth, styleColour } from "./chart.js";
+import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -43,10 +42,10 @@ export class TimeChart extends Chart {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
         axes: [
-          axisOptions({ size: 26, space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }),
+          axisOptions({ space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }),
           axisOptions({
             size: labelledWidth,
-            splits: (_, axis, low, high) => ticksBetween(low, high, FEWEST_TICKS),
+            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
             values: (_, ticks) => ticksOf(ticks),
           }),
         ],

@@ -20,6 +20,7 @@ const RING_TIME = 0.25; // [s] simulated time for which the position of an impac
 // [pixels] width of a ring, and difference in width between successive rings at one position
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] largest distance of rings that count as being at one position
+const NUMBERED_TIME = 0.5 * RING_TIME; // [s] simulated time for which a ring has its number
 const NUMBERS = 8; // largest number of recent impacts with a number
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
@@ -289,12 +290,12 @@ export class ChainDrawing {
       drawn.push(position);
       const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
       this.rings.circle(width).center(...position).addClass("ring").opacity((1 - age) ** 2);
-      if (recent.length - k > NUMBERS) return;
+      if (recent.length - k > NUMBERS || now - onset > NUMBERED_TIME) return;
       const text = `#${number}`;
       const label = this.labelSpace.findPosition(text, NUMBER_TEXT, positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2));
       if (!label) return;
       const [x, y] = label.at;
-      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number").opacity(1 - age);
+      this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number");
     });
   }
 
@@ -318,7 +319,9 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force"));
+      // the list of impacts has the force without friction
+      const [whole, alone] = [force, normal].map((newtons) => forceText(newtons));
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", whole === alone ? whole : `${whole} with friction`));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
@@ -337,12 +340,12 @@ export class ChainDrawing {
     const most = Math.max(...sized.map(({ size }) => size));
     return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ n, x, y, size }) => {
       const position = camera.toScreen(...recording.pointAt(frame, n - 1));
-      return this.#arrow(position, [x / size, -y / size], size, "load", size === most);
+      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? forceText(size) : "");
     });
   }
 
-  /** Draw the arrow of a force [N] from a position in a direction; with `hasLabel`, return its size in the form for `#label`. */
-  #arrow([x, y], [dx, dy], force, kind, hasLabel = true) {
+  /** Draw the arrow of a force [N] from a position in a direction; return its text, unless it is empty, in the form for `#label`. */
+  #arrow([x, y], [dx, dy], force, kind, text) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
@@ -350,7 +353,7 @@ export class ChainDrawing {
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
     this.labelSpace.reserveLine([at(0, 0), at(length, 0)]);
-    return hasLabel && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, forceText(force), kind]] : [];
+    return text && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, text, kind]] : [];
   }
 
   /**

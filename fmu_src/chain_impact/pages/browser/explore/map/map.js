@@ -5,7 +5,7 @@ import { numberText, readable, unitText } from "../../base/format.js";
 import { pictureOf, save } from "../export.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { MapDrawing } from "./map_drawing.js";
-import { axisScale, quantityOf, scaledTo, shownIn, titleOf } from "./map_scales.js";
+import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
@@ -94,8 +94,7 @@ export class GridMap {
     const tip = `point[${scene.links}]`;
     const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
     const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-    const labelled = (output) => ({ ...output, label: titleOf(quantityOf(output.name), unitText(output.unit)) });
-    return [...first, ...largestOf(scene), ...last].map(labelled);
+    return [...first, ...largestOf(scene), ...last];
   }
 
   /**
@@ -118,7 +117,7 @@ export class GridMap {
       this.#range(k);
     });
     const outputs = this.#outputs;
-    this.output.replaceChildren(...outputs.map(({ name, label }) => new Option(label, name)));
+    this.output.replaceChildren(...outputs.map(({ name }) => new Option(quantityOf(name), name)));
     this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
   }
 
