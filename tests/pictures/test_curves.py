@@ -8,6 +8,7 @@ import pytest
 
 from chain_impact import UnknownNameError, simulate
 from chain_impact.pictures.curves import looks_of
+from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.recording.curves import CLOSE
 
 FORCES = "contact[*].y_min.force"
@@ -41,6 +42,13 @@ def test_the_label_of_the_time_stays_within_the_figure(width):
     box = page.axes[-1].xaxis.label.get_window_extent()
     assert 0.0 <= box.x0 < box.x1 <= page.bbox.x1
     assert page.get_figheight() < 6.0
+
+
+def test_energies_have_the_colours_of_the_picture_of_the_motion(result):
+    (axes,) = result.plot(curves="energy.*").axes
+    colours = {line.get_label().removeprefix("energy."): line.get_color() for line in axes.lines}
+    assert colours == {name: ENERGIES[name] for name in result.energies if name in colours}
+    assert {"kinetic", "potential", "elastic", "total"} <= colours.keys()
 
 
 def test_around_an_impact_time_is_that_after_its_onset(result):

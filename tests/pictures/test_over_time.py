@@ -1,14 +1,23 @@
 """Pictures over time: energies, and the speeds of the impacts."""
 
+import itertools
 import re
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.over_time import MOST_COLOURED, energy_look, point_groups, without_gap
+from chain_impact.pictures.over_time import (
+    MOST_COLOURED,
+    VISIBLE,
+    energy_curves,
+    energy_look,
+    point_groups,
+    without_gap,
+)
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
+from chain_impact.scene.scene import model_names
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
 
 
@@ -65,6 +74,16 @@ def test_energy_from_inputs_is_drawn_if_there_is_any():
     recording.columns["energy.supplied"] = np.ones(50)
     _, _, _, energy = drawn(recording)
     assert energy.get_legend_handles_labels()[1][-1] == "supplied"
+
+
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize("model", sorted(model_names(), key=lambda name: name != "elastic_floor"))
+def test_the_drawn_energies_add_up_to_the_drawn_total(model):
+    recording = recorded(model)
+    drawn_curves = {look["label"].split()[0]: energy for energy, look in energy_curves(recording)}
+    added = sum(drawn_curves.get(name, 0.0) for name in ("kinetic", "potential", "elastic"))
+    height = np.ptp([0.0, *itertools.chain(*drawn_curves.values())])
+    assert np.abs(added - drawn_curves["total"]).max() <= VISIBLE * height
 
 
 def test_many_points_are_not_told_apart_by_colour():

@@ -16,7 +16,7 @@ from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import hit, write_head
-from chain_impact.pictures.over_time import impact_lines, mark_impacts
+from chain_impact.pictures.over_time import ENERGIES, energy_look, impact_lines, mark_impacts
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
 from chain_impact.recording.curves import Curves
@@ -167,6 +167,7 @@ def draw_all(
                 "color": PALETTE[look % len(PALETTE)],
                 "label": name if wide else short_name(name, names),
             }
+            | look_of_energy(name)
             for k, (name, look) in enumerate(zip(names, looks_of(names, places), strict=True))
         ]
         plot_curves(
@@ -202,6 +203,16 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     numbers = [number if number >= 0 else next(free) for number in known]
     places |= zip(owners, numbers, strict=True)
     return numbers
+
+
+def look_of_energy(name: str) -> dict[str, Any]:
+    """Return the colour and the width of the curve of an energy of the chain; empty for other outputs."""
+    energy = name.removeprefix("energy.")
+    if energy == name or energy not in ENERGIES:
+        return {}
+    look = energy_look(energy)
+    del look["label"]
+    return look
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:

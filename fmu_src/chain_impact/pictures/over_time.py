@@ -42,8 +42,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import speed_unit
 
-ENERGY_COLOURS = {"kinetic": GREEN, "potential": OCHRE, "total": BLACK, "dissipated": VIOLET}
-ENERGY_COLOURS |= {"supplied": PURPLE}
+ENERGY_COLOURS = {"kinetic": GREEN, "potential": OCHRE, "elastic": BLUE, "total": BLACK}
+ENERGY_COLOURS |= {"dissipated": VIOLET, "supplied": PURPLE}
 # an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
 # energies, in the part MOSTLY of the rows
 ALIKE, MOSTLY = 0.03, 0.8
@@ -52,8 +52,10 @@ ALIKE, MOSTLY = 0.03, 0.8
 CLOSER = 0.8
 PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
-ENERGIES = ENERGY_COLOURS | {"elastic": BLUE} | PARTS
-"""Energy → colour; only films show the elastic energy."""
+ENERGIES = ENERGY_COLOURS | PARTS
+"""Energy → colour, in all pictures."""
+# the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
+VISIBLE = 0.01
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 BAR, NAME = 0.42, 0.5
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
@@ -101,11 +103,13 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     The total is wide and behind the others. Other curves are dashed if they would hide an earlier one.
     """
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
-    for name in ENERGY_COLOURS | PARTS:
+    for name in ENERGIES:
         energy = recording.energies.get(name, zero)
-        if energy.any() or name not in ("supplied", *PARTS):
+        if energy.any() or name not in ("elastic", "supplied", *PARTS):
             shown[name] = energy
     shown, offset = without_gap(shown)
+    if "elastic" in shown and not shown["elastic"].max() > VISIBLE * range_of(shown):
+        del shown["elastic"]
     others = [name for name in shown if name != "total"]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
     is_dashed = {name: name in PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
@@ -132,11 +136,13 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
         name: energy + offset if name in ("potential", "total") else energy
         for name, energy in energies.items()
     }
-    before, after = (
-        float(np.ptp([0.0, *(end(energy) for energy in drawn.values() for end in (np.min, np.max))]))
-        for drawn in (energies, shifted)
-    )
-    return (shifted, offset) if after < CLOSER * before else (energies, 0.0)
+    return (shifted, offset) if range_of(shifted) < CLOSER * range_of(energies) else (energies, 0.0)
+
+
+def range_of(energies: dict[str, np.ndarray]) -> float:
+    """Return the range of all energies and 0 [J]."""
+    ends = (end(energy) for energy in energies.values() for end in (np.min, np.max))
+    return float(np.ptp([0.0, *ends]))
 
 
 def offset_text(offset: float) -> str:
