@@ -1,13 +1,20 @@
 """The page with derivatives."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, simulate
-from chain_impact.pictures.changes import MOST_COLOURED, calm, fill_sensitivities, short_contacts
+from chain_impact.pictures.changes import (
+    MOST_COLOURED,
+    calm,
+    fill_sensitivities,
+    looks_of,
+    short_contacts,
+)
 from chain_impact.pictures.style import PALETTE
 from tests.helpers.scenes.problems import flat_rod
 from tests.helpers.scenes.stops import knee, struck_rod
@@ -107,6 +114,13 @@ def test_of_many_parameters_the_most_important_have_colours():
     *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
     number, _, most = last.partition(" others, most ")
     assert (int(number), share[most]) == (count - MOST_COLOURED, pytest.approx(largest[MOST_COLOURED]))
+
+
+@pytest.mark.parametrize(("names", "told"), [("abcde", "1 other: e"), ("abcdef", "2 others, most e")])
+def test_the_legend_counts_the_other_parameters(names, told):
+    found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
+    looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None])
+    assert looks[-1]["label"] == told
 
 
 def test_nothing_changes_before_the_first_impact():

@@ -65,7 +65,8 @@ def test_around_an_impact_time_is_that_after_its_onset(result):
     assert end.get_xdata()[0] == pytest.approx(lasting)
     assert (time[0], time[-1]) == pytest.approx((-0.5 * lasting, 2.0 * lasting))
     assert (force[(time < 0.0) | (time > lasting)] == 0.0).all()
-    assert force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
+    assert axes.get_ylabel() == "force [kN]"
+    assert 1e3 * force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
 
 
 def test_a_curve_that_lies_on_another_is_dashed(result):

@@ -11,7 +11,7 @@ from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import ROWS
 from chain_impact.pictures.style import GREY, INK
 from tests.helpers.scenes.friction import pendulum, sled, thrown
-from tests.pictures.pictures import drawn, recorded
+from tests.pictures.pictures import WIDTHS, drawn, recorded
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +38,19 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
         assert wide == (phase["mode"] == 0)
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks", "slides"]
     assert INK != GREY
+
+
+@pytest.mark.full("more cases", but=2)
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("model", ["rocking_block", "hopper"])
+def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model, width):
+    page = recorded(model).plot(size=(width, None))
+    page.draw_without_rendering()
+    (strip,) = (axes for axes in page.axes if axes.get_label() == "friction")
+    names = [label.get_window_extent() for label in strip.get_yticklabels()]
+    bars = [bar.get_window_extent() for bars in strip.containers for bar in bars]
+    least = page.dpi / 72.0  # 1 point
+    assert not any(name.padded(least).overlaps(bar) for name in names for bar in bars)
 
 
 @pytest.mark.full("takes long")

@@ -53,6 +53,11 @@ def test_a_moving_wall_has_the_colours_of_start_and_end(row):
     assert left < at < right
 
 
+def test_the_legend_has_the_moving_wall():
+    _, motion, *_ = drawn(ram())
+    assert [text.get_text() for text in motion.get_legend().get_texts()].count("moving wall") == 1
+
+
 def test_the_wall_that_was_hit_is_there():
     recording = ram(way=lambda t: 0.2 * (1.0 - np.cos(3.0 * np.pi * t)))
     (onset,) = recording.impacts["onset"]

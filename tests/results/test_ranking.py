@@ -88,10 +88,23 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
     assert "<table>" in found._repr_html_()
     found.plot(tmp_path / "bars.svg")
     for size in (None, (84 / 25.4, 4.5)):
-        (axes,) = found.plot(size=size).axes
-        bars = [bar.get_width() for bar in axes.patches]
-        assert bars == [effect.change for effect in found.effects]
-        assert min(bars) < 0.0 < max(bars)
+        page = found.plot(size=size)
+        page.draw_without_rendering()
+        drawn = [[bar.get_width() for bar in axes.patches] for axes in page.axes]
+        of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
+        assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
+        assert min(of_value) < 0.0 < max(of_value)
+        for axes, bars in zip(page.axes, drawn, strict=True):  # bars fill their axis
+            assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
+
+
+def test_the_unit_of_a_picture_suits_its_bars():
+    found = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
+    page = found.plot()
+    assert page.get_suptitle().endswith(f"{1e3 * found.value:.4g} mm")
+    for axes in page.axes:
+        assert "[µm]" in axes.get_xlabel()
+        assert 0.1 < max(abs(bar.get_width()) for bar in axes.patches) < 1000.0
 
 
 def test_at_stops_the_moment_is_ranked():

@@ -1,6 +1,6 @@
 """Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes figure or file."""
 
-from chain_impact.pictures.bars import bars_size, fill_bars
+from chain_impact.pictures.bars import Bars, bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.pictures.figures import SIZE, NoRoomError, check_alone, draw_figure
@@ -14,6 +14,7 @@ __all__ = [
     "IMPACT_SIZE",
     "MM",
     "SIZE",
+    "Bars",
     "NoRoomError",
     "bars_size",
     "check_alone",

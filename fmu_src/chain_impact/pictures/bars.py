@@ -3,78 +3,99 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import settle
-from chain_impact.pictures.style import BLUE, INK, LEAST_TICKS, VERMILLION, headline, is_narrow, styled
+from chain_impact.pictures.style import (
+    BLUE,
+    INK,
+    LEAST_TICKS,
+    PALE,
+    VERMILLION,
+    headline,
+    is_narrow,
+    styled,
+)
 
-# [inch] the width of the figure, the space above and below the bars, and the height for one bar
-WIDTH, AROUND, BAR = 7.0, 1.4, 0.25
-NUMBER = 0.55  # [inch] the space for a number beside a bar
-LEAST_BARS = 0.25  # the least width of all bars, relative to the axes
+# [inch] the width of the figure, the space above and below all bars, the space between two blocks, and the
+# height for one bar
+WIDTH, AROUND, BETWEEN, BAR = 7.0, 1.4, 0.6, 0.25
+MARGIN = 0.03  # the free part of an axis at each end with bars
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 
-def bars_size(count: int) -> tuple[float, float]:
-    """Return the default size of a figure [inches] for a number of bars."""
-    return WIDTH, AROUND + BAR * max(count, 2)
+@dataclass(frozen=True)
+class Bars:
+    """A block of bars with an axis of its own, the first name at the top.
+
+    Attributes:
+        names: the names of the bars.
+        values: the lengths of the bars; negative bars go to the left.
+        texts: the text at the right of each bar.
+        label: the label of the axis.
+    """
+
+    names: Sequence[str]
+    values: Sequence[float]
+    texts: Sequence[str]
+    label: str
+
+
+def bars_size(counts: Sequence[int]) -> tuple[float, float]:
+    """Return the default size of a figure [inches] for the number of bars in each block."""
+    return WIDTH, AROUND + BETWEEN * max(len(counts) - 1, 0) + BAR * max(sum(counts), 2)
 
 
 @styled()
-def fill_bars(
-    figure: Figure,
-    *,
-    title: str,
-    conditions: str,
-    names: Sequence[str],
-    values: Sequence[float],
-    end_texts: Sequence[str],
-    label: str,
-) -> None:
-    """Draw one bar for each name, the first name at the top, on an empty figure.
+def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars]) -> None:
+    """Draw blocks of bars, one below the other, on an empty figure.
 
     Args:
         figure: the figure to draw on.
         title: the title of the picture.
         conditions: the text below the title.
-        names: the names of the bars.
-        values: the lengths of the bars; negative bars go to the left.
-        end_texts: the text at the end of each bar.
-        label: the label of the axis.
+        blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
     """
     headline(figure, title, conditions)
-    axes = figure.subplots()
-    rows = range(len(names))
-    colours = [BLUE if value > 0.0 else VERMILLION for value in values]
-    axes.barh(rows, values, THICK, color=colours)
-    for row, value, text in zip(rows, values, end_texts, strict=True):
-        side = 1.0 if value > 0.0 else -1.0
+    if not blocks:
+        axes = figure.subplots()
+        axes.set(xticks=[], yticks=[])
+        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=INK)
+        return
+    heights = [len(block.names) for block in blocks]
+    grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
+    for axes, block in zip(grid, blocks, strict=True):
+        _draw(axes, block, narrow=is_narrow(figure))
+    settle(figure)
+
+
+def _draw(axes: Axes, block: Bars, *, narrow: bool) -> None:
+    """Draw a block into its axes; the texts are in a column at the right, so that the bars fill the axes."""
+    rows = range(len(block.names))
+    colours = [BLUE if value > 0.0 else VERMILLION for value in block.values]
+    axes.hlines(rows, 0.0, 1.0, PALE, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
+    axes.barh(rows, block.values, THICK, color=colours)
+    for row, text in zip(rows, block.texts, strict=True):
         axes.annotate(
             text.replace("-", "−"),
-            (value, row),
-            (4.0 * side, 0.0),
+            (1.0, row),
+            (4.0, 0.0),
+            xycoords=axes.get_yaxis_transform(),
             textcoords="offset points",
-            ha="left" if side > 0.0 else "right",
             va="center",
             fontsize="small",
         )
-    axes.set_yticks(rows, names, fontsize="small" if is_narrow(figure) else None)
-    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.set_yticks(rows, block.names, fontsize="small" if narrow else None)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
-    axes.set_xlabel(label)
-    axes.xaxis.set_major_locator(MaxNLocator(4 if is_narrow(figure) else 6, min_n_ticks=LEAST_TICKS))
-    low, high = min([0.0, *values]), max([0.0, *values])
-    sides = np.array([low < 0.0, high > 0.0])
-    settle(figure)
-    # the numbers at both sides and the bars fill the width of the axes
-    width = axes.get_window_extent().width / figure.dpi
-    bars = max(width - NUMBER * sides.sum(), LEAST_BARS * width)
-    room = (high - low or 1.0) * NUMBER / bars
-    axes.set_xlim(low - room * sides[0], high + room * sides[1])
-    if not names:
-        axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=INK)
+    axes.set_xlabel(block.label)
+    axes.xaxis.set_major_locator(MaxNLocator(4 if narrow else 6, min_n_ticks=LEAST_TICKS))
+    low, high = min([0.0, *block.values]), max([0.0, *block.values])
+    margin = MARGIN * (high - low or 1.0)
+    axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))

@@ -122,7 +122,9 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     coloured = {k for k in order[:MOST_COLOURED] if relative[:, k].max() > ROUND_OFF}
     others = sorted(set(order) - coloured)
     largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > ROUND_OFF), "")
-    rest = f"{len(others)} others" + (f", most {largest}" if largest else "")
+    rest = plural(len(others), "other")
+    if largest:
+        rest += f": {largest}" if len(others) == 1 else f", most {largest}"
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:

@@ -31,7 +31,7 @@ PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above an
 WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
 # PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
 # or at least LARGE
-PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e4
+PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e3
 # units that only one quantity has → this quantity
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour

@@ -31,12 +31,16 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
 
+    has_label = False
     for name in moving_walls(recording, near):
         between = lines(name, np.linspace(ends[0], ends[1], FAINT_WALLS).tolist())
         _add(axes, between, colors=INK, linewidths=0.6, alpha=0.13, zorder=1.9)
         for shown, width in ((times, 1.2), (ends, 2.4)):
             for time, line in zip(shown, lines(name, shown), strict=True):
                 _add(axes, [line], colors=[shade(time)], linewidths=width, zorder=2.0)
+        if len(line) and not has_label:  # one entry of the legend for all walls
+            axes.collections[-1].set_label("moving wall")
+            has_label = True
         _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
     if recording.pinned and moves(recording.points[:, 0]):
         _draw_base(axes, recording, shade)

@@ -57,7 +57,7 @@ ENERGIES = ENERGY_COLOURS | PARTS
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE = 0.01
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
-BAR, NAME = 0.42, 0.5
+BAR, NAME = 0.34, 0.48
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
 # impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by

@@ -14,7 +14,7 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import TextTable, as_html, as_text, plural
+from chain_impact.recording.text import TextTable, as_html, as_text, plural, prefixed
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
@@ -23,6 +23,7 @@ from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from chain_impact.pictures.bars import Bars
     from chain_impact.pictures.sizes import Size
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
@@ -34,6 +35,8 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 LARGE_SHARE = 0.2
 ROUND_OFF = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 MOST_BARS = 16  # the largest number of bars
+PREFIXED = ("m", "m/s", "m/s2", "s", "N", "N.m", "N.s", "N.m.s", "J", "W")
+"""The units that get a prefix in the picture."""
 FIXED_STEP_MARK = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
 
 
@@ -164,17 +167,17 @@ class Ranking:
         """
         from chain_impact import pictures
 
-        usual = pictures.bars_size(min(len(self.effects), MOST_BARS))
+        usual = pictures.bars_size([len(effects) for effects in self._blocks()])
         return pictures.draw_figure(self.fill, path, size, usual)
 
     def fill(self, figure: Figure) -> None:
         """Draw the bars on an empty figure."""
         from chain_impact import pictures
 
-        percent = f"{100.0 * PART:g} %"
-        shown, unit = self.effects[:MOST_BARS], with_unit("", self.unit)
-        added = [effect.value == 0.0 for effect in shown]
-        more = len(self.effects) - len(shown)
+        percent, blocks = f"{100.0 * PART:g} %", self._blocks()
+        factor, unit = readable(self.value, self.unit)
+        added = [effect.value == 0.0 for effects in blocks for effect in effects]
+        more = len(self.effects) - len(added)
         parts = [
             self.where,
             f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if any(added) else "",
@@ -185,19 +188,37 @@ class Ranking:
         ]
         pictures.fill_bars(
             figure,
-            title=f"{self.source}: effect of + {percent} on {self.quantity} = {digits(self.value)}{unit}",
+            title=f"{self.source}: effect of + {percent} on {self.quantity}"
+            f" = {with_unit(digits(factor * self.value), unit)}",
             conditions="; ".join(filter(None, parts)),
-            names=[
-                effect.parameter + (f" {FIXED_STEP_MARK}" if zero else "")
-                for effect, zero in zip(shown, added, strict=True)
-            ],
-            values=[effect.change for effect in shown],
-            end_texts=[
-                f"{percents(self.share(effect))} %" if self.value else f"{effect.change:+.2g}"
-                for effect in shown
-            ],
-            label=f"change of {self.quantity}{in_brackets(self.unit)}",
+            blocks=[self._bars(effects) for effects in blocks],
         )
+
+    def _blocks(self) -> list[Sequence[Effect]]:
+        """Return the largest effects: those of 1 %, and those of fixed steps, which have another scale."""
+        shown = self.effects[:MOST_BARS]
+        both = ([effect for effect in shown if bool(effect.value) == of_value] for of_value in (True, False))
+        return [effects for effects in both if effects]
+
+    def _bars(self, effects: Sequence[Effect]) -> Bars:
+        """Return the bars of some effects, in a unit that suits the largest one."""
+        from chain_impact import pictures
+
+        factor, unit = readable(max(abs(effect.change) for effect in effects), self.unit)
+        return pictures.Bars(
+            names=[effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects],
+            values=[factor * effect.change for effect in effects],
+            texts=[
+                f"{percents(self.share(effect))} %" if self.value else f"{factor * effect.change:+.2g}"
+                for effect in effects
+            ],
+            label=f"change of {self.quantity}{in_brackets(unit)}",
+        )
+
+
+def readable(value: float, unit: str) -> tuple[float, str]:
+    """Return a factor, and the unit with a prefix into which it converts: mm for 0.003 m."""
+    return prefixed(abs(value), unit) if unit in PREFIXED else (1.0, unit)
 
 
 def ranking_of(

@@ -40,6 +40,7 @@ def test_the_headline_has_what_was_found(found):
     assert page.get_suptitle() == heading(found, ": ")
     told = "\n".join(text.get_text() for text in page.texts)
     assert all(name in told for name in FREE)
+    assert told.replace("\n", " ").count("grey lines: impacts of the model") == 1
 
 
 def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():

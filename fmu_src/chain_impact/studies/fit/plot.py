@@ -86,8 +86,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = figure.add_gridspec(down, across)
-    for k, name in enumerate(names):
-        _panel(grid[k // across, k % across], fit, name, results)
+    has_lines = [_panel(grid[k // across, k % across], fit, name, results) for k, name in enumerate(names)]
     labels = [_estimate_text(fit, label) for label in fit.values]
     more = [f"{len(labels) - MOST_ESTIMATES} more parameters"] if len(labels) > MOST_ESTIMATES else []
     if len(names) < len(fit.columns):
@@ -96,6 +95,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in QUANTITIES for name in names) else "bands"
     more.append(f"±: standard error; {marks}: ± {USUAL:g} σ")
+    if any(has_lines):
+        more.append("grey lines: impacts of the model")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
 
 
@@ -112,12 +113,15 @@ def _model(fit: Estimates, k: int) -> Result:
     return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
-def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> None:
-    """Draw one column: data and model, and below these the residuals in standard deviations."""
+def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> bool:
+    """Draw one column: data and model, and below these the residuals in standard deviations.
+
+    Returns whether there are lines at impacts.
+    """
     axes: Any = cell.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, residuals = axes
     parts = _columns(fit, name, results)
-    over_impacts = name in QUANTITIES
+    over_impacts, has_lines = name in QUANTITIES, False
     several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
     largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
@@ -134,7 +138,8 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             label = None if several else "model"
             values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
         else:
-            _curve(axes, results[part.run], name, part.at.max(), INK if not several else colour)
+            look = INK if not several else colour
+            has_lines |= _curve(axes, results[part.run], name, part.at.max(), look)
             values.plot(part.at, measured[part.rows], **mark_style, label=dots_label, alpha=DOTS)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
@@ -151,19 +156,23 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         values.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
         )
+    return has_lines
 
 
-def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colour: str) -> None:
-    """Draw the model over time, and lines at its impacts, until the last measurement [s]."""
+def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colour: str) -> bool:
+    """Draw the model over time, and lines at its impacts, until the last measurement [s].
+
+    Returns whether there are such lines.
+    """
     onsets, until = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
     for axes in panels:
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
-    words = "model; lines: its impacts" if len(onsets) else "model"
-    label = words if colour == INK else None
+    label = "model" if colour == INK else None
     # the curve is on a white rim, so that it is seen among the dots
     for look in ({"color": "white", "linewidth": RIM, "zorder": 3.9}, {"color": colour, "label": label}):
         panels[0].plot(result.time[until], result[name][until], **{"linewidth": CURVE, "zorder": 4.0} | look)
+    return len(onsets) > 0
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
