@@ -57,7 +57,7 @@ ENERGIES = ENERGY_COLOURS | PARTS
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE = 0.01
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
-BAR, NAME = 0.34, 0.48
+BAR, NAME = 0.3, 0.48
 ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
 # impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
@@ -369,7 +369,7 @@ def numbered_step(axes: Axes, recording: Recording) -> int:
     gaps = np.diff(onsets)
     if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
         return 1
-    probe = axes.text(0.0, 0.0, f"{len(onsets)} ", fontsize="small")  # with a space between two numbers
+    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")  # with two spaces between two numbers
     width = probe.get_window_extent().width
     probe.remove()
     ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]

@@ -36,7 +36,7 @@ from chain_impact.recording.recording import Recording
 SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion, relative to its height
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; both relative to the height of the panel of energies
-RUBBING, RUBBING_ROW = 0.15, 0.36
+RUBBING, RUBBING_ROW = 0.15, 0.32
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
 # ABOVE_TIME: the largest height of the panel of motion if it is above the other panels, on a figure of COLUMN
 # [inch] or less; on a wider one the panel is higher. CLOCK: the height of the axis that shows the colours of

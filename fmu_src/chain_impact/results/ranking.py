@@ -23,7 +23,6 @@ from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.bars import Bars
     from chain_impact.pictures.sizes import Size
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
@@ -191,7 +190,7 @@ class Ranking:
             title=f"{self.source}: effect of + {percent} on {self.quantity}"
             f" = {with_unit(digits(factor * self.value), unit)}",
             conditions="; ".join(filter(None, parts)),
-            blocks=[self._bars(effects) for effects in blocks],
+            blocks=[pictures.Bars(*self._bars(effects)) for effects in blocks],
         )
 
     def _blocks(self) -> list[Sequence[Effect]]:
@@ -200,20 +199,16 @@ class Ranking:
         both = ([effect for effect in shown if bool(effect.value) == of_value] for of_value in (True, False))
         return [effects for effects in both if effects]
 
-    def _bars(self, effects: Sequence[Effect]) -> Bars:
-        """Return the bars of some effects, in a unit that suits the largest one."""
-        from chain_impact import pictures
-
+    def _bars(self, effects: Sequence[Effect]) -> tuple[list[str], list[float], list[str], str]:
+        """Return the arguments of ``Bars`` for some effects, in a unit that suits the largest one."""
         factor, unit = readable(max(abs(effect.change) for effect in effects), self.unit)
-        return pictures.Bars(
-            names=[effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects],
-            values=[factor * effect.change for effect in effects],
-            texts=[
-                f"{percents(self.share(effect))} %" if self.value else f"{factor * effect.change:+.2g}"
-                for effect in effects
-            ],
-            label=f"change of {self.quantity}{in_brackets(unit)}",
-        )
+        names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
+        values = [factor * effect.change for effect in effects]
+        texts = [
+            f"{percents(self.share(effect))} %" if self.value else f"{value:+.2g}"
+            for effect, value in zip(effects, values, strict=True)
+        ]
+        return names, values, texts, f"change of {self.quantity}{in_brackets(unit)}"
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
