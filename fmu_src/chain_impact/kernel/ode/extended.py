@@ -53,7 +53,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.equations import free_rate_from_loads
-from chain_impact.kernel.forces.contact import apply_contact, clear_loads
+from chain_impact.kernel.forces.contact import apply_contact, apply_contacts, clear_loads
 from chain_impact.kernel.forces.contact_force import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
@@ -124,7 +124,7 @@ def extend_start(d):
     if any_sticking(d):
         # The limits of friction share out the impedance of sticking elements. A system that is factorized
         # before the first stage, as in ``size_for_fast_motion``, takes the limits at the start.
-        apply_contacts_at(d, implicit.start)
+        apply_contacts(d)
 
 
 def clearance_rates(d, z, rate):
@@ -139,7 +139,12 @@ def extended_rate(d, z, elapsed, rate):
     if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
-    dissipated = apply_contacts_at(d, z)
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(compliant(d)):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    if d.friction.count > 0:
+        dissipated += apply_friction(d)
     # this call also sets the rates at the indices of u and time; z has other entries there, set below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
@@ -149,17 +154,6 @@ def extended_rate(d, z, elapsed, rate):
     quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
-
-
-def apply_contacts_at(d, z):
-    """Set the loads by contacts and friction, with the clearances in z; return the dissipated power [W]."""
-    clear_loads(d)
-    dissipated = 0.0
-    for k in range(compliant(d)):
-        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    if d.friction.count > 0:
-        dissipated += apply_friction(d)
-    return dissipated
 
 
 def extended_slopes(d, z):

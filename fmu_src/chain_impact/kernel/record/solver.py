@@ -58,10 +58,8 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", bounded(0, SOLVER)),  # the user of the dense output, see kernel/ode/last_step.py
-        (
-            "last_method",
-            bounded(EXPLICIT, IMPLICIT),
-        ),  # method of the last step, see kernel/ode/control.py
+        # the method of the last step, see kernel/ode/control.py
+        ("last_method", bounded(EXPLICIT, IMPLICIT)),
         # number of breaks in the sequence of steps, where a step did not continue from the end of the last
         # step
         ("breaks", INTEGER),
@@ -218,10 +216,8 @@ def work_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with data at both ends of the searched interval."""
     return record(
-        (
-            "known",
-            bounded(0, FAR),
-        ),  # which data are known at a step's end, see kernel/events/exclusion.py
+        # which data are known at the end of a step, see kernel/events/exclusion.py
+        ("known", bounded(0, FAR)),
         ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
         # m, lower bound on the clearances at the end of a step, if the clearances were not evaluated
         ("safe_distance", REAL),
