@@ -109,6 +109,12 @@ def test_a_tablet_shows_motion_energy_force_and_impacts_at_once(show, size):
     assert page.locator("#list-title").bounding_box()["y"] < top - 20.0
 
 
+def test_the_list_of_impacts_takes_the_free_height_of_an_upright_tablet(show):
+    page = show(viewport={"width": 900, "height": 1600})
+    column, shown = (page.locator(name).bounding_box() for name in ("aside", "#list"))
+    assert shown["y"] + shown["height"] == pytest.approx(column["y"] + column["height"], abs=1.0)
+
+
 def test_each_column_of_the_impacts_keeps_apart_and_is_in_the_list(show):
     page = show()
     for size in (DESK, ITS_SIDE, {"width": 360, "height": 740}):

@@ -107,6 +107,13 @@ def test_the_unit_of_a_picture_suits_its_bars():
         assert 0.1 < max(abs(bar.get_width()) for bar in axes.patches) < 1000.0
 
 
+def test_bars_of_a_quantity_that_is_zero_have_no_exponents(result):
+    ranking = result.ranking("peak_force")
+    effects = tuple(ranking.effects[0]._replace(value=1.0, change=change) for change in (520.0, -300.0, 2.5))
+    figure = replace(ranking, value=0.0, unit="mm", effects=effects).plot()
+    assert [text.get_text() for text in figure.axes[0].texts] == ["+520", "−300", "+2.5"]
+
+
 def test_at_stops_the_moment_is_ranked():
     result = simulate(knee(), stop_time=0.8, sensitivities="stop.*")
     found = result.ranking("stop.peak_moment")

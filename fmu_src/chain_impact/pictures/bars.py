@@ -97,5 +97,5 @@ def _draw(axes: Axes, block: Bars, *, narrow: bool) -> None:
     axes.set_xlabel(block.label)
     axes.xaxis.set_major_locator(MaxNLocator(4 if narrow else 6, min_n_ticks=LEAST_TICKS))
     low, high = min([0.0, *block.values]), max([0.0, *block.values])
-    margin = MARGIN * (high - low or 1.0)
+    margin = MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))

@@ -162,12 +162,12 @@ def draw_all(
         drawn = [curves.values[name] for name in names]
         hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
         styles: list[dict[str, Any]] = [
-            {
+            {"color": PALETTE[look % len(PALETTE)]}
+            | look_of_energy(name)
+            | {
                 "linestyle": DASHES[min(look // len(PALETTE) + hidden[k], len(DASHES) - 1)],
-                "color": PALETTE[look % len(PALETTE)],
                 "label": name if wide else short_name(name, names),
             }
-            | look_of_energy(name)
             for k, (name, look) in enumerate(zip(names, looks_of(names, places), strict=True))
         ]
         plot_curves(
@@ -206,13 +206,9 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def look_of_energy(name: str) -> dict[str, Any]:
-    """Return the colour and the width of the curve of an energy of the chain; empty for other outputs."""
+    """Return the properties of the curve of an energy of the chain; empty for other outputs."""
     energy = name.removeprefix("energy.")
-    if energy == name or energy not in ENERGIES:
-        return {}
-    look = energy_look(energy)
-    del look["label"]
-    return look
+    return energy_look(energy) if energy != name and energy in ENERGIES else {}
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:

@@ -38,7 +38,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         for shown, width in ((times, 1.2), (ends, 2.4)):
             for time, line in zip(shown, lines(name, shown), strict=True):
                 _add(axes, [line], colors=[shade(time)], linewidths=width, zorder=2.0)
-        if len(line) and not has_label:  # one entry of the legend for all walls
+        if any(map(len, between)) and not has_label:  # one entry of the legend for all walls
             axes.collections[-1].set_label("moving wall")
             has_label = True
         _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)

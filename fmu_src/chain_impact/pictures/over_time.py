@@ -42,8 +42,6 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import speed_unit
 
-ENERGY_COLOURS = {"kinetic": GREEN, "potential": OCHRE, "elastic": BLUE, "total": BLACK}
-ENERGY_COLOURS |= {"dissipated": VIOLET, "supplied": PURPLE}
 # an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
 # energies, in the part MOSTLY of the rows
 ALIKE, MOSTLY = 0.03, 0.8
@@ -52,7 +50,15 @@ ALIKE, MOSTLY = 0.03, 0.8
 CLOSER = 0.8
 PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
-ENERGIES = ENERGY_COLOURS | PARTS
+ENERGIES = {
+    "kinetic": GREEN,
+    "potential": OCHRE,
+    "elastic": BLUE,
+    "total": BLACK,
+    "dissipated": VIOLET,
+    "supplied": PURPLE,
+    **PARTS,
+}
 """Energy → colour, in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE = 0.01

@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -64,12 +64,17 @@ class Effect(NamedTuple):
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
-WHOLE_PERCENTS = 0.995  # the share from which on two digits would be written as 1e+02
+WHOLE = 99.5  # the size from which on two digits would be written as 1e+02
 
 
-def percents(share: float) -> str:
-    """Return a share in percent, with its sign and two digits or, from 99.5 % on, a whole number."""
-    return f"{100.0 * share:+.2g}" if abs(share) < WHOLE_PERCENTS else f"{100.0 * share:+.0f}"
+def signed(value: float) -> str:
+    """Return a number with its sign and two digits or, from WHOLE on, a whole number."""
+    return f"{value:+.2g}" if abs(value) < WHOLE else f"{value:+.0f}"
+
+
+def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+    """Return the effects of 1 %, and those of fixed steps, which have another scale."""
+    return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,8 +123,8 @@ class Ranking:
         """Yield the lines of the ranking, and the table of the effects."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, to first order"
-        at_zero = [effect for effect in self.effects if not effect.value]
-        yield from self._tables([effect for effect in self.effects if effect.value])
+        of_value, at_zero = by_step(self.effects)
+        yield from self._tables(of_value)
         if at_zero:
             yield f"effect   of the step added to a parameter that is 0: {PART:g} of its unit"
         yield from self._tables(at_zero)
@@ -142,7 +147,7 @@ class Ranking:
                 effect.parameter,
                 effect.told,
                 f"{effect.change:+.3g}",
-                percents(self.share(effect)) if self.value else "—",
+                signed(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
             )
             for effect in effects
@@ -175,11 +180,11 @@ class Ranking:
 
         percent, blocks = f"{100.0 * PART:g} %", self._blocks()
         factor, unit = readable(self.value, self.unit)
-        added = [effect.value == 0.0 for effects in blocks for effect in effects]
-        more = len(self.effects) - len(added)
+        added = any(not effect.value for effects in blocks for effect in effects)
+        more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
-            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if any(added) else "",
+            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if added else "",
             f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
@@ -190,25 +195,24 @@ class Ranking:
             title=f"{self.source}: effect of + {percent} on {self.quantity}"
             f" = {with_unit(digits(factor * self.value), unit)}",
             conditions="; ".join(filter(None, parts)),
-            blocks=[pictures.Bars(*self._bars(effects)) for effects in blocks],
+            blocks=[pictures.Bars(**self._bars(effects)) for effects in blocks],
         )
 
-    def _blocks(self) -> list[Sequence[Effect]]:
-        """Return the largest effects: those of 1 %, and those of fixed steps, which have another scale."""
-        shown = self.effects[:MOST_BARS]
-        both = ([effect for effect in shown if bool(effect.value) == of_value] for of_value in (True, False))
-        return [effects for effects in both if effects]
+    def _blocks(self) -> list[list[Effect]]:
+        """Return the effects that have bars, with one kind of step in each list."""
+        return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
-    def _bars(self, effects: Sequence[Effect]) -> tuple[list[str], list[float], list[str], str]:
-        """Return the arguments of ``Bars`` for some effects, in a unit that suits the largest one."""
+    def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:
+        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the largest one."""
         factor, unit = readable(max(abs(effect.change) for effect in effects), self.unit)
         names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
         texts = [
-            f"{percents(self.share(effect))} %" if self.value else f"{value:+.2g}"
+            f"{signed(100.0 * self.share(effect))} %" if self.value else signed(value)
             for effect, value in zip(effects, values, strict=True)
         ]
-        return names, values, texts, f"change of {self.quantity}{in_brackets(unit)}"
+        label = f"change of {self.quantity}{in_brackets(unit)}"
+        return {"names": names, "values": values, "texts": texts, "label": label}
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:

@@ -4,8 +4,8 @@ import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-// the least numbers of ticks on a vertical axis: the second one if the first one gives ticks that are nearer than TICKS_APART
-const FEWEST_TICKS = [3, 2];
+// the least number of ticks on a vertical axis, and on one where these ticks would be nearer than TICKS_APART
+const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
 const TICKS_APART = 15; // [pixels]
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights above the axes, and of the axis below them
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
@@ -21,9 +21,9 @@ export function styleColour(name) {
 
 /** Return the ticks of a vertical axis from `low` to `high`: round numbers that have room below each other. */
 export function ticksUpwards({ height }, low, high) {
-  const ways = FEWEST_TICKS.map((fewest) => ticksBetween(low, high, fewest));
-  const areApart = ([first, second]) => ((height - ABOVE_PLOT - BELOW_PLOT) * (second - first)) / (high - low) >= TICKS_APART;
-  return ways.find(areApart) ?? ways.at(-1);
+  const ticks = ticksBetween(low, high, FEWEST_TICKS);
+  const apart = ((height - ABOVE_PLOT - BELOW_PLOT) * (ticks[1] - ticks[0])) / (high - low);
+  return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW);
 }
 
 export function axisOptions(options = {}) {

@@ -20,7 +20,7 @@ const RING_TIME = 0.25; // [s] simulated time for which the position of an impac
 // [pixels] width of a ring, and difference in width between successive rings at one position
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] largest distance of rings that count as being at one position
-const NUMBERED_TIME = 0.5 * RING_TIME; // [s] simulated time for which a ring has its number
+const NUMBERED_PART = 0.5; // part of RING_TIME for which a ring has its number
 const NUMBERS = 8; // largest number of recent impacts with a number
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
@@ -290,7 +290,7 @@ export class ChainDrawing {
       drawn.push(position);
       const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
       this.rings.circle(width).center(...position).addClass("ring").opacity((1 - age) ** 2);
-      if (recent.length - k > NUMBERS || now - onset > NUMBERED_TIME) return;
+      if (recent.length - k > NUMBERS || age > NUMBERED_PART) return;
       const text = `#${number}`;
       const label = this.labelSpace.findPosition(text, NUMBER_TEXT, positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2));
       if (!label) return;
@@ -320,8 +320,9 @@ export class ChainDrawing {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
       // the list of impacts has the force without friction
-      const [whole, alone] = [force, normal].map((newtons) => forceText(newtons));
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", whole === alone ? whole : `${whole} with friction`));
+      const whole = forceText(force);
+      const rubs = friction && whole !== forceText(normal);
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
