@@ -3,6 +3,7 @@
 import base64
 import io
 import json
+import re
 from functools import cache
 from pathlib import Path
 
@@ -43,6 +44,11 @@ def until_told(page, text, where="subtitle"):
 def page_contents(scene):
     """Return a page's data of a scene: the contents of its file, and the data for all scenes."""
     return json.loads(json.dumps(contents(scene, [])))
+
+
+def without_advice(refusal):
+    """Return a refusal without the advice at its end, of which Python has more; 1, 1.0 and 1e0 are equal."""
+    return re.sub(r"\d+(\.\d*)?(e[-+]?\d+)?", lambda at: f"{float(at[0]):g}", refusal.partition("; ")[0])
 
 
 @cache

@@ -5,12 +5,12 @@
 import numpy as np
 import pytest
 
-from chain_impact import load_scene, model_names
+from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.scene import parse_scene, scene_to_dict
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
-from tests.pages.in_pages import page_contents
+from tests.pages.in_pages import page_contents, without_advice
 
 
 def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
@@ -26,8 +26,37 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
         }""",
         page_contents(load_scene("four_link_box")),
     )
-    assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
+    assert fault == "box.x_max = -1 must be > 0 [m], which is box.x_min + 2*contact.radius"
     assert values == {"box.x_min": -5, "box.x_max": -1}
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", {"box.x_max": -0.5}),
+        ("four_link_box", {"contact.radius": 2.5}),
+        ("kneed_leg", {"link[3].joint_max": -3.0}),
+        ("sliding_rod", {"wall.y_min.static_friction": 0.015625}),
+        ("sliding_rod", {"contact.friction": 0.25, "contact.static_friction": 0.125}),
+        ("cart_pole", {"slider.min": 0.5}),
+        ("cart_pole", {"slider.max": -3.5}),
+    ],
+)
+def test_values_that_do_not_go_together_are_refused_with_the_sentence_of_python(script, model, changes):
+    run = """([contents, given]) => {
+      try {
+        new Changes(sceneOf(contents)).set(given);
+      } catch (error) {
+        return error.message;
+      }
+    }"""
+    scene = load_scene(model)
+    if model == "kneed_leg":
+        scene = scene.with_values({"link[3].joint_min": -2.9})
+    fault = script.evaluate(run, [page_contents(scene), changes])
+    with pytest.raises(SceneError) as refused:
+        scene.with_values(changes)
+    assert without_advice(fault) == without_advice(str(refused.value).partition(": ")[2])
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.in_pages import page_contents
+from tests.pages.in_pages import page_contents, without_advice
 from tests.pages.javascript import function_of
 from tests.pages.scene_texts import BODIES, WRITTEN
 
@@ -75,6 +75,9 @@ RULED = {
     "slider_min": {"base": "slider", "slider": {"min": 0.1}},
     "slider_max": {"base": "slider", "slider": {"min": -0.5, "max": -0.1}},
     "base_motion": {"base": "free", "inputs": {"base_motion": True}},
+    "box_width": {"box": {"y_min": -4.0, "y_max": -3.5}, "contact": {"radius": 0.25}},
+    "joint_range": {"base": "pinned", "link": {"joint_min": 0.75, "joint_max": 0.75}},
+    "static_friction": {"box": {"y_min": -4.0}, "contact": {"friction": 0.5, "static_friction": 0.25}},
     "no_frequency": driven("pinned", "base.ax", form="sine", amplitude=1.0, frequency=0.0),
     "steps_jump": driven("pinned", "base.vx", form="steps", times=[0.0, 1.0], values=[0.0, 1.0]),
     "ramp_jumps": driven("pinned", "base.y", form="ramp", final=1.0, duration=1.0, shape="linear"),
@@ -90,8 +93,9 @@ def test_each_rule_has_a_case():
 def test_a_rule_refuses_a_value_in_both_languages(script, fault):
     kit = page_contents(load_scene("rod_drop"))["kit"]
     given = {"inputs": {}, "initial": {}, "signals": {}, **RULED[fault]}
+    link = {"length": 1.0, "mass": 1.0} | given.pop("link", {})
     chain = {name: given.pop(name) for name in ("base", "slider") if name in given}
-    contents = {"name": "Ruled", "chain": chain | {"links": [{"length": 1.0, "mass": 1.0}]}, **given}
+    contents = {"name": "Ruled", "chain": chain | {"links": [link]}, **given}
     contents["initial"] = {"angles": [0.5]} | given["initial"]
     sentence = re.sub(r"\\{\w+\\}", ".+", re.escape(SENTENCES[fault]))
     assert re.search(sentence, script.evaluate(PAGE, [kit, contents])["refusal"])
@@ -115,11 +119,6 @@ def assert_as_python(script, kit, contents):
         np.testing.assert_array_equal(words, record, err_msg=str(contents))
     elif found["touching"]:  # without contacts, the kernel takes contact laws and boxes that Python refuses
         assert status_of(words) != 0, f"{contents}: only Python refuses it: {refusal}"
-
-
-def without_advice(refusal):
-    """Return a refusal without the advice at its end, of which Python has more; 1, 1.0 and 1e0 are equal."""
-    return re.sub(r"\d+(\.\d*)?(e[-+]?\d+)?", lambda at: f"{float(at[0]):g}", refusal.partition("; ")[0])
 
 
 def status_of(words):

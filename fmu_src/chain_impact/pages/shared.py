@@ -62,7 +62,7 @@ def shared() -> dict[str, Any]:
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
-        "rules": {"BASE": RULES, "SIGNAL": SIGNAL_RULES},
+        "rules": {"FILE": RULES, "SIGNAL": SIGNAL_RULES},
         "file": {"CORNERS": chain_tables.CORNERS, "SHOWN": reading.SHOWN},
         "signals": {
             "AT_REST": AT_REST,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from functools import reduce
+from collections.abc import Callable, Iterable
+from functools import partial, reduce
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,7 +20,7 @@ from chain_impact.scene.contents import Contents
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
-from chain_impact.scene.refusals import RULES, broken
+from chain_impact.scene.refusals import RULES, broken, sum_of
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -75,7 +75,7 @@ def check_masses(chain: ChainTable) -> None:
 def check_together(scene: Contents) -> None:
     """Refuse values that contradict each other, although each value alone is valid."""
     check_masses(scene.chain)
-    contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
+    contact, movable = scene.contact, scene.chain.movable_points
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:
             words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
@@ -83,7 +83,7 @@ def check_together(scene: Contents) -> None:
     check_law(contact.model, ("contact",), contact)
     for name, material in contact.wall.items():
         check_law(contact.model, ("contact", "wall", name), material)
-    check_base(scene)
+    check_rules(scene)
     check_moved_walls(scene)
     check_reach(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
@@ -96,25 +96,36 @@ def check_together(scene: Contents) -> None:
         names = [point.name for point in link.points if point.name]
         if twice := [name for name in names if names.count(name) > 1]:
             raise refusal(("chain", "links", i, "points"), "point_names", name=value_text(twice[0]))
-    for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
-        if low is not None and high is not None and not high - low > 2 * contact.radius:
-            least = f"{low + 2 * contact.radius:.15g}"
-            raise refusal(("box", f"{axis}_max"), "box_width", value=high, least=least, axis=axis)
 
 
-def check_base(scene: Contents) -> None:
-    """Refuse values that the base of the scene cannot have."""
+def check_rules(scene: Contents) -> None:
+    """Refuse values that a rule in ``RULES`` refuses."""
+    tables: dict[str, list[tuple[DataPath, Callable[[str], Any]]]] = {
+        "": [((), partial(_value_of, scene))],
+        "link": [(("chain", "links", i), partial(_value_of, at)) for i, at in enumerate(scene.chain.links)],
+        "material": [(path, values.get) for path, values in _coefficients(scene.contact).items()],
+    }
+    for rule in RULES:
+        for path, value_of in tables[rule.of]:
+            for _ in broken([rule], value_of):
+                value = value_of(rule.key)
+                words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
+                if rule.least:
+                    words |= {"least": f"{sum_of(rule.least, value_of):.15g}", "bound": rule.least}
+                raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
 
-    def value_of(key: str) -> Any:
-        return reduce(
-            lambda table, name: None if table is None else getattr(table, name), key.split("."), scene
-        )
 
-    for rule in broken(RULES, value_of):
-        value = value_of(rule.key)
-        words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
-        words |= {"least": value_of(rule.least)} if rule.least else {}
-        raise refusal(tuple(rule.key.split(".")), rule.fault, **words)
+def _value_of(table: Any, key: str) -> Any:
+    """Return the value of a dotted key in a table, or None if a table on the way is missing."""
+    return reduce(lambda inner, name: None if inner is None else getattr(inner, name), key.split("."), table)
+
+
+def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:
+    """Return the coefficients of friction of [contact] and of each wall, by the path of the table."""
+    tables: dict[DataPath, Contact | Material] = {("contact",): contact}
+    tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
+    names = ("friction", "static_friction")
+    return {path: dict(zip(names, coefficients(contact, own), strict=True)) for path, own in tables.items()}
 
 
 def check_reach(scene: Contents) -> None:
@@ -157,11 +168,13 @@ def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -
 
 
 def check_stops(scene: Contents) -> None:
-    """Refuse stops that contradict each other, and a table ``stops`` in a scene without stops."""
+    """Refuse a stop without a joint, and a table ``stops`` in a scene without stops."""
     if not scene.chain.stops:
         _refuse_table(scene)
         return
-    _check_links(scene.chain)
+    joint, key = scene.chain.stops[0]
+    if joint == 1 and scene.chain.base == "free":
+        raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(scene.chain.links[0], key))
     check_law(scene.stops.model or scene.contact.model, ("stops",), scene.stops)
 
 
@@ -171,39 +184,22 @@ def _refuse_table(scene: Contents) -> None:
             raise refusal(("stops", entry.name), "no_stops", value=value_text(value))
 
 
-def _check_links(chain: ChainTable) -> None:
-    joint, key = chain.stops[0]
-    if joint == 1 and chain.base == "free":
-        raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(chain.links[0], key))
-    for i, (low, high) in chain.joint_ranges.items():
-        if not low < high:
-            raise refusal(("chain", "links", i - 1, "joint_max"), "joint_range", value=high, least=low)
-
-
 def check_friction(scene: Contents) -> None:
-    """Refuse a static friction below the sliding friction, and friction at rigid walls."""
-    contact = scene.contact
-    _check_coefficients(scene, ("contact",), contact.friction, contact.static_friction)
-    for name, material in contact.wall.items():
-        _check_coefficients(scene, ("contact", "wall", name), *coefficients(contact, material))
+    """Refuse friction at rigid walls."""
+    law = CONTACT_LAWS.get(scene.contact.model)
+    if law is None or not law.impulsive:
+        return
+    for path, values in _coefficients(scene.contact).items():
+        for key in (key for key, value in values.items() if value > 0.0):
+            words = {"value": values[key], "law": law.id, "reason": WITHOUT_FRICTION}
+            raise refusal((*path, key), "rigid_friction", **words)
 
 
-def coefficients(contact: Contact, material: Material) -> tuple[float, float]:
+def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
     """Return the coefficients of sliding and static friction at a wall, by the kernel's rule for defaults."""
     own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
     sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
     return sliding, static
-
-
-def _check_coefficients(scene: Contents, table: DataPath, sliding: float, static: float) -> None:
-    """Refuse coefficients in a table that contradict each other or the contact law."""
-    law = CONTACT_LAWS.get(scene.contact.model)
-    if 0.0 < static < sliding:
-        raise refusal((*table, "static_friction"), "static_friction", value=static, least=sliding)
-    if law and law.impulsive and max(sliding, static) > 0.0:
-        key, value = ("friction", sliding) if sliding > 0.0 else ("static_friction", static)
-        words = {"value": value, "law": law.id, "reason": WITHOUT_FRICTION}
-        raise refusal((*table, key), "rigid_friction", **words)
 
 
 def check_start(scene: Contents) -> None:

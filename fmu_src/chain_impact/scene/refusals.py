@@ -6,6 +6,7 @@ advice, in which Python may say more than the page. pages/browser/scene/refusals
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
@@ -31,9 +32,10 @@ SENTENCES = {
     "wall_name": "= {value} must be none of {others}",
     "out_of_reach": "= {value} must be left out with its wall: no point can reach it: all points that may "
     "touch slide parallel to it",
-    "box_width": "= {value} must be > {least} [m], which is {axis}_min + 2 contact.radius",
+    "box_width": "= {value} must be > {least} [m], which is {bound}",
     "joint_range": "= {value} must be > {least} [rad], which is joint_min",
-    "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0 for the same",
+    "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0, which means "
+    "equal to it",
     "rigid_friction": "= {value} must be 0 for the contact model {law}: {reason}; choose a law with a force",
     "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
     "point_names": "has two points with the name {name}",
@@ -78,15 +80,18 @@ class Rule(NamedTuple):
         key: the refused key; its value is the word ``value`` of the sentence.
         condition: the condition under which the value is refused: parts with "and" between them. A part is a
             key or a fact whose value is given and not 0 (of several values, one), such a one after "not", or
-            a comparison with the value of a key or fact, a whole number or a text in quotes; the comparison
-            is false if a value is not given.
-        least: the key whose value is the word ``least`` of the sentence.
+            a comparison with a text in quotes or a sum of products of whole numbers and values of keys or
+            facts; the comparison is false if a value is not given.
+        least: the sum whose value is the word ``least`` of the sentence; its text is the word ``bound``.
+        of: the tables to which the keys belong: "" the whole file, "link" each link, "material" [contact] and
+            each table in [contact.wall], whose missing values are those of [contact].
     """
 
     fault: str
     key: str
     condition: str
     least: str = ""
+    of: str = ""
 
 
 RULES = (
@@ -103,8 +108,22 @@ RULES = (
     Rule("slider_min", "chain.slider.min", "chain.slider.min > 0"),
     Rule("slider_max", "chain.slider.max", "chain.slider.max < 0"),
     Rule("base_motion", "inputs.base_motion", "chain.base != 'pinned' and inputs.base_motion"),
+    Rule(
+        "box_width", "box.x_max", "box.x_max <= box.x_min + 2*contact.radius", "box.x_min + 2*contact.radius"
+    ),
+    Rule(
+        "box_width", "box.y_max", "box.y_max <= box.y_min + 2*contact.radius", "box.y_min + 2*contact.radius"
+    ),
+    Rule("joint_range", "joint_max", "joint_max <= joint_min", "joint_min", "link"),
+    Rule(
+        "static_friction",
+        "static_friction",
+        "static_friction > 0 and static_friction < friction",
+        "friction",
+        "material",
+    ),
 )
-"""Rules of a base, in the order in which they are asked."""
+"""Rules of a file, in the order in which they are asked."""
 SIGNAL_RULES = (
     Rule(
         "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"
@@ -125,6 +144,7 @@ OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
     "!=": operator.ne,
     "<": operator.lt,
     ">": operator.gt,
+    "<=": operator.le,
     ">=": operator.ge,
 }
 
@@ -132,7 +152,7 @@ OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
 def broken(rules: Iterable[Rule], value_of: Callable[[str], Any]) -> Iterator[Rule]:
     """Yield the rules that refuse values; ``value_of`` returns the value of a key or fact, or None."""
     for rule in rules:
-        if all(_is_so(part.split(), value_of) for part in rule.condition.split(" and ")):
+        if all(_is_so(part.split(" ", 2), value_of) for part in rule.condition.split(" and ")):
             yield rule
 
 
@@ -146,15 +166,17 @@ def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
         value = value_of(words[-1])
         return (any(value) if isinstance(value, tuple) else bool(value)) != (words[0] == "not")
     first, comparison, other = words
-    values = value_of(first), _operand(other, value_of)
+    values = value_of(first), other[1:-1] if other.startswith("'") else sum_of(other, value_of)
     return None not in values and OPERATORS[comparison](*values)
 
 
-def _operand(text: str, value_of: Callable[[str], Any]) -> Any:
-    """Return what is compared: a text in quotes, a whole number, or the value of a key or fact, or None."""
-    if text.startswith("'"):
-        return text[1:-1]
-    return float(text) if text.isdecimal() else value_of(text)
+def sum_of(text: str, value_of: Callable[[str], Any]) -> float | None:
+    """Return the value of a sum of products of whole numbers, keys and facts; None if a value is missing."""
+    terms = [
+        [float(word) if word.isdecimal() else value_of(word) for word in term.split("*")]
+        for term in text.split(" + ")
+    ]
+    return None if any(None in term for term in terms) else sum(map(math.prod, terms))
 
 
 def sentence(fault: str, **words: object) -> str:

@@ -3,7 +3,7 @@
 import { numberText } from "../base/format.js";
 import { inRadians } from "./angles.js";
 import { sumOf } from "./geometry.js";
-import { refuse } from "./refusals.js";
+import { inFile, keepFileRules, pathText } from "./refusals.js";
 
 export class Changes {
   #listeners = [];
@@ -17,6 +17,7 @@ export class Changes {
     this.scene = scene;
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
+    this.names = new Map(scene.parameters.flatMap(({ name, filePath }) => (filePath ? [[pathText(filePath), name]] : [])));
     this.values = {}; // the changed values: name → number
     this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
@@ -89,8 +90,15 @@ export class Changes {
       if (value === this.starts[name] && !this.parameters.get(name).derived) delete values[name];
       else values[name] = value;
     }
-    checkTogether((name) => this.#valueIn(values, name), this.parameters);
+    this.#check(values);
     return values;
+  }
+
+  /** Refuse values that are each valid, but not together, as the scene does. */
+  #check(values) {
+    const nameAt = (path) => this.names.get(pathText(path));
+    const valueAt = (path) => (nameAt(path) ? this.#valueIn(values, nameAt(path)) : inFile(this.scene.file, path));
+    keepFileRules(this.scene.file, valueAt, (path) => nameAt(path) ?? pathText(path));
   }
 
   /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */
@@ -126,27 +134,4 @@ export class Changes {
 /** Return a table without some of its keys. */
 function without(table, keys) {
   return Object.fromEntries(Object.entries(table).filter(([key]) => !keys.includes(key)));
-}
-
-/** Refuse values that are each valid, but not together, as the scene does. */
-function checkTogether(valueOf, parameters) {
-  for (const name of parameters.keys()) {
-    const [, table] = /^(.*)\.static_friction$/.exec(name) ?? [];
-    const [least, sliding] = table ? [valueOf(name), valueOf(`${table}.friction`) ?? valueOf("contact.friction") ?? 0] : [0, 0];
-    if (least > 0 && least < sliding) refuse(name, "static_friction", { value: numberText(least), least: numberText(sliding) });
-  }
-  for (const name of parameters.keys()) {
-    const [, link] = /^(.*)\.joint_max$/.exec(name) ?? [];
-    const low = link && valueOf(`${link}.joint_min`);
-    if (low !== undefined && valueOf(name) <= low) {
-      refuse(name, "joint_range", { value: numberText(valueOf(name)), least: numberText(low) });
-    }
-  }
-  const radius = valueOf("contact.radius") ?? 0;
-  for (const axis of ["x", "y"]) {
-    const [low, high] = ["min", "max"].map((end) => valueOf(`box.${axis}_${end}`));
-    if (high - low <= 2 * radius) {
-      refuse(`box.${axis}_max`, "box_width", { value: numberText(high), least: numberText(low + 2 * radius), axis });
-    }
-  }
 }

@@ -27,28 +27,66 @@ const OPERATORS = {
   "!=": (a, b) => a !== b,
   "<": (a, b) => a < b,
   ">": (a, b) => a > b,
+  "<=": (a, b) => a <= b,
   ">=": (a, b) => a >= b,
 };
 
+/** Return the value of a sum of products of whole numbers, keys and facts; undefined if a value is missing. */
+function sumIn(text, valueOf) {
+  const factor = (word) => (/^\d+$/.test(word) ? Number(word) : valueOf(word));
+  const terms = text.split(" + ").map((term) => term.split("*").map(factor));
+  if (terms.flat().includes(undefined)) return undefined;
+  return terms.reduce((sum, factors) => sum + factors.reduce((product, value) => product * value, 1), 0);
+}
+
 /** Return whether a part of a condition of a rule holds. */
-function isSo([first, comparison, other], valueOf) {
-  if (other === undefined) {
+function isSo([first, comparison, ...others], valueOf) {
+  if (!others.length) {
     const value = valueOf(comparison ?? first);
     return (Array.isArray(value) ? value.some(Boolean) : Boolean(value)) !== (first === "not");
   }
-  const operand = other.startsWith("'") ? other.slice(1, -1) : /^\d+$/.test(other) ? Number(other) : valueOf(other);
+  const other = others.join(" ");
+  const operand = other.startsWith("'") ? other.slice(1, -1) : sumIn(other, valueOf);
   return valueOf(first) !== undefined && operand !== undefined && OPERATORS[comparison](valueOf(first), operand);
 }
 
 /**
- * Refuse the first value that a rule refuses; `valueOf` returns the value of a key or fact, `path` is that of the table, and
+ * Refuse the first value that a rule refuses; `valueOf` returns the value of a key or fact, `nameOf` the text for a key, and
  * `words` are further words of the sentences.
  */
-export function keepRules(rules, valueOf, path = "", words = {}) {
+export function keepRules(rules, valueOf, nameOf, words = {}) {
   const rule = rules.find(([, , condition]) => condition.split(" and ").every((part) => isSo(part.split(" "), valueOf)));
   if (!rule) return;
-  const [fault, key, , least] = rule;
-  refuse(path + key, fault, { ...words, value: shown(valueOf(key)), least: least && valueOf(least) });
+  const [fault, key, , bound] = rule;
+  const least = bound && Number(sumIn(bound, valueOf).toPrecision(15));
+  refuse(nameOf(key), fault, { ...words, value: shown(valueOf(key)), least, bound });
+}
+
+/** Return the value at a path of a file; undefined if a table on the way is missing. */
+export const inFile = (file, path) => path.reduce((table, step) => table?.[step], file);
+
+/** Return a path in a file as text, with numbers from 1. */
+export function pathText(path) {
+  return path.map((step) => (typeof step === "number" ? `[${step + 1}]` : `.${step}`)).join("").replace(/^\./, "");
+}
+
+/**
+ * Refuse the first value of a file that does not go together with others. The functions, of a path in the file, return the value
+ * and the text for the value.
+ */
+export function keepFileRules(file, valueAt = (path) => inFile(file, path), textAt = pathText) {
+  const walls = Object.keys(file.contact.wall).map((name) => ["contact", "wall", name]);
+  const tables = { "": [[]], link: file.chain.links.map((_, k) => ["chain", "links", k]), material: [["contact"], ...walls] };
+  for (const rule of SHARED.rules.FILE) {
+    const of = rule.at(-1);
+    for (const table of tables[of]) {
+      const pathOf = (key) => [...table, ...key.split(".")];
+      const ownOf = (key) => valueAt(pathOf(key));
+      // a wall with its own sliding friction has no static friction by default
+      const inContact = (key) => (ownOf("friction") === undefined ? valueAt(["contact", key]) : 0);
+      keepRules([rule], of === "material" ? (key) => ownOf(key) ?? inContact(key) : ownOf, (key) => textAt(pathOf(key)));
+    }
+  }
 }
 
 /** Refuse a name at a path of the file that is not the name of a wall; `value`: the start of the sentence. */

@@ -4,7 +4,7 @@
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
-import { keepRules, refuse, refuseWall, shown } from "./refusals.js";
+import { keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -275,7 +275,7 @@ function checkContents(file) {
   contact.points?.sort((a, b) => a - b); // the order of points has no meaning
   const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
   if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
-  keepRules(SHARED.rules.BASE, (key) => key.split(".").reduce((table, name) => table?.[name], file));
+  keepFileRules(file);
   const existingWalls = wallsOf(file);
   inputs.wall_motion.forEach((name, k) => {
     if (name !== "*" && !existingWalls.includes(name)) refuseWall(`inputs.wall_motion[${k + 1}]`, existingWalls, `= ${shown(name)} `);

@@ -54,7 +54,7 @@ function checkMotion(what, input, signal, order, moves) {
     steps_differ: new Set(signal.values).size > 1,
     starts_fast: Math.abs(speed * Math.cos(signal.phase)) > SIGNALS.AT_REST * speed,
   };
-  keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], `${what}.`, { input });
+  keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }
 
 /** Return the driven inputs, with a row of the record for each, its first knot and its number of knots. */
