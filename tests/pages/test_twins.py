@@ -140,7 +140,7 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
     """Walls, outlines of bodies, the line of a slider, and ranges of joints."""
     scene = load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
     bases = np.array(scene.initial.position) + np.zeros((3, 1)) * [1.0, 1.0]
-    rail = rail_of(scene)
+    rail = rail_of(scene, 2.0)
     if rail is not None:
         bases = rail.origin + np.array([[0.0], [0.3], [-0.2]]) * rail.direction
     found = script.evaluate(SHAPES, [page_contents(scene), bases.tolist(), 2.0])
@@ -155,9 +155,9 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
         close(corners, bodies[link])
     assert (found["rail"] is None) == (rail is None)
     if rail is not None:
-        for here, there in zip(found["rail"]["lines"], rail.lines(bases, 2.0), strict=True):
+        for here, there in zip(found["rail"]["lines"], rail.lines(bases), strict=True):
             close(here, there, size=10.0)
-        close(found["rail"]["carriage"], rail.carriage(np.zeros(2), 2.0))
+        close(found["rail"]["carriage"], rail.carriage(np.zeros(2)))
         stops = free_sides(rail.stops)
         assert found["rail"]["stops"].keys() == stops.keys()
         for name, stop in stops.items():

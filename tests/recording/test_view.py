@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.recording.view import NEAR, PIN, pin_mark, seen
+from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
@@ -78,3 +79,13 @@ def test_a_room_that_is_open_on_a_side_is_not_closed():
     view, near = seen(SQUARE, walls, room=1.0)
     assert len(near) == 1
     assert view.tolist() == [[-0.1, 0.0], [2.0, 2.0]]
+
+
+def test_a_carriage_touches_the_drawn_stop_when_its_base_is_at_its_stop():
+    rail = Rail.between(np.array([0.3, -0.2]), 0.4, -0.5, 0.7, 2.0)
+    bases = rail.origin + np.array([[-0.5], [0.7]]) * rail.direction
+    line, *marks = rail.lines(bases)
+    for base, end, mark, stop in zip(bases, line, marks, rail.stops.values(), strict=True):
+        corners = rail.carriage(base)
+        assert min(stop.clearance(*corner) for corner in corners) == pytest.approx(0.0, abs=1e-12)
+        assert [stop.clearance(*place) for place in (end, *mark)] == pytest.approx([0.0] * 3, abs=1e-12)

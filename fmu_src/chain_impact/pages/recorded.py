@@ -22,7 +22,7 @@ from chain_impact.pages.shared import FINEST, declaration
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import radius_of, size_of
+from chain_impact.recording.view import radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
 PAGE = resources.files("chain_impact.pages") / "browser"
@@ -180,13 +180,13 @@ def _range(joint: int, limits: JointRange) -> dict[str, Any]:
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
     """Return the line of a slider, its stops, and the carriage around the base, as the page draws them."""
-    rail, size = recording.rail, size_of(recording)
+    rail = recording.rail
     return (
         None
         if rail is None
         else {
-            "lines": [line.tolist() for line in rail.lines(recording.points[:, 0], size)],
-            "carriage": rail.carriage(np.zeros(2), size).tolist(),
+            "lines": [line.tolist() for line in rail.lines(recording.points[:, 0])],
+            "carriage": rail.carriage(np.zeros(2)).tolist(),
             "stops": free_sides(rail.stops),
         }
     )

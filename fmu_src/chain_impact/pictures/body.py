@@ -12,7 +12,6 @@ from matplotlib.patches import Circle, Polygon
 
 from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import placed
 
 FILL = 0.13  # the opacity of the outline of a body, from 0 to 1
@@ -35,7 +34,7 @@ def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, line
     if len(sites):
         axes.plot(*sites.T, "o", color=colour, markersize=SITE, zorder=3.9)
     if recording.rail:
-        corners = recording.rail.carriage(points[0], size_of(recording))
+        corners = recording.rail.carriage(points[0])
         style = {"facecolor": (*to_rgb(colour), CARRIAGE), "edgecolor": colour, "linewidth": linewidth}
         axes.add_patch(Polygon(corners, **style, zorder=3.4))
 
@@ -49,7 +48,7 @@ def draw_rail(axes: Axes, recording: Recording) -> list[Artist]:
     """Draw the line of a slider with its stops, and return the artists."""
     if not recording.rail:
         return []
-    lines = recording.rail.lines(recording.points[:, 0], size_of(recording))
+    lines = recording.rail.lines(recording.points[:, 0])
     drawn = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
     axes.add_collection(drawn, autolim=False)
     return [drawn]

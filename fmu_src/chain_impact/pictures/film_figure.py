@@ -40,7 +40,7 @@ from chain_impact.pictures.trace import trace_of
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW, TAIL, rate_text
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import framed, pin_mark, places_of, radius_of, size_of
+from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.bodies import placed
 from chain_impact.scene.names import STOPS
 
@@ -221,7 +221,7 @@ class Film:
         for link, body in self.bodies.items():
             body.set_xy(placed(self.recording.outlines[link], points[link - 1], points[link]))
         for carriage, rail in self.carriage:
-            carriage.set_xy(rail.carriage(points[0], size_of(self.recording)))
+            carriage.set_xy(rail.carriage(points[0]))
         self.sites.set_data(*places[len(points) :].T)
         self.chain.set_data(*points.T)
         self.joints.set_data(*points[:-1].T)

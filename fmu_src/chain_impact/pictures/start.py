@@ -111,11 +111,10 @@ def _chain(
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
     draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
     bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines_of(scene).items()]
-    if rail := rail_of(scene):
-        extent = float(np.ptp(points, axis=0).max())
-        lines = rail.lines(joints[:1], extent)
+    if rail := rail_of(scene, float(np.ptp(points, axis=0).max())):
+        lines = rail.lines(joints[:1])
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.2, zorder=2.5))
-        bodies.append(rail.carriage(joints[0], extent))
+        bodies.append(rail.carriage(joints[0]))
     for corners in bodies:
         axes.add_patch(Polygon(corners, **body_look(BLUE), zorder=3.4))
     draw_chain(axes, joints, color=BLUE, markerfacecolor=VERMILLION, **style)

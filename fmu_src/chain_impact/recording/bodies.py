@@ -64,14 +64,15 @@ def outlines_from(values: Mapping[str, Any], touching: Collection[int]) -> dict[
     }
 
 
-def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
+def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
     """Return the line of a slider; None if the base does not slide, or if nothing tells the line.
 
     Args:
-        bases: the positions of the base, shape (T, 2) [m].
+        points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
         positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
         values: name of a parameter → value.
     """
+    bases = points[:, 0]
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
     # without parameters, the line leads from the base at the least position to the base at the largest
@@ -83,4 +84,5 @@ def rail_from(bases: np.ndarray, positions: np.ndarray | None, values: Mapping[s
         return None
     along = np.array([math.cos(angle), math.sin(angle)])
     first = 0.0 if positions is None else float(positions[0])
-    return Rail.between(bases[0] - first * along, angle, values.get("slider.min"), values.get("slider.max"))
+    origin, size = bases[0] - first * along, float(np.ptp(points, axis=(0, 1)).max())
+    return Rail.between(origin, angle, values.get("slider.min"), values.get("slider.max"), size)

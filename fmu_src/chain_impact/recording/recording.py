@@ -134,7 +134,7 @@ class Recording:
         return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls in their positions at a time [s], and the stops of a slider."""
+        """Return the walls in their positions at a time [s], and the drawn stops of a slider."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
@@ -157,7 +157,7 @@ class Recording:
     @cached_property
     def rail(self) -> Rail | None:
         """The line of a sliding base; None for another base."""
-        return rail_from(self.all_points[:, 0], self.columns.get("slider.position"), self.parameters)
+        return rail_from(self.all_points, self.columns.get("slider.position"), self.parameters)
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:

@@ -133,7 +133,7 @@ def places_of(recording: Recording) -> np.ndarray:
     """Return the positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
-    corners = recording.rail.carriage(np.zeros(2), size_of(recording))
+    corners = recording.rail.carriage(np.zeros(2))
     return np.concatenate([recording.all_points, recording.points[:, :1] + corners], axis=1)
 
 

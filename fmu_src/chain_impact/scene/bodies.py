@@ -13,10 +13,10 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for a circle
-# half the length of a stop's mark and of the carriage, relative to the size of the drawing
+# half the length of a stop's mark and of the carriage, relative to the size of the motion
 STOP_MARK = 0.06
 # how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
-# drawing
+# motion
 FREE_END = 0.12
 # the corners of the carriage, along the line and to its left, relative to half its length
 CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
@@ -94,17 +94,22 @@ class Rail:
         angle: direction of the line, from +x [rad].
         low: the least position [m]; −∞ without a stop.
         high: the largest position [m]; ∞ without a stop.
+        size: the size of the motion [m], which determines the size of the carriage.
     """
 
     origin: np.ndarray
     angle: float
     low: float
     high: float
+    size: float
 
     @classmethod
-    def between(cls, origin: np.ndarray, angle: float, low: float | None, high: float | None) -> Rail:
+    def between(
+        cls, origin: np.ndarray, angle: float, low: float | None, high: float | None, size: float
+    ) -> Rail:
         """Return the line between two stops; None for a missing stop."""
-        return cls(origin, angle, -math.inf if low is None else low, math.inf if high is None else high)
+        ends = (-math.inf if low is None else low, math.inf if high is None else high)
+        return cls(origin, angle, *ends, size)
 
     @property
     def direction(self) -> np.ndarray:
@@ -112,40 +117,52 @@ class Rail:
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property
+    def half(self) -> float:
+        """Half the length of the carriage that is drawn [m]."""
+        return STOP_MARK * self.size
+
+    @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The half-planes in which stops keep the base, by the names of the stops among the walls."""
+        """The half-planes in which the stops keep the carriage that is drawn, by the stops' names.
+
+        A stop is half a carriage beyond the position of the base that it allows.
+        """
         (x, y), start = self.direction, float(self.origin @ self.direction)
-        planes = (HalfPlane((x, y), start + self.low), HalfPlane((-x, -y), -start - self.high))
+        low, high = start + self.low - self.half, start + self.high + self.half
+        planes = (HalfPlane((x, y), low), HalfPlane((-x, -y), -high))
         stops = zip(SLIDER_STOPS, planes, strict=True)
         return {name: plane for name, plane in stops if math.isfinite(plane.offset)}
 
-    def lines(self, bases: np.ndarray, size: float) -> list[np.ndarray]:
+    def lines(self, bases: np.ndarray) -> list[np.ndarray]:
         """Return the part of the line that is drawn, and the marks of the stops, each of shape (2, 2) [m].
 
         Args:
             bases: the positions of the base, shape (T, 2) [m].
-            size: the size of the drawing [m].
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
-        ends = [(self.low, reached.min() - FREE_END * size), (self.high, reached.max() + FREE_END * size)]
+        free = FREE_END * self.size
+        ends = [(self.low - self.half, reached.min() - free), (self.high + self.half, reached.max() + free)]
         positions = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
         ticks = [
-            end + STOP_MARK * size * np.array([-across, across])
+            end + self.half * np.array([-across, across])
             for end, (stop, _) in zip(positions, ends, strict=True)
             if math.isfinite(stop)
         ]
         return [np.array(positions), *ticks]
 
-    def carriage(self, base: np.ndarray, size: float) -> np.ndarray:
+    def carriage(self, base: np.ndarray) -> np.ndarray:
         """Return the corners of the carriage for a position of the base, shape (4, 2) [m]."""
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        return np.asarray(base + STOP_MARK * size * CARRIAGE @ [along, across])
+        return np.asarray(base + self.half * CARRIAGE @ [along, across])
 
 
-def rail_of(scene: Contents) -> Rail | None:
-    """Return the line along which the base of a scene slides; None if the base does not slide."""
+def rail_of(scene: Contents, size: float) -> Rail | None:
+    """Return the line along which the base of a scene slides; None if the base does not slide.
+
+    ``size``: the size of the drawing [m].
+    """
     slider = scene.chain.slider
     if slider is None:
         return None
-    return Rail.between(np.array(scene.initial.position), slider.angle, slider.min, slider.max)
+    return Rail.between(np.array(scene.initial.position), slider.angle, slider.min, slider.max, size)

@@ -21,10 +21,10 @@ def svg(scene: Contents) -> str:
     positions = np.array([point[:2] for point in scene.start.values()])
     points = positions[: len(scene.chain.links) + 1]
     size = max(np.ptp(positions, axis=0).max(), scene.contact.radius, 1e-6)
-    rail = rail_of(scene)
-    lines = rail.lines(points[:1], size) if rail else []
+    rail = rail_of(scene, size)
+    lines = rail.lines(points[:1]) if rail else []
     bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines_of(scene).items()]
-    bodies += [rail.carriage(points[0], size)] if rail else []
+    bodies += [rail.carriage(points[0])] if rail else []
     nearest = [
         (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
         for wall in scene.walls_at_start.values()

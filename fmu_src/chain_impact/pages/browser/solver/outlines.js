@@ -42,7 +42,10 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   });
 }
 
-/** Return the line of a slider with its stops, and the carriage around the base; null without a slider. */
+/**
+ * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is half a
+ * carriage beyond the position of the base that it allows.
+ */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");
   if (angle === undefined) return null;
@@ -50,14 +53,18 @@ export function railOf(bases, size, valueOf) {
   const [x0, y0] = bases[0];
   const reached = bases.map(([x, y]) => (x - x0) * c + (y - y0) * s);
   const at = (along, left) => [x0 + c * along - s * left, y0 + s * along + c * left];
-  const [low, high] = [valueOf("slider.min"), valueOf("slider.max")];
+  const half = STOP_MARK * size;
+  const [low, high] = [["min", -half], ["max", half]].map(([stop, beyond]) => {
+    const position = valueOf(`slider.${stop}`);
+    return position === undefined ? undefined : position + beyond;
+  });
   const ends = [low ?? Math.min(...reached) - FREE_END * size, high ?? Math.max(...reached) + FREE_END * size];
-  const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * STOP_MARK * size)));
+  const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * half)));
   const start = x0 * c + y0 * s;
   return {
     lines: [ends.map((end) => at(end, 0)), ...ticks],
     carriage: CARRIAGE.map(([along, left]) =>
-      [STOP_MARK * size * (c * along - s * left), STOP_MARK * size * (s * along + c * left)]),
+      [half * (c * along - s * left), half * (s * along + c * left)]),
     stops: {
       ...(low === undefined ? {} : { slider_min: { normal: [c, s], offset: start + low } }),
       ...(high === undefined ? {} : { slider_max: { normal: [-c, -s], offset: -start - high } }),
