@@ -6,6 +6,7 @@ import html
 import math
 import pickle
 import re
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -221,3 +222,11 @@ def test_animate_needs_positions(tmp_path):
     with pytest.raises(KeyError, match="no output of this result"):
         some.animate(tmp_path / "motion.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_result_cannot_be_changed_but_replaced(result):
+    shorter = replace(result, impacts=result.impacts[:0])
+    assert (shorter.impact_count, shorter.name) == (0, result.name)
+    assert shorter != result == replace(result, stepwise={}, rerun=None)
+    with pytest.raises(FrozenInstanceError):
+        result.time = shorter.time

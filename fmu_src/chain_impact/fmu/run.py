@@ -18,7 +18,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import impacts_shown
 from chain_impact.recording.joint_stops import ranges_from
-from chain_impact.recording.recording import Recording
+from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
@@ -100,7 +100,7 @@ def record_fmu(
 
     def recording(rows: np.ndarray) -> Recording:
         followed = {name: float(rows[name][0]) for name in derived}
-        recorded = Recording(
+        recorded = StoredRecording(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns={name: rows[name] for name in outputs},

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.recording.bodies import is_of_body
 from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
 from chain_impact.recording.joint_stops import ranges_of
-from chain_impact.recording.recording import Recording
+from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
@@ -50,7 +50,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
     stops = ranges_of(scene) if scene else {}
     body_values = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
-    bare = Recording(
+    bare = StoredRecording(
         path.stem,
         time,
         columns,

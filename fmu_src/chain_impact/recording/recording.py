@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import chain, count, takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -33,9 +33,11 @@ _NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.
 """The parts of an output's name in the FMU: owner; number; wall, or ``force`` in a joint; and quantity."""
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Recording:
-    """A simulation over time, of a scene or an FMU.
+    """A simulation over time, of a scene or an FMU: a ``Result``, or stored data.
+
+    ``Recording(name, time, columns, …)`` stores data, the attributes below by position or by name; attributes
+    that are left out are empty.
 
     Attributes:
         name: the name of the scene, of the FMU or of the file.
@@ -63,16 +65,20 @@ class Recording:
     name: str
     time: np.ndarray
     columns: Mapping[str, np.ndarray]
-    impacts: np.ndarray = field(default_factory=lambda: NO_IMPACTS)
-    walls: Mapping[str, HalfPlane] = field(default_factory=dict)
-    wall_names: tuple[str, ...] = ()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    sensitivities: Sensitivities | None = None
-    stops: Mapping[int, JointRange] = field(default_factory=dict)
-    point_names: Mapping[int, str] = field(default_factory=dict)
-    stop_law: str = ""
-    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+    impacts: np.ndarray
+    walls: Mapping[str, HalfPlane]
+    wall_names: tuple[str, ...]
+    parameters: Mapping[str, Any]
+    sensitivities: Sensitivities | None
+    stops: Mapping[int, JointRange]
+    point_names: Mapping[int, str]
+    stop_law: str
+    stick_slip: np.ndarray
     inputs: tuple[str, ...] = ()
+
+    def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
+        """Return a new recording: a ``StoredRecording`` if the class ``Recording`` itself is called."""
+        return object.__new__(StoredRecording if cls is Recording else cls)  # type: ignore[return-value]
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
@@ -273,10 +279,10 @@ class Recording:
 
     def at(self, rows: np.ndarray) -> Recording:
         """Return the recording with only some of the rows, and without derivatives; all impacts stay."""
-        parts = {field.name: getattr(self, field.name) for field in fields(Recording)}
+        parts = {field.name: getattr(self, field.name) for field in fields(StoredRecording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
-        return Recording(**parts)
+        return StoredRecording(**parts)
 
     def point_at(self, point: int, time: float) -> np.ndarray:
         """Return the position [m] of a point at a time [s], interpolated between rows, shape (2,)."""
@@ -351,3 +357,22 @@ class Recording:
             for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class StoredRecording(Recording):
+    """A recording whose attributes are stored, as for an FMU or a file; see ``Recording``."""
+
+    name: str
+    time: np.ndarray
+    columns: Mapping[str, np.ndarray]
+    impacts: np.ndarray = field(default_factory=lambda: NO_IMPACTS)
+    walls: Mapping[str, HalfPlane] = field(default_factory=dict)
+    wall_names: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
+    stops: Mapping[int, JointRange] = field(default_factory=dict)
+    point_names: Mapping[int, str] = field(default_factory=dict)
+    stop_law: str = ""
+    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+    inputs: tuple[str, ...] = ()

@@ -1,8 +1,12 @@
 """The result of a simulation."""
 
+# a recording's attributes are read-only, which their annotations cannot say: computed ones may override them
+# mypy: disable-error-code="override"
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -10,7 +14,6 @@ import numpy as np
 
 from chain_impact.recording import summary, tables
 from chain_impact.recording.course import Rerun
-from chain_impact.recording.equality import equal
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
@@ -30,10 +33,11 @@ if TYPE_CHECKING:
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class Result(Pictured):
     """The result of a simulation: a recording with its scene.
 
-    A result is immutable: ``dataclasses.replace`` refuses a change.
+    Two results are equal if their attributes are, except for ``stepwise`` and ``rerun``.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. In a name, ``*`` stands for any text, and the result is a dict of all matching outputs:
@@ -58,38 +62,15 @@ class Result(Pictured):
     """
 
     prepared: PreparedScene
+    time: np.ndarray
     outputs: np.ndarray
+    impacts: np.ndarray
+    _: KW_ONLY
     statistics: dict[str, int]
-    stepwise: Mapping[str, np.ndarray]
-
-    def __init__(
-        self,
-        prepared: PreparedScene,
-        time: np.ndarray,
-        outputs: np.ndarray,
-        impacts: np.ndarray,
-        *,
-        statistics: dict[str, int],
-        sensitivities: Sensitivities | None = None,
-        stepwise: Mapping[str, np.ndarray] | None = None,
-        stick_slip: np.ndarray = NO_PHASES,
-        rerun: Rerun | None = None,
-    ) -> None:
-        vars(self).update(
-            prepared=prepared, time=time, outputs=outputs, impacts=impacts, statistics=statistics
-        )
-        vars(self).update(sensitivities=sensitivities, stepwise=stepwise or {}, stick_slip=stick_slip)
-        scene = prepared.scene
-        vars(self).update(rerun=rerun, name=scene.name, stop_law=scene.stops.model or "")
-
-    def __eq__(self, other: object) -> bool:
-        """Return whether two results are equal; ``stepwise`` and ``rerun`` are not compared."""
-        if not isinstance(other, Result):
-            return NotImplemented
-        names = ("prepared", "time", "outputs", "impacts", "statistics", "sensitivities", "stick_slip")
-        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
-
-    __hash__ = None  # type: ignore[assignment]
+    sensitivities: Sensitivities | None = None
+    stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
+    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
+    rerun: Rerun | None = field(default=None, compare=False)
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -135,6 +116,16 @@ class Result(Pictured):
     def model(self) -> PreparedScene:
         """The same as ``prepared``, an earlier name."""
         return self.prepared
+
+    @property
+    def name(self) -> str:
+        """The name of the scene."""
+        return self.scene.name
+
+    @property
+    def stop_law(self) -> str:
+        """The contact law of the stops, if the scene names one in `stops.model`; else ""."""
+        return self.scene.stops.model or ""
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
