@@ -130,4 +130,4 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
         assert observe_now(d) == 0
     assert d.impact.count == instance.record["impact"]["count"] >= 1
     assert found.tobytes() == rows.tobytes()
-    assert d._record["statistics"] == instance.record["statistics"]
+    assert d.numpy_record["statistics"] == instance.record["statistics"]

@@ -35,10 +35,10 @@ ONE = {hooks.on_start: start_tangent, hooks.on_reinit: reinit_tangent, hooks.on_
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_a_plain_run_has_hooks_that_do_nothing(function):
     d = record_of(load_scene("four_link_box"))
-    before = d._record.tobytes()
+    before = d.numpy_record.tobytes()
     answer = function(d)
     assert answer == ANSWERS.get(function)
-    assert d._record.tobytes() == before
+    assert d.numpy_record.tobytes() == before
 
 
 @pytest.mark.parametrize("function", ONE, ids=lambda one: one.__name__)

@@ -43,7 +43,7 @@ def refuse_negative(key: Any) -> None:
 
 def checked(d: Plain) -> None:
     """Let all arrays of a record refuse negative indices."""
-    for name in d._record.dtype.names:
+    for name in d.numpy_record.dtype.names:
         value = getattr(d, name)
         if isinstance(value, Plain):
             checked(value)

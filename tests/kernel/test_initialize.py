@@ -111,10 +111,10 @@ def test_nothing_of_an_earlier_run_is_left():
     d.latest.kept = 4
     d.work.load.joint[:] = 9.0
     for record, field in LEFT:
-        d._record[record][field] = 5
+        d.numpy_record[record][field] = 5
     clear_run(d, 3.0)
     for (record, field), value in LEFT.items():
-        assert np.all(d._record[record][field] == value), (record, field)
+        assert np.all(d.numpy_record[record][field] == value), (record, field)
     assert not d.work.load.joint.any()
     assert d.latest.kept == 4
     assert len(d.latest.point) == LATEST
@@ -125,7 +125,9 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     _, d = prepared(springs=True, dampers=True)
     told = []
     assert initialize(d, 2.0) == OK
-    first = {name: d._record[name].tobytes() for name in ("model", "law", "step", "statistics", "balance")}
+    first = {
+        name: d.numpy_record[name].tobytes() for name in ("model", "law", "step", "statistics", "balance")
+    }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.limits.event_start = d.limits.work_start = 9.0
     d.step.breaks, d.statistics.steps, d.given.changed, d.work.y[:] = 7, 7, 1, 9.0
@@ -133,7 +135,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     assert initialize(d, 2.0) == OK
     assert told == [d]
     for name, values in first.items():
-        assert d._record[name].tobytes() == values, name
+        assert d.numpy_record[name].tobytes() == values, name
     assert d.step.time == d.step.start == d.step.end == d.impact.last_time == 2.0
     assert d.limits.event_start == d.limits.work_start == 2.0
     assert d.given.changed == 0
@@ -181,11 +183,11 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
     good = math.isfinite(value) and (
         value > 0.0 or place in FINITE or (value == 0.0 and place in NOT_NEGATIVE)
     )
-    shape = prepared()[1][record]._record.dtype[field].shape
+    shape = prepared()[1][record].numpy_record.dtype[field].shape
     for i in range(shape[0]) if shape else [None]:
         _, d = prepared()
         # a derived parameter has first the effective value and then the given value
-        for name in (field, f"given_{field}")[: 1 + (f"given_{field}" in d[record]._record.dtype.names)]:
+        for name in (field, f"given_{field}")[: 1 + (f"given_{field}" in d[record].numpy_record.dtype.names)]:
             if i is None:
                 d[record][name] = value
             else:

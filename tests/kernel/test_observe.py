@@ -1,5 +1,7 @@
 """Observations within a step, on motions in closed form."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 
@@ -25,96 +27,148 @@ from tests.kernel.steps import (
 )
 
 IN, OUT = 5, 10  # candidates in contact: one in its wall, and one outside
-COUNT, SIZE = 3, 0.4
+COUNT, SIZE, START = 3, 0.4, 2.0  # links; duration and start of the step [s]
+HALF = COUNT + 2  # coordinates
+DISSIPATED, SUPPLIED = (3.0, 0.5), (4.0, -0.7)  # energies of the state at the start [J], and their rates [W]
+IMPULSES = ((7.0, 0.5), (8.0, 0.25))  # of IN and OUT at the start of the step, and their rise in it [N·s]
+UNSET = 99.0
 
 
-def seen(theta):
-    """Return a chain in flight but for two contacts, looked at within a step; the state there."""
-    rng = np.random.default_rng(11)
-    scene, d = chain(rng, COUNT, springs=True, dampers=True, minimum_impact_speed=50.0)
-    free = free_motion(rng, d)
-    parts = free.coefficients
-    parts[:2, dissipated_at(COUNT)], parts[:2, supplied_at(COUNT)] = (3.0, 0.5), (4.0, -0.7)
-    motion = Motion(parts)
-    walls_away(d)
-    set_step(d, motion, SIZE, start=2.0)
-    y = motion.at(theta * SIZE)
-    wall_at(d, IN, y, -1e-3)
-    wall_at(d, OUT, y, 2e-3)
-    d.quadrature.computed = 1
-    touch(d, [IN, OUT])
+class Seen(NamedTuple):
+    """A moment within a step: the scene, its record, the state, and the fraction of the step before it."""
+
+    scene: Any
+    d: Any
+    y: np.ndarray
+    theta: float
+
+
+def let_touch(d, y, clearances):
+    """Let exactly these candidates be in contact since a state, with their clearances [m]."""
+    for c, clearance in clearances.items():
+        wall_at(d, c, y, clearance)
+    touch(d, clearances)
     locate_points(d, y)
-    for c in (IN, OUT):
+    for c in clearances:
         latch_onset(d, c)
     set_kink_sides(d)
-    d.quadrature.impulse_at_onset[:] = np.arange(d.candidates)
-    d.quadrature.total[: d.candidates] = d.quadrature.impulse_at_onset
-    d.quadrature.state[:2], d.quadrature.dense[:] = (7.0, 8.0), 0.0
-    d.quadrature.dense[0, :2] = 0.5, 0.25
-    d.quadrature.state_end[:2] = 7.5, 8.25
+
+
+def let_integrate(d, lines):
+    """Let the impulse of each contact be a line over the step; candidate c had c N·s at its onset."""
+    integrals = d.quadrature
+    integrals.impulse_at_onset[:] = np.arange(d.candidates)
+    integrals.total[: d.candidates] = integrals.impulse_at_onset
+    integrals.dense[:] = 0.0
+    for place, (start, rise) in enumerate(lines):
+        integrals.state[place], integrals.state_end[place] = start, start + rise
+        integrals.dense[0, place] = rise
+
+
+def seen_at(theta):
+    """Return a moment of a chain in flight that has two contacts."""
+    rng = np.random.default_rng(11)
+    scene, d = chain(rng, COUNT, springs=True, dampers=True, minimum_impact_speed=50.0)
+    parts = free_motion(rng, d).coefficients
+    parts[:2, dissipated_at(COUNT)], parts[:2, supplied_at(COUNT)] = DISSIPATED, SUPPLIED
+    motion = Motion(parts)
+    walls_away(d)
+    set_step(d, motion, SIZE, start=START)
+    y = motion.at(theta * SIZE)
+    d.quadrature.computed = 1
+    let_touch(d, y, {IN: -1e-3, OUT: 2e-3})
+    let_integrate(d, IMPULSES)
     for name in ("force", "penetration", "penetration_rate", "impulse"):
-        d.output[name][:] = 99.0
-    d.step.time = 2.0 + theta * SIZE
-    return scene, d, y
+        d.output[name][:] = UNSET
+    d.step.time = START + theta * SIZE
+    return Seen(scene, d, y, theta)
 
 
-@pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
-def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
-    scene, d, y = seen(theta)
-    work = d.statistics.rhs_evaluations, d.limits.other_work
-    fill_outputs(d)
-    out, half = d.output, COUNT + 2
-    here = points_of(d, y)
-    np.testing.assert_allclose(out.point_position @ [1.0, 1j], here, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(out.angle, y[2:half], rtol=0, atol=1e-13)
-    np.testing.assert_allclose(out.angular_velocity, y[half + 2 : 2 * half], rtol=0, atol=1e-12)
+@pytest.fixture(params=[0.0, 0.3, 1.0])
+def seen(request):
+    """Return a moment of a step with the outputs of this moment."""
+    found = seen_at(request.param)
+    fill_outputs(found.d)
+    return found
+
+
+def rate_of(quantity, y):
+    """Return the rate of a quantity of the coordinates, by a central difference along the motion."""
+    h, along = 1e-6, np.zeros(len(y))
+    along[:HALF] = y[HALF : 2 * HALF]
+    return (quantity(y + h * along) - quantity(y - h * along)) / (2 * h)
+
+
+def force_of(seen):
+    """Return the force of the contact inside its wall, and the rate of its penetration."""
+    rate = -rate_of(lambda y: gaps_of(seen.d, y), seen.y)[IN]
+    return law_force(seen.d, IN, 1e-3, rate)[0], rate
+
+
+def test_positions_and_velocities_are_those_of_the_state(seen):
+    out, y = seen.d.output, seen.y
+    velocities = rate_of(lambda y: points_of(seen.d, y), y)
+    np.testing.assert_allclose(out.point_position @ [1.0, 1j], points_of(seen.d, y), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocities, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(out.angle, y[2:HALF], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(out.angular_velocity, y[HALF + 2 : 2 * HALF], rtol=0, atol=1e-12)
     for joint, link in ((out.joint_angle, out.angle), (out.joint_angular_velocity, out.angular_velocity)):
         np.testing.assert_array_equal(joint, np.diff(link, prepend=0.0))
-    h = 1e-6
-    ends = []
-    for side in (h, -h):
-        moved = y.copy()
-        moved[:half] += side * y[half : 2 * half]
-        ends.append((points_of(d, moved), gaps_of(d, moved)))
-    velocity = (ends[0][0] - ends[1][0]) / (2 * h)
-    np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocity, rtol=0, atol=1e-8)
 
-    # contacts, with the solver's stored values
-    rates = (ends[0][1] - ends[1][1]) / (2 * h)
-    force, _ = law_force(d, IN, 1e-3, -rates[IN])
-    expected = np.zeros((4, d.candidates))
-    expected[:3, IN] = force, 1e-3, -rates[IN]
-    expected[3] = np.arange(d.candidates)
-    expected[3, [IN, OUT]] = 7.0 + 0.5 * theta, 8.0 + 0.25 * theta
+
+def test_a_contact_has_the_force_of_its_law_and_the_stored_impulse(seen):
+    force, rate = force_of(seen)
+    expected = np.zeros((4, seen.d.candidates))
+    expected[:3, IN] = force, 1e-3, rate
+    expected[3] = np.arange(seen.d.candidates)  # those without contact have the impulse at their last onset
+    expected[3, [IN, OUT]] = [start + rise * seen.theta for start, rise in IMPULSES]
     for name, values in zip(("force", "penetration", "penetration_rate", "impulse"), expected, strict=True):
-        np.testing.assert_allclose(out[name], values, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(seen.d.output[name], values, rtol=1e-6, atol=1e-7)
 
-    # the motion follows the equations, not the interpolant
-    angles, omega = y[2:half], y[half + 2 : 2 * half]
-    loads, joints = np.zeros((COUNT + 1, 2)), np.diff(omega, prepend=omega[0])
-    loads[d.candidate.point[IN]] = force * np.array([d.candidate.normal_x[IN], d.candidate.normal_y[IN]])
+
+def joint_moments(scene, angles, omega):
+    """Return the moments of springs and dampers on the links [N·m]."""
     moments = np.zeros(COUNT)
     for i in range(1, COUNT):
         link = scene.chain.links[i]
-        angle = angles[i] - angles[i - 1] - link.joint_rest_angle
-        torque = -link.joint_damping * joints[i] - link.joint_stiffness * angle
+        stretch = angles[i] - angles[i - 1] - link.joint_rest_angle
+        torque = -link.joint_damping * (omega[i] - omega[i - 1]) - link.joint_stiffness * stretch
         moments[i] += torque
         moments[i - 1] -= torque
-    matrix = mass_matrix(scene, angles)
-    bends = np.linalg.solve(matrix, generalized_force(scene, angles, omega, loads, moments))
-    scale = np.abs(bends).max()
-    np.testing.assert_allclose(out.angular_acceleration, bends[2:], rtol=0, atol=1e-6 * scale)
-    np.testing.assert_allclose(out.point_acceleration[0], bends[:2], rtol=0, atol=1e-6 * scale)
+    return moments
+
+
+def test_accelerations_follow_the_equations_and_not_the_interpolant(seen):
+    scene, d, out = seen.scene, seen.d, seen.d.output
+    angles, omega = seen.y[2:HALF], seen.y[HALF + 2 : 2 * HALF]
+    loads = np.zeros((COUNT + 1, 2))
+    normal = np.array([d.candidate.normal_x[IN], d.candidate.normal_y[IN]])
+    loads[d.candidate.point[IN]] = force_of(seen)[0] * normal
+    moments = joint_moments(scene, angles, omega)
+    forces = generalized_force(scene, angles, omega, loads, moments)
+    expected = np.linalg.solve(mass_matrix(scene, angles), forces)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(out.angular_acceleration, expected[2:], rtol=0, atol=1e-6 * scale)
+    np.testing.assert_allclose(out.point_acceleration[0], expected[:2], rtol=0, atol=1e-6 * scale)
     np.testing.assert_allclose(out.point_acceleration, vectors(d.work.acceleration), rtol=0, atol=0)
 
-    # energies
-    speeds = y[half : 2 * half]
-    assert out.kinetic == pytest.approx(0.5 * speeds @ matrix @ speeds, rel=1e-10)
+
+def test_energies_are_those_of_the_state(seen):
+    d, out, y = seen.d, seen.d.output, seen.y
+    speeds = y[HALF : 2 * HALF]
+    assert out.kinetic == pytest.approx(0.5 * speeds @ mass_matrix(seen.scene, y[2:HALF]) @ speeds, rel=1e-10)
     assert out.elastic == pytest.approx(spring_energy(d, y) + elastic_energy(d, IN, 1e-3), rel=1e-9)
     assert out.total == pytest.approx(out.kinetic + out.potential + out.elastic, rel=1e-13)
-    assert out.dissipated == pytest.approx(3.0 + 0.5 * theta * SIZE, rel=1e-12)
-    assert out.supplied == pytest.approx(4.0 - 0.7 * theta * SIZE, rel=1e-12)
-    # an observation counts no work
+    since = seen.theta * SIZE
+    assert out.dissipated == pytest.approx(DISSIPATED[0] + DISSIPATED[1] * since, rel=1e-12)
+    assert out.supplied == pytest.approx(SUPPLIED[0] + SUPPLIED[1] * since, rel=1e-12)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
+def test_an_observation_counts_no_work(theta):
+    d = seen_at(theta).d
+    work = d.statistics.rhs_evaluations, d.limits.other_work
+    fill_outputs(d)
     assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
 
 
@@ -131,8 +185,8 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
         assert d.limits.other_work == work
 
 
-def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkeypatch):
-    _, d, _ = seen(0.3)
+def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
+    d = seen_at(0.3).d
     d.latest.kept, told = 2, []
     monkeypatch.setattr(hooks, "on_observe", lambda d: told.append(d.output.kinetic))
     d.output.kinetic = -1.0
@@ -140,36 +194,51 @@ def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkey
     assert told == [d.output.kinetic]
     assert told[0] > 0.0
     assert d.latest.end[1] == d.step.time
-    assert d.latest.impulse[1] == pytest.approx(7.0 + 0.15 - IN, rel=1e-12)
+    assert d.latest.impulse[1] == pytest.approx(7.0 + 0.3 * 0.5 - IN, rel=1e-12)
+
+
+NAMES = ("force", "impulse", "penetration", "penetration_rate")
+
+
+def let_stops_act(d, rng, at_max):
+    """Set outputs of contacts, of a joint at one stop only, and combine them; return the values set."""
+    given = {name: rng.uniform(1.0, 2.0, d.candidates) for name in NAMES}
+    for name in ("force", "penetration", "penetration_rate"):  # an impulse remains from the other stop
+        given[name][stops_of(d)[1 - at_max :: 2]] = 0.0
+    for name in NAMES:
+        d.output[name][:] = given[name]
+    combine_forces(d)
+    combine_impulses(d)
+    return given
+
+
+@pytest.mark.parametrize("at_max", [0, 1])
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_the_outputs_of_stops_are_those_of_their_joints(base, at_max):
+    """Moments and angles, at the first stop of each joint; moments at joint_max are negative."""
+    _, d = stopped_chain(3, base)
+    given = let_stops_act(d, np.random.default_rng(5), at_max)
+    out, size, stops = d.output, d.model.size, stops_of(d)
+    for low, high in zip(stops[::2], stops[1::2], strict=True):
+        assert [first_stop(d, c) for c in (low, high)] == [low, low]
+        touched, sign = ((low, 1.0), (high, -1.0))[at_max]
+        assert out.force[low] == pytest.approx(sign * size * given["force"][touched], rel=1e-14)
+        impulse = given["impulse"][low] - given["impulse"][high]
+        assert out.impulse[low] == pytest.approx(size * impulse, rel=1e-12, abs=1e-14)
+        for name in ("penetration", "penetration_rate"):
+            assert out[name][low] == pytest.approx(given[name][touched] / size, rel=1e-14)
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
-def test_the_outputs_of_stops_are_those_of_their_joints(base):
-    """Moments and angles, at the first stop of each joint; moments at joint_max are negative."""
-    rng = np.random.default_rng(5)
+def test_walls_keep_their_outputs_beside_stops(base):
+    """The second stop of a joint has none."""
     _, d = stopped_chain(3, base)
-    out, size, stops = d.output, d.model.size, stops_of(d)
-    names = ("force", "impulse", "penetration", "penetration_rate")
-    for at_max in (0, 1):
-        given = {name: rng.uniform(1.0, 2.0, d.candidates) for name in names}
-        for name in ("force", "penetration", "penetration_rate"):
-            given[name][stops[1 - at_max :: 2]] = 0.0  # a joint touches one stop at a time
-        for name in names:
-            out[name][:] = given[name]
-        combine_forces(d)
-        combine_impulses(d)
-        walls = [c for c in range(d.candidates) if c not in stops]
-        for name in names:
-            np.testing.assert_array_equal(out[name][walls], given[name][walls])
-            assert not out[name][stops[1::2]].any()
-        for low, high in zip(stops[::2], stops[1::2], strict=True):
-            assert [first_stop(d, c) for c in (low, high)] == [low, low]
-            touched, sign = ((low, 1.0), (high, -1.0))[at_max]
-            assert out.force[low] == pytest.approx(sign * size * given["force"][touched], rel=1e-14)
-            impulse = given["impulse"][low] - given["impulse"][high]
-            assert out.impulse[low] == pytest.approx(size * impulse, rel=1e-12, abs=1e-14)
-            for name in ("penetration", "penetration_rate"):
-                assert out[name][low] == pytest.approx(given[name][touched] / size, rel=1e-14)
+    given = let_stops_act(d, np.random.default_rng(5), 0)
+    stops = stops_of(d)
+    walls = [c for c in range(d.candidates) if c not in stops]
+    for name in NAMES:
+        np.testing.assert_array_equal(d.output[name][walls], given[name][walls])
+        assert not d.output[name][stops[1::2]].any()
 
 
 def test_a_joint_with_one_stop_has_its_outputs_there():
@@ -178,7 +247,7 @@ def test_a_joint_with_one_stop_has_its_outputs_there():
     # joint 2 only at joint_max, joint 3 at both sides as before
     d.candidate.point[first], d.candidate.stop[first] = 1, -1
     assert [first_stop(d, c) for c in (first, second, third, fourth)] == [first, second, third, third]
-    for name in ("force", "impulse", "penetration", "penetration_rate"):
+    for name in NAMES:
         d.output[name][:] = 0.0
     d.output.force[second], d.output.penetration[second] = 3.0, 0.2
     combine_forces(d)
@@ -186,8 +255,9 @@ def test_a_joint_with_one_stop_has_its_outputs_there():
     assert d.output.penetration[second] == pytest.approx(0.2 / d.model.size, rel=1e-14)
 
 
-def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
-    """The force law of angles applies to a joint beyond its joint_max."""
+@pytest.fixture
+def stopped():
+    """Return a chain 0.02 rad beyond the ``joint_max`` of its joint: d, both stops, and the rate [rad/s]."""
     _, d = stopped_chain(2, dampers=True)
     motion = free_motion(np.random.default_rng(3), d)
     low, high = stops_of(d)
@@ -204,12 +274,25 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     d.step.time = d.step.start
     d.quadrature.count = 0
     fill_outputs(d)
-    force, _ = law_force(d, high, 0.02 * d.model.size, rate * d.model.size)
+    return d, low, high, rate
+
+
+def force_of_stop(d, high, rate):
+    return law_force(d, high, 0.02 * d.model.size, rate * d.model.size)[0]
+
+
+def test_a_stop_has_its_moment_and_its_depth_as_outputs(stopped):
+    """The force law of angles applies to a joint beyond its joint_max."""
+    d, low, high, rate = stopped
+    force = force_of_stop(d, high, rate)
     assert d.output.force[low] == pytest.approx(-force * d.model.size, rel=1e-9)
     assert d.output.penetration[low] == pytest.approx(0.02, rel=1e-9)
     assert d.output.penetration_rate[low] == pytest.approx(rate, rel=1e-9)
     assert not d.output.force[high]
-    # the moment acts on both links of the joint, so the momentum of the chain does not change
-    before = vectors(d.work.load)
-    assert not before.any()
-    assert d.work.load.x[d.links + 2] == pytest.approx(-force, rel=1e-9)
+
+
+def test_the_moment_of_a_stop_acts_on_both_links(stopped):
+    """So the momentum of the chain does not change."""
+    d, _, high, rate = stopped
+    assert not vectors(d.work.load).any()
+    assert d.work.load.x[d.links + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)

@@ -8,12 +8,13 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from tests.scheduling import SLOWEST, WITH
-from tests.tiers import IMPORTING, subjects
+from tests.tiers import GROUPS, IMPORTING, subjects
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
@@ -196,11 +197,34 @@ def test_the_modules_of_a_test_file_come_from_its_name_and_its_lines():
     assert subjects(tests / "scenarios" / "test_random_scenes.py") == []
 
 
-def test_the_order_and_the_tiers_of_the_tests_name_files_that_exist():
+def test_the_order_of_the_tests_names_files_that_exist():
     tests = [*(ROOT / "tests").rglob("test_*.py")]
-    paths, names = {file.relative_to(ROOT).as_posix() for file in tests}, {file.name for file in tests}
+    paths = {file.relative_to(ROOT).as_posix() for file in tests}
     assert {*SLOWEST, *WITH, *WITH.values()} - paths == set()
-    assert {*itertools.chain(*IMPORTING.values())} - names == set()
+
+
+@cache
+def imported_with(file):
+    """Return all modules that the import of a file imports, also by other files of the repository."""
+    found = set()
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    own = (top / f"{name.replace('.', '/')}.py" for name in [*found] for top in (ROOT, PACKAGE.parent))
+    return found.union(*(imported_with(module) for module in own if module.is_file()))
+
+
+def test_files_that_import_what_the_quick_tier_lacks_are_named_with_it():
+    lacking = {*itertools.chain(*GROUPS.values())}
+    found = {
+        file.name: {module.partition(".")[0] for module in imported_with(file)} & lacking
+        for file in (ROOT / "tests").rglob("test_*.py")
+    }
+    named = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in found}
+    assert {name: modules - found[name] for name, modules in named.items() if modules - found[name]} == {}
+    assert {name for name, modules in found.items() if modules} == {name for name in named if named[name]}
 
 
 def test_no_file_imports_from_a_file_of_tests_or_fixtures():

@@ -287,7 +287,7 @@ def test_errors_are_scene_errors_for_whoever_catches_them(arm):
         Chain(arm).get("nothing")
 
 
-# --- found by review -------------------------------------------------------------------------------------
+# --- faults, refused laws and damaged states ----------------------------------------------------------------
 
 
 def in_first_impact(part, **contact):

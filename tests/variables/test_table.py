@@ -164,6 +164,17 @@ def test_walls_at_any_angle_have_their_own_variables():
 # --- parameters ----------------------------------------------------------------------------------------
 
 
+# end of a name → allowed value, where the scene does not allow any value near the present one
+ALLOWED = {
+    "box.x_min": lambda _: -1.0,  # the start must stay outside the wall
+    "box.y_min": lambda _: -1.0,
+    "initial.angle[3]": lambda present: present - 0.01,  # the start must stay within the stop of a knee
+    "contact.exponent": lambda _: 1.25,  # at least 1
+    "stop.exponent": lambda _: 1.25,
+    ".static_friction": lambda _: 1.1,  # at least the kinetic friction
+}
+
+
 @pytest.mark.full("more cases", but=14)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
@@ -193,14 +204,8 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
         else:
             view = np.float64
             value = stored = 0.999 * before.view(view)[word].item() + 1e-4
-        if variable.name in ("box.x_min", "box.y_min"):  # the start must stay outside the wall
-            value = stored = -1.0
-        elif variable.name == "initial.angle[3]":  # the start must stay within the stop of a knee
-            value = stored = stored - 0.01
-        elif variable.name in ("contact.exponent", "stop.exponent"):  # the exponent is at least 1
-            value = stored = 1.25
-        elif variable.name.endswith(".static_friction"):  # at least the kinetic friction
-            value = stored = 1.1
+        if key := next(filter(variable.name.endswith, ALLOWED), None):
+            value = stored = ALLOWED[key](stored)
         after = PreparedScene(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))

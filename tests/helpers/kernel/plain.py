@@ -44,6 +44,11 @@ class Plain:
     def __init__(self, record: np.void) -> None:
         object.__setattr__(self, "_record", record)
 
+    @property
+    def numpy_record(self) -> np.void:
+        """The record of NumPy with these values."""
+        return self.__dict__["_record"]
+
     def __getattr__(self, name: str) -> Any:
         """Return the present value of a number, or a part of the record, which it remembers."""
         record = self.__dict__["_record"]

@@ -56,7 +56,7 @@ class Stamps:
 
     def rubs_not(self, e: int) -> bool:
         """Return whether element e has no friction, and the force 0 in every state."""
-        element = self.d._record["element"]
+        element = self.d.numpy_record["element"]
         return bool(element["mode"][e] == NO_FRICTION and element["force"][e] == 0.0)
 
     def check(self, group: str, stamp: bytes | None) -> None:

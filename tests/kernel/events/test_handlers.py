@@ -110,10 +110,10 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
 
 def test_no_event_leaves_all_as_it_is():
     d = arrived()
-    before = d._record.tobytes()
+    before = d.numpy_record.tobytes()
     assert not handle(d, C, NONE)
     assert not handle(d, C, RELEASE)
-    assert d._record.tobytes() == before
+    assert d.numpy_record.tobytes() == before
 
 
 @pytest.mark.parametrize(

@@ -49,25 +49,51 @@ def given():
     return d, (*map(of_walls.index, walls[:3]), stops_of(d)[0])
 
 
+def chain_with(law, **given):
+    """Return the record of a chain whose walls have a law and these given values."""
+    _, d = chain(np.random.default_rng(4), 3)
+    d.given.law, d.given.restitution, d.contact.exponent = (
+        law.number,
+        restitution_for(law),
+        law.exponent or 2.0,
+    )
+    for name, value in given.items():
+        d.given[name] = value
+    return d
+
+
 @LAWS
 def test_a_law_is_what_the_registry_says(law):
-    _, d = chain(np.random.default_rng(4), 3)
-    given, contact, own, e = d.given, d.contact, d.law, restitution_for(law)
-    given.law, given.restitution, contact.exponent = law.number, e, law.exponent or 2.0
+    d = chain_with(law)
+    own = d.law
     own.approach_only[:] = own.rate_exponent[:] = 9
     assert start_laws(d) == OK
-    p = contact.exponent if law.rate_exponent is None else law.rate_exponent
+    p = d.contact.exponent if law.rate_exponent is None else law.rate_exponent
     assert (own.rate_exponent == p).all()
     assert (own.approach_only == law.approach_only).all()
-    assert (own.damping_factor == law.damping_factor(e)).all()
+    assert (own.damping_factor == law.damping_factor(restitution_for(law))).all()
     assert (own.impulsive == law.impulsive).all()
-    assert (contact.any_rigid, contact.any_force) == (law.impulsive, not law.impulsive)
-    if law.exponent is not None:
-        contact.exponent = 1.1
-        assert start_laws(d) == status.EXPONENT_NOT_ALLOWED
-    if law.id not in {"kelvin_voigt", "tsuji"}:  # these laws take the logarithm of 0, an error in Python
-        contact.exponent, given.restitution = law.exponent or 2.0, 0.0
-        assert start_laws(d) == (OK if law.allows_zero else status.RESTITUTION_NOT_ALLOWED)
+    assert (d.contact.any_rigid, d.contact.any_force) == (law.impulsive, not law.impulsive)
+
+
+@pytest.mark.parametrize(
+    "law", [law for law in CONTACT_LAWS.values() if law.exponent], ids=lambda law: law.id
+)
+def test_a_law_with_an_exponent_of_its_own_refuses_others(law):
+    d = chain_with(law)
+    d.contact.exponent = 1.1
+    assert start_laws(d) == status.EXPONENT_NOT_ALLOWED
+
+
+# two laws take the logarithm of 0, an error in Python
+@pytest.mark.parametrize(
+    "law",
+    [law for law in CONTACT_LAWS.values() if law.id not in {"kelvin_voigt", "tsuji"}],
+    ids=lambda law: law.id,
+)
+def test_a_law_with_infinite_damping_at_restitution_0_refuses_it(law):
+    d = chain_with(law, restitution=0.0)
+    assert start_laws(d) == (OK if law.allows_zero else status.RESTITUTION_NOT_ALLOWED)
 
 
 def test_a_users_law_has_no_factor(given, monkeypatch):
@@ -101,7 +127,7 @@ def test_a_users_law_has_no_factor(given, monkeypatch):
         ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
     ],
 )
-def test_what_is_given_is_checked_and_what_is_refused_changes_nothing(given, changes, refused):
+def test_given_values_are_checked_and_those_refused_change_no_law(given, changes, refused):
     d, (c, *_) = given
     d.walls.restitution[:] = -1.0
     assert start_laws(d) == OK
@@ -127,38 +153,60 @@ def test_coefficients_of_friction_are_checked(given, sliding, static, refused):
     assert own_law.check_law(d, c) == own_law.check_laws(d) == refused
 
 
-def test_a_changed_law_or_restitution_is_derived_also_for_lasting_contacts():
+SPEED, MASS = 1.5, 2.0  # m/s and kg, of the contacts that last
+LASTING = [2, 5]
+
+
+@pytest.fixture
+def lasting():
+    """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
-    touch(d, [2, 5])
-    d.touch.impact_speed[:], d.touch.effective_mass[:] = 1.5, 2.0
+    touch(d, LASTING)
+    d.touch.impact_speed[:], d.touch.effective_mass[:] = SPEED, MASS
     d.touch.damping[:] = d.touch.depth_scale[:] = 0.0
-    for law, restitution in (("ye", 0.5), ("ye", 0.25), ("flores", 0.25)):
-        d.given.law, d.given.restitution = NUMBER[law], restitution
-        assert update_laws(d) == OK
-        latch_again(d)
-        assert (d.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
-        damping = d.law.damping_factor[2] * d.law.stiffness[2] / 1.5
-        assert d.touch.damping[[2, 5]] == pytest.approx([damping] * 2, rel=1e-12)
-    assert elastic_energy(d, 5, d.touch.depth_scale[5]) == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
-    assert np.count_nonzero(d.touch.damping) == np.count_nonzero(d.touch.depth_scale) == 2
-    # unchanged values are not derived again, but the damping of contacts follows the stiffness
-    d.law.damping_factor[0] = 77.0
-    d.given.stiffness *= 2.0
+    change_law(d, "ye", 0.5)
+    return d
+
+
+def change_law(d, law, restitution):
+    """Give the walls a law between two steps, and let the contacts that last take it."""
+    d.given.law, d.given.restitution = NUMBER[law], restitution
     assert update_laws(d) == OK
     latch_again(d)
-    assert (d.law.damping_factor == 77.0).all()
-    assert d.touch.damping[2] == pytest.approx(77.0 * d.given.stiffness / 1.5, rel=1e-12)
-    # at the start of a run all values are derived again
-    assert start_laws(d) == OK
-    assert (d.law.damping_factor == CONTACT_LAWS["flores"].damping_factor(0.25)).all()
-    # rigid walls have no depth scale
-    d.touch.depth_scale[:] = 5.0
-    make_rigid(d)
-    d.given.law = NUMBER["newton_impact"]
-    assert update_laws(d) == OK
-    latch_again(d)
-    assert d.law.impulsive.all()
-    assert (d.touch.depth_scale == 5.0).all()
+
+
+@pytest.mark.parametrize(("law", "restitution"), [("ye", 0.5), ("ye", 0.25), ("flores", 0.25)])
+def test_contacts_that_last_take_a_changed_law_and_restitution(lasting, law, restitution):
+    change_law(lasting, law, restitution)
+    assert (lasting.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
+    damping = lasting.law.damping_factor[2] * lasting.law.stiffness[2] / SPEED
+    assert lasting.touch.damping[LASTING] == pytest.approx([damping] * 2, rel=1e-12)
+    assert np.count_nonzero(lasting.touch.damping) == len(LASTING)
+
+
+def test_the_depth_scale_of_a_contact_that_lasts_holds_its_energy(lasting):
+    energy = elastic_energy(lasting, 5, lasting.touch.depth_scale[5])
+    assert energy == pytest.approx(0.5 * MASS * SPEED**2, rel=1e-12)
+    assert np.count_nonzero(lasting.touch.depth_scale) == len(LASTING)
+
+
+def test_a_factor_is_derived_again_at_the_start_of_a_run_only(lasting):
+    """Otherwise it is kept while what it follows from is the same; the damping follows the stiffness."""
+    lasting.law.damping_factor[0] = 77.0
+    lasting.given.stiffness *= 2.0
+    change_law(lasting, "ye", 0.5)
+    assert (lasting.law.damping_factor == 77.0).all()
+    assert lasting.touch.damping[2] == pytest.approx(77.0 * lasting.given.stiffness / SPEED, rel=1e-12)
+    assert start_laws(lasting) == OK
+    assert (lasting.law.damping_factor == CONTACT_LAWS["ye"].damping_factor(0.5)).all()
+
+
+def test_a_wall_that_becomes_rigid_derives_no_depth_scale(lasting):
+    lasting.touch.depth_scale[:] = 5.0
+    make_rigid(lasting)
+    change_law(lasting, "newton_impact", 0.5)
+    assert lasting.law.impulsive.all()
+    assert (lasting.touch.depth_scale == 5.0).all()
 
 
 # --- walls and stops of their own --------------------------------------------------------------------------
@@ -218,7 +266,7 @@ def test_candidates_of_one_origin_have_the_same_law_in_all_parts(number):
     d = stopped_chain(2)[1]
     d.given.law = d.stops.law = number
     assert start_laws(d) == OK
-    for name in d._record["law"].dtype.names:
+    for name in d.numpy_record["law"].dtype.names:
         assert d.law[name].tolist() == d.law[name][d.law.same_as].tolist(), name
 
 
@@ -240,37 +288,49 @@ def test_stops_that_are_out_of_range_are_refused_and_change_nothing(value):
     assert laws_of(d) == before
 
 
-@LAWS
-def test_the_law_of_a_stop_is_that_of_an_angle(law):
-    """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
+INERTIA, RATE = 0.37, 2.5  # kg·m² and rad/s, of the impact at a stop
+STOP_STIFFNESS = 4e4  # N·m/radⁿ
+
+
+def stop_with(law):
+    """Return a record with a law of its stops, and a stop."""
     _, d = stopped_chain(3)
-    size, n, e = d.model.size, law.exponent or 2.0, restitution_for(law)
-    inertia, speed, stiffness = 0.37, 2.5, 4e4
-    d.stops.law, d.stops.exponent, d.given.stop_stiffness = law.number, n, stiffness
-    d.stops.minimum_impact_speed, d.given.stop_restitution = 0.02, e
+    d.stops.law, d.stops.exponent, d.given.stop_stiffness = law.number, law.exponent or 2.0, STOP_STIFFNESS
+    d.stops.minimum_impact_speed, d.given.stop_restitution = 0.02, restitution_for(law)
     assert start_laws(d) == OK
-    c = stops_of(d)[0]
+    return d, stops_of(d)[0]
+
+
+@LAWS
+def test_stops_have_a_law_of_their_own(law):
+    d, c = stop_with(law)
     assert d.law.number[c] == law.number
     assert d.law.number[0] == d.given.law != law.number or law.id == "zhang_sharf"
-    assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * size, rel=1e-14)
+    assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * d.model.size, rel=1e-14)
     assert d.law.impulsive[c] == law.impulsive
-    assert d.law.restitution[c] == e
-    if law.impulsive:
-        return
-    d.touch.effective_mass[c], d.touch.impact_speed[c] = inertia / size**2, speed * size
+    assert d.law.restitution[c] == restitution_for(law)
+
+
+@pytest.mark.parametrize("angle", [1e-3, 0.2])
+@pytest.mark.parametrize("rate", [1.3, -0.4])
+@pytest.mark.parametrize(
+    "law", [law for law in CONTACT_LAWS.values() if not law.impulsive], ids=lambda law: law.id
+)
+def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
+    """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
+    d, c = stop_with(law)
+    size, n, m = d.model.size, d.stops.exponent, law.mass_power
+    d.touch.effective_mass[c], d.touch.impact_speed[c] = INERTIA / size**2, RATE * size
     set_damping(d, c)
     p = n if law.rate_exponent is None else law.rate_exponent
-    factor, m = law.damping_factor(e), law.mass_power
-    damping = factor * stiffness ** (1.0 - m) * inertia**m / (speed if m == 0.0 else 1.0)
-    for angle in (1e-3, 0.2):
-        for rate in (1.3, -0.4):
-            spring = stiffness * angle**n
-            damper = 0.0 if law.approach_only and rate < 0.0 else damping * angle**p * rate
-            force, elastic = law_force(d, c, angle * size, rate * size)
-            assert elastic * size == pytest.approx(spring, rel=1e-12)
-            assert force * size == pytest.approx(max(0.0, spring + damper), rel=1e-11)
-            energy = elastic_energy(d, c, angle * size)
-            assert energy == pytest.approx(spring * angle / (n + 1.0), rel=1e-12)
+    factor = law.damping_factor(restitution_for(law))
+    damping = factor * STOP_STIFFNESS ** (1.0 - m) * INERTIA**m / (RATE if m == 0.0 else 1.0)
+    spring = STOP_STIFFNESS * angle**n
+    damper = 0.0 if law.approach_only and rate < 0.0 else damping * angle**p * rate
+    force, elastic = law_force(d, c, angle * size, rate * size)
+    assert elastic * size == pytest.approx(spring, rel=1e-12)
+    assert force * size == pytest.approx(max(0.0, spring + damper), rel=1e-11)
+    assert elastic_energy(d, c, angle * size) == pytest.approx(spring * angle / (n + 1.0), rel=1e-12)
 
 
 def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypatch):
@@ -289,7 +349,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     assert elastic * size == pytest.approx(5e3 * 0.1**1.3, rel=1e-12)
 
 
-def test_what_touches_with_a_force_cannot_become_rigid():
+def test_a_contact_with_a_force_cannot_become_rigid():
     """A held contact at a rigid wall may become rigid again, and contact-free candidates may become rigid."""
     d = stopped_chain(2)[1]
     touch(d, [stops_of(d)[0]])

@@ -213,9 +213,9 @@ def test_a_new_phase_starts_from_the_totals(d):
 @pytest.mark.parametrize("name", ["append", "roll_back", "commit", "reset"])
 def test_without_them_nothing_is_done(d, name):
     d.quadrature.computed, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
-    before = d._record.tobytes()
+    before = d.numpy_record.tobytes()
     getattr(dense, f"{name}_quadratures")(d)
-    assert d._record.tobytes() == before
+    assert d.numpy_record.tobytes() == before
 
 
 @pytest.mark.parametrize(

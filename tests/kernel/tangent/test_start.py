@@ -58,10 +58,10 @@ def both():
     _, d = chain(rng, 2, springs=True, inputs=True)
     for record, names in PARAMETERS.items():
         for name in names:
-            d[record]._record[name] = rng.uniform(0.5, 2.0, np.shape(d[record][name]))
+            d[record].numpy_record[name] = rng.uniform(0.5, 2.0, np.shape(d[record][name]))
     for name in GIVEN[6:]:
-        d["given"]._record[name] = rng.uniform(0.5, 2.0, np.shape(d["given"][name]))
-    t = random_duals(rng, d._record.dtype)
+        d["given"].numpy_record[name] = rng.uniform(0.5, 2.0, np.shape(d["given"][name]))
+    t = random_duals(rng, d.numpy_record.dtype)
     t.links, t.candidates = d.links, d.candidates
     return d, t
 
@@ -148,12 +148,12 @@ def twins(monkeypatch):
     monkeypatch.setattr(starts, "value", float)
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
-    dtype = d._record.dtype
+    dtype = d.numpy_record.dtype
     fields = [*((name, dtype[name]) for name in dtype.names), ("trust", duals.TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
     blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):
-        t._record[name] = blank._record[name]
+        t.numpy_record[name] = blank.numpy_record[name]
     t.model.has_base_joint, t.model.has_inputs = d.model.has_base_joint, d.model.has_inputs
     return d, t
 
@@ -168,7 +168,7 @@ def test_it_starts_as_the_instance_does(twins):
     records = ["model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
     records += ["given", "stops", "solver"]
     for record in records:
-        dtype = d._record.dtype[record].base  # the type of a table's rows
+        dtype = d.numpy_record.dtype[record].base  # the type of a table's rows
         for name in dtype.names:
             if not dtype[name].names:
                 np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
