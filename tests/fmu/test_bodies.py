@@ -1,11 +1,15 @@
 """FMUs of scenes with points on links, an offset of a centre of mass, and a slider."""
 
-# Tests: fmu/run.py, variables/outputs.py
+# Tests: fmu/facts.py, fmu/run.py, variables/outputs.py
+
+import re
+import zipfile
 
 import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.fmu.facts import read_facts
 from chain_impact.fmu.run import record_fmu
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
@@ -74,3 +78,17 @@ def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
     run = record_fmu(fmus["body"], {"simulation.stop_time": 0.4})
     assert run.point_names == {3: "heel", 4: "toe"}
     assert run.toucher(run.impacts[0]) == "point 3 (heel)"
+
+
+def test_names_of_points_and_rules_of_parameters_do_not_follow_from_descriptions(fmus, tmp_path):
+    bare = tmp_path / "bare.fmu"
+    with zipfile.ZipFile(fmus["body"]) as old, zipfile.ZipFile(bare, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = re.sub(rb' description="[^"]*"', b"", content)
+            new.writestr(name, content)
+    before, after = (record_fmu(fmu, {"simulation.stop_time": 0.01}) for fmu in (fmus["body"], bare))
+    assert after.point_names == before.point_names
+    assert after.parameters == before.parameters
+    assert read_facts(bare).rules

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,13 @@ from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import variable_lines
+from chain_impact.fmu.facts import read_facts
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
-from chain_impact.fmu.run import EXPERIMENT
+from chain_impact.fmu.run import TIMES
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene
-from chain_impact.variables.variable import UNLESS_SET
 
 LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
@@ -55,13 +55,14 @@ def run(options: argparse.Namespace) -> int:
     facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
         held = read_fmu(Path(options.source))
+        rules = read_facts(Path(options.source)).rules
         name, description, variables = held.modelName, held.description or "", held.modelVariables
         facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
         facts += [("platforms", ", ".join(platforms_of(options.source)))]
         if held.defaultExperiment:
             times = (held.defaultExperiment.stopTime, held.defaultExperiment.stepSize)
-            facts += zip(EXPERIMENT, times, strict=True)
-        facts += [(v.name, _start_and_rule(v)) for v in variables if v.causality == "parameter"]
+            facts += zip(TIMES, times, strict=True)
+        facts += [(v.name, _start_and_rule(v, rules)) for v in variables if v.causality == "parameter"]
     else:
         from chain_impact.variables.prepared import PreparedScene
 
@@ -92,10 +93,10 @@ def _as_set(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 
-def _start_and_rule(variable: Any) -> object:
-    """Return the start value, and the rule by which it follows from other values if it is not set."""
-    _, follows, rule = (variable.description or "").partition(UNLESS_SET)
-    return f"{_rounded(float(variable.start))}  # derived: {rule}" if follows else _start(variable)
+def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
+    """Return the start value, with the rule by which it follows from other values, if there is one."""
+    rule = rules.get(variable.name)
+    return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)
 
 
 def _rounded(value: object) -> object:

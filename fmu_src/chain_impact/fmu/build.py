@@ -11,6 +11,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
+from chain_impact.fmu.facts import facts_file
 from chain_impact.fmu.native_target import native_files
 from chain_impact.fmu.pythonfmu_target import PLATFORMS as PYTHONFMU_PLATFORMS, pythonfmu_files
 from chain_impact.fmu.references import reference_files
@@ -85,7 +86,8 @@ def build_fmu(
         log.debug("packaging the FMU")
         native = target == "native"
         files = native_files(prepared, kernels, fmi) if native else pythonfmu_files(prepared, kernels)
-        _pack(files | documents(prepared, fmi) | reference_files(prepared), path)
+        files |= facts_file(prepared) | documents(prepared, fmi) | reference_files(prepared)
+        _pack(files, path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)
         if problems:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.fmu.facts import Facts, read_facts
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.inputs import driven_rows
 from chain_impact.kernel.rows.geometry import WALLS
@@ -26,12 +27,10 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key, s
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
-from chain_impact.variables.variable import UNLESS_SET
+from chain_impact.variables.parameters import EXPERIMENT
 
-POINT_IN_TEXT = re.compile(r"point (\d+) \((\w+)(?:, link \d+)?\)")
-"""Regular expression for the number and the name of a point at the start of a variable's description."""
-EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
-"""Values, in addition to parameters, that can be set for one run of an FMU."""
+TIMES = tuple(kind.name for kind in EXPERIMENT)
+"""Values, in addition to parameters, that can be set for one run of an FMU: stop time and step size."""
 
 
 def record_fmu(
@@ -57,63 +56,16 @@ def record_fmu(
         RunError: when the FMU has no binary for this machine, or reports a fault.
     """
     path, show = Path(path), progress or silent
-    typed = {fmu_name(name): name for name in settings}
-    settings = {fmu_name(name): value for name, value in settings.items()}
-    description = read_fmu(path)
-    variables = {variable.name: variable for variable in description.modelVariables}
-    if "link[1].length" not in variables:
-        raise SceneError(f"{path}: not the FMU of a chain: it has no variable link[1].length")
-    for name, kind in (("point[0].x", "points"), ("energy.total", "energies")):
-        if name not in variables:
-            raise SceneError(f"{path}: has no variable {name}: its scene has outputs.{kind} = false")
-    parameters = {name: v for name, v in variables.items() if v.causality == "parameter"}
-    experiment = description.defaultExperiment
-    stop_time, step_size = (
-        _positive(name, value_of(settings.get(name, default)), str(path))
-        for name, default in zip(EXPERIMENT, (experiment.stopTime, experiment.stepSize), strict=True)
-    )
-    with as_typed(typed.values()):
-        start_values = {
-            name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
-            for name, value in settings.items()
-            if name not in EXPERIMENT
-        }
-    outputs = [
-        name
-        for name, variable in variables.items()
-        # arrays of FMI 3.0 are left out, because they only repeat the values of scalar outputs
-        if variable.causality == "output" and not variable.dimensions
-    ]
+    description, facts = _chain_of(path), read_facts(path)
+    experiment, start_values = _settings(path, description, settings)
+    stop_time, step_size = experiment
+    parameters, outputs = _parameters(description), _outputs(description)
     check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     driven, rows_given = description, None
     if inputs:
-        driven, rows_given = driven_rows(description, *inputs, (stop_time, step_size), values)
-    walls, stops = _walls(values), ranges_from(values)
-    ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
-    names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends]
-    named = {name: _named(parameters[name], value) for name, value in values.items()}
-    point_names = {
-        int(at[1]): at[2] for v in variables.values() if (at := POINT_IN_TEXT.match(v.description or ""))
-    }
-    derived = [name for name, parameter in parameters.items() if UNLESS_SET in (parameter.description or "")]
-
-    def recording(rows: np.ndarray) -> Recording:
-        followed = {name: float(rows[name][0]) for name in derived}
-        recorded = StoredRecording(
-            name=description.modelName,
-            time=np.asarray(rows["time"]),
-            columns={name: rows[name] for name in outputs},
-            impacts=impacts_shown(rows, names),
-            walls=walls,
-            wall_names=tuple(names),
-            parameters=named | followed,
-            stops=stops,
-            point_names=point_names,
-            inputs=tuple(name for name, parameter in variables.items() if parameter.causality == "input"),
-        )
-        return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))
-
+        driven, rows_given = driven_rows(description, *inputs, experiment, values)
+    recording = partial(_recording, description, facts, values)
     recorders: list[Any] = []  # fmpy gives its recorder to the callback after the first step
 
     def step_finished(time: float, recorder: Any) -> bool:
@@ -126,16 +78,79 @@ def record_fmu(
             path,
             driven,
             start_values=start_values,
-            output=outputs + derived,
+            output=[*outputs, *facts.rules],
             stop_time=stop_time,
             output_interval=step_size,
             input=rows_given,
             step_finished=step_finished,
         )
     except RunError as error:
-        partial = recording(recorders[0].result()) if recorders else None
-        raise RunError(str(error), partial) from None
+        raise RunError(str(error), recording(recorders[0].result()) if recorders else None) from None
     return recording(rows)
+
+
+def _chain_of(path: Path) -> Any:
+    """Return the model description of an FMU; refuse an FMU that is no chain, or lacks points or energies."""
+    description = read_fmu(path)
+    names = {variable.name for variable in description.modelVariables}
+    if "link[1].length" not in names:
+        raise SceneError(f"{path}: not the FMU of a chain: it has no variable link[1].length")
+    for name, kind in (("point[0].x", "points"), ("energy.total", "energies")):
+        if name not in names:
+            raise SceneError(f"{path}: has no variable {name}: its scene has outputs.{kind} = false")
+    return description
+
+
+def _parameters(description: Any) -> dict[str, Any]:
+    return {
+        variable.name: variable
+        for variable in description.modelVariables
+        if variable.causality == "parameter"
+    }
+
+
+def _outputs(description: Any) -> list[str]:
+    """Return the outputs without arrays of FMI 3.0, which only repeat the values of scalar outputs."""
+    variables = description.modelVariables
+    return [v.name for v in variables if v.causality == "output" and not v.dimensions]
+
+
+def _settings(
+    path: Path, description: Any, settings: Mapping[str, Any]
+) -> tuple[tuple[float, float], dict[str, float]]:
+    """Return the stop time and the step size [s], and the start values of the parameters that are set."""
+    default, parameters = description.defaultExperiment, _parameters(description)
+    given = {fmu_name(name): value for name, value in settings.items()}
+    stop_time, step_size = (
+        _positive(name, value_of(given.pop(name, usual)), str(path))
+        for name, usual in zip(TIMES, (default.stopTime, default.stepSize), strict=True)
+    )
+    with as_typed(settings):
+        return (stop_time, step_size), {
+            name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
+            for name, value in given.items()
+        }
+
+
+def _recording(description: Any, facts: Facts, values: Mapping[str, float], rows: np.ndarray) -> Recording:
+    """Return the recording of a run, from the values of the parameters and the rows of outputs over time."""
+    walls, stops = _walls(values), ranges_from(values)
+    ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
+    names = (*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends)
+    parameters = {name: _named(variable, values[name]) for name, variable in _parameters(description).items()}
+    recorded = StoredRecording(
+        name=description.modelName,
+        time=np.asarray(rows["time"]),
+        columns={name: rows[name] for name in _outputs(description)},
+        impacts=impacts_shown(rows, names),
+        walls=walls,
+        wall_names=names,
+        parameters=parameters | {name: float(rows[name][0]) for name in facts.rules},
+        stops=stops,
+        point_names=facts.point_names,
+        inputs=tuple(v.name for v in description.modelVariables if v.causality == "input"),
+    )
+    return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
@@ -158,7 +173,7 @@ def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
         given = "it is an input: give it over time in a table, --inputs FILE"
         signals = {parameter.split(".")[1] for parameter in parameters if parameter.startswith("signal.")}
         hint = given if input_key(name) else signal_hint(name, signals)
-        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", hint)
+        raise UnknownNameError(source, name, [*parameters, *TIMES], "no parameter", hint)
     return parameters[name]
 
 
