@@ -117,7 +117,7 @@ STRANGE_SIGNALS = [
     (SHAKE | {"input": ["base.vy"]}, "must be driven by one signal only: signals.shake drives base.y"),
     (STEPS | {"input": ["base.ax", "base.x"]}, "inputs of one unit: base.ax is in m/s², base.x in m"),
     (STEPS | {"input": ["base.ax", "base.ax"]}, "it is listed twice"),
-    (STEPS | {"times": [0.0, 0.1]}, "must be of one length > 0, not 2 and 1"),
+    (STEPS | {"times": [0.0, 0.1]}, "must have as many as values, which has 1"),
     (STEPS | {"times": [0.1, 0.1], "values": [1.0, 2.0]}, "signals.own.times[2] = 0.1 must be > 0.1"),
 ]
 

@@ -64,7 +64,7 @@ def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
     found = kernel(scene)
     assert_same_bits(found, simulate(scene))
-    assert found["reasons"] == parts_in_words(scene)  # the words for the reasons of a refusal
+    assert found["partsInWords"] == parts_in_words(scene)
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)

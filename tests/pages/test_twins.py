@@ -27,7 +27,7 @@ from chain_impact.recording.view import framed, free_room, pin_mark, places_of, 
 from chain_impact.scene.angles import in_radians
 from chain_impact.scene.bodies import outlines_of, rail_of
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.scene.names import proposed
+from chain_impact.scene.similar_names import proposed
 from chain_impact.scene.unit_text import of_power, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled

@@ -1,6 +1,6 @@
 """Derived values stay derived until a file gives them, after any change, write or comparison."""
 
-# Tests: scene/completion.py, scene/rules.py
+# Tests: scene/completion.py, scene/default_rules.py
 
 import pickle
 import tomllib

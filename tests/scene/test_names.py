@@ -1,8 +1,11 @@
 """Names of paths; test_scene.py and variables/test_table.py compare them with the FMU's names."""
 
+# Tests: scene/similar_names.py
+
 import pytest
 
-from chain_impact.scene.names import input_key, longer, name_of, nearest, parameter_hint, path_text
+from chain_impact.scene.names import input_key, name_of, parameter_hint, path_text
+from chain_impact.scene.similar_names import longer, nearest
 
 
 @pytest.mark.parametrize(

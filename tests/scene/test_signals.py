@@ -62,7 +62,7 @@ def refused(*signals, scene=ARM):
         (
             "tip.force.x",
             STEPS.replace("[0.0, 1.0]", "[0.0]"),
-            "signals.a.times and values must be of one length",
+            "signals.a.times has 2 entries, must have as many as values, which has 1",
         ),
         ("tip.force.x", 'form = "wave"', "signals.a.form = 'wave' must be one of"),
     ],

@@ -9,7 +9,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.compare import OVERLAPS
 from chain_impact.studies.compare_plot import conditions, looks_of, message
 from chain_impact.studies.compare_text import advice, heading, law_table, legend
-from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
+from chain_impact.studies.law_change import contact_at, contact_with_law, keeps_exponents, law_values
 from tests.helpers.scenes.stops import UP, knee
 
 K = "stiffness"
@@ -52,8 +52,8 @@ def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
     assert (stop.stiffness, stop.exponent, stop.restitution) == (1e4, 1.5, 0.5)
     wall = contact_at(scene, at_wall)
     assert (wall.stiffness, wall.restitution) == (1e8, 0.25)
-    assert with_law(stop, "flores", at_stop).stiffness == 1e4
-    assert with_law(stop, "kelvin_voigt", at_stop).exponent == 1.0
+    assert contact_with_law(stop, "flores", at_stop).stiffness == 1e4
+    assert contact_with_law(stop, "kelvin_voigt", at_stop).exponent == 1.0
 
 
 @pytest.mark.parametrize("up", [False, True])

@@ -23,9 +23,9 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
 def test_owner_conditions_and_texts_of_a_row_exist(kind):
     """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
-    structure = structure_of(CART if kind.of == "slider" else EVERYTHING)
-    (owner, *_) = structure.owners(kind.of)
-    words = scene_words(structure) | owner.values | owner_words(kind.of, structure, owner.values)
+    structure = structure_of(CART if kind.owner_kind == "slider" else EVERYTHING)
+    (owner, *_) = structure.owners(kind.owner_kind)
+    words = scene_words(structure) | owner.values | owner_words(kind.owner_kind, structure, owner.values)
     assert {*kind.when, kind.tunable or ALWAYS, kind.given_if or ALWAYS} <= {*owner.conditions}
     assert "{" not in kind.description.format_map(words)
     assert all(one in words for one in (kind.minimum, kind.maximum) if isinstance(one, str))

@@ -102,7 +102,7 @@ def test_what_is_kept_of_a_scene_is_not_taken_for_another_one(name, value):
 
 @pytest.mark.parametrize("scene", [BOX, ARM], ids=["free", "pinned"])
 def test_only_the_base_of_a_pinned_chain_is_held(scene):
-    held = {variable.name for variable in all_outputs(scene).values() if variable.held}
+    held = {variable.name for variable in all_outputs(scene).values() if variable.base_at_rest}
     base = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
     assert held == (base if scene is ARM else set())
 

@@ -98,6 +98,6 @@ def test_joint_stops_are_one_owner_and_sliders_have_no_friction():
     assert [(stop["n"], stop["at"]) for stop in stops] == [(2, pairs), (3, pairs + 1)]
     *contacts, end = structure.owners("contact")
     assert (len(contacts), end.values["at"], end.values["name"]) == (pairs, pairs + 3, "slider_max")
-    assert all(contact.conditions["rubs"] for contact in contacts)
-    assert not end.conditions["rubs"]
+    assert all(contact.conditions["may_have_friction"] for contact in contacts)
+    assert not end.conditions["may_have_friction"]
     assert end.conditions["contact_friction"]

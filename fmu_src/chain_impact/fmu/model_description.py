@@ -267,7 +267,7 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     scales = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
     if stops.stiffness is not None and stops.exponent is not None:
         depth = lossless_depth(0.5 * energy, stops.stiffness, stops.exponent)
-        scales |= {"stop depth": depth, "stop moment": stops.stiffness * depth**stops.exponent}
+        scales |= {"stop_depth": depth, "stop_moment": stops.stiffness * depth**stops.exponent}
     return scales
 
 
@@ -310,4 +310,4 @@ def _array(name: str, elements: Sequence[Variable]) -> Array:
     indices = [variable.index for variable in elements]
     shape = tuple(1 + max(index[axis] for index in indices) for axis in range(len(indices[0])))
     text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
-    return Array(replace(elements[0], name=name, description=f"array of {text}", held=False), shape)
+    return Array(replace(elements[0], name=name, description=f"array of {text}", base_at_rest=False), shape)

@@ -9,7 +9,7 @@ from typing import Any
 
 from chain_impact.fmu.model_description import array_variables, model_description
 from chain_impact.fmu.table import described
-from chain_impact.scene.numbers import LARGEST_NUMBER
+from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene

@@ -68,8 +68,8 @@ STATUS_TEXT = {
     "with a force, or set the coefficients of friction to 0",
     FORCES_NOT_FOUND: "at an event, the solver finds no forces that satisfy the conditions of all contacts "
     "and all sticking elements together: change the initial state or solver.tolerance a little",
-    STATIC_BELOW_SLIDING: "static_friction is below friction, the coefficient of sliding: it must be "
-    "at least that, or 0 for the same",
+    STATIC_BELOW_SLIDING: "static_friction is below friction: it must be at least friction, or 0, which "
+    "means equal to friction",
     STOPS_REVERSED: "joint_min is not below joint_max",
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",

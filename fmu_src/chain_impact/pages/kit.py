@@ -25,10 +25,10 @@ from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.scene.default_rules import FROM_JOINTS
 from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules import FROM_JOINTS
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
@@ -147,7 +147,7 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
     """Return the templates of a block of variables, and the kind of owner for which the block is repeated."""
-    return {"of": block.of, "rows": [row(kind) for kind in block.kinds]}
+    return {"ownerKind": block.owner_kind, "rows": [row(kind) for kind in block.kinds]}
 
 
 def _named(kind: Kind) -> dict[str, Any]:
@@ -190,7 +190,7 @@ def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
             **_rule(rule, table),
             "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
-        "trivial": kind.trivial,
+        "absentAt": kind.absent_at,
         "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "given": kind.given and word_terms(kind.given),
@@ -219,7 +219,7 @@ def _layout() -> dict[str, Any]:
     statistics = record["statistics"].names or ()
     return {
         "status": word_terms(("statistics", "status")),
-        "reason": word_terms(("fault", "part")),
+        "part": word_terms(("fault", "part")),
         "time": word_terms(("step", "time")),
         "impulses": word_terms(("quadrature", "computed")),
         "loads": word_terms(("loads",)),

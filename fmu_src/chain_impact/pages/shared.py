@@ -25,7 +25,7 @@ from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene import angles, bodies, chain_tables, names, reading, unit_text
+from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
 from chain_impact.scene.contents import PARALLEL
 from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.signal import FORMS, SHAPES
@@ -54,10 +54,10 @@ def shared() -> dict[str, Any]:
             for unit, word in angles.DEGREES.items()
         },
         "nearest": {
-            "NUMBER": names.NUMBER.pattern,
-            "LIKE_NAME": names.LIKE_NAME,
-            "SAME_LAST": names.SAME_LAST,
-            "LIKE_LAST": names.LIKE_LAST,
+            "NUMBER": similar_names.NUMBER.pattern,
+            "LIKE_NAME": similar_names.LIKE_NAME,
+            "SAME_LAST": similar_names.SAME_LAST,
+            "LIKE_LAST": similar_names.LIKE_LAST,
         },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},

@@ -15,8 +15,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import TextTable, as_html, as_text, plural, prefixed
-from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, names_matching
+from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass, replace
 
+from chain_impact.scene.default_rules import CARRIAGE, CONTACT_RADIUS, MIDDLE, ROD
 from chain_impact.scene.key_rules import IDENTIFIER, quantity
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import refusal
-from chain_impact.scene.rules import CARRIAGE, CONTACT_RADIUS, MIDDLE, ROD
 
 MAX_LINKS = 1000
 CORNERS = 4  # number of corners of a box

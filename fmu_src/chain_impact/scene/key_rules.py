@@ -34,7 +34,7 @@ class KeyRules(TypedDict, total=False):
     per_link: bool  # the list has one value for each link
     entries: tuple[int, int]  # lowest and highest number of entries of a list
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
-    alone: bool  # `with_values` changes it without reading the whole scene again, see numbers.py
+    alone: bool  # `with_values` changes it without reading the whole scene again, see fast_values.py
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
     # name of another key, of the same table or as "table.key"; the file that this key names is one more

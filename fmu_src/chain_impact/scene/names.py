@@ -7,9 +7,7 @@ the base.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Collection, Mapping, Sequence
 
 DataPath = tuple[str | int, ...]
 """A path in nested tables and lists; indices of lists count from 0."""
@@ -176,7 +174,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint what to do in place of setting ``name``, which is no parameter; None if none is known.
+    """Return a hint for a name that cannot be set: what to do in its place; None if no hint is known.
 
     Args:
         name: the name.
@@ -195,70 +193,12 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint if a name that is no parameter belongs to a signal that the scene lacks; else None."""
+    """Return a hint for the name of a number of a signal, if the scene lacks the signal; else None."""
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:
         return None
     return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"
-
-
-NUMBER = re.compile(r"\[\d*\]")
-LIKE_NAME = 0.6
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name."""
-SAME_LAST = 0.45
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
-LIKE_LAST = 0.8
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with a similar last part."""
-
-
-def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
-    """Return the name that is most similar to ``name``, or None.
-
-    Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
-    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part, a name
-    with a similar last part has priority: one of [contact], else the shortest, ``contact.stiffness`` for
-    ``stifness`` and ``link[1].length`` for ``lenght``. A similarity is a number from 0 to 1. A name needs at
-    least the similarity ``at_least``; SAME_LAST if the last part is the same; LIKE_LAST for a last part.
-    """
-    every, (owner, _, last) = list(names), name.rpartition(".")
-    bare = NUMBER.sub("", name)
-    numbered = [other for other in every if other != name and NUMBER.sub("", other) == bare]
-    if numbered:
-        numbers = _numbers(name)
-        alike = [other for other in numbered if len(_numbers(other)) == len(numbers)]
-        if not alike:
-            return numbered[0]
-        return min(
-            alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
-        )
-    same = [other for other in every if owner and len(last) > 1 and other.rpartition(".")[2] == last]
-    if not owner:
-        first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
-        by_last = {other.rpartition(".")[2]: other for other in reversed(first)}
-        if alike := get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST):
-            return by_last[alike[0]]
-    found = get_close_matches(name, every, n=1, cutoff=at_least)
-    if not found or found[0] not in same:
-        found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
-    return next(iter(found), None)
-
-
-def longer(name: str, names: Iterable[str]) -> str | None:
-    """Return the shortest name that contains ``name`` as whole words, ``rod_drop`` for ``rod``; else None."""
-    words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
-    return min((known for known in names if name and words.search(known)), key=len, default=None)
-
-
-def proposed(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that a message proposes for ``name``: the nearest, else a longer one, else None."""
-    names = list(names)
-    return nearest(name, names) or longer(name, names)
-
-
-def _numbers(name: str) -> list[int]:
-    """Return the numbers in a name: 2 for ``link[2].mass``."""
-    return [int(number[1:-1] or 0) for number in NUMBER.findall(name)]
 
 
 def _dotted(path: DataPath) -> str:

@@ -13,8 +13,9 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.names import DataPath, fmu_name, nearest, other_names, path_text, proposed
+from chain_impact.scene.names import DataPath, fmu_name, other_names, path_text
 from chain_impact.scene.refusals import sentence
+from chain_impact.scene.similar_names import nearest, proposed
 from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, 0 to 1, of a key that the message on an unknown key proposes; with less, proposals are
@@ -39,7 +40,7 @@ class SceneError(ValueError):
 
     @property
     def place(self) -> DataPath:
-        """The same as ``path``, an earlier name."""
+        """The same as ``path``; version 1.0 removes this name."""
         return self.path
 
 

@@ -59,7 +59,7 @@ SENTENCES = {
     "strange_input": "= {value} is no input of the scene; {how}",
     "driven_twice": "= {value} must be driven by one signal only: {by}",
     "units": "must name inputs of one unit: {first} is in {unit}, {other} in {other_unit}",
-    "times": "and values must be of one length > 0, not {times} and {values}",
+    "times": "has {times} entries, must have as many as values, which has {values}, and at least one",
     "late": "= {value} must be > {before} [s], the time before it",
     "no_frequency": "= 0 must be > 0 where {input} is driven, which is integrated, unless there is a "
     'frequency_rate; give form = "constant"',

@@ -21,6 +21,7 @@ from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.contents import Contents, named_point_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
+from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
@@ -31,10 +32,9 @@ from chain_impact.scene.names import (
     other_names,
     parameter_hint,
     path_text,
-    proposed,
 )
-from chain_impact.scene.numbers import with_numbers
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, value_text
+from chain_impact.scene.similar_names import proposed
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
 

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
 from chain_impact.scene.key_rules import NO_KEY, quantity
-from chain_impact.scene.names import INPUTS_OF, is_like, nearest
+from chain_impact.scene.names import INPUTS_OF, is_like
+from chain_impact.scene.similar_names import nearest
 
 SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of ramps, in the order of their numbers in the kernel."""

@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.names import INPUTS_OF, input_asked, input_key, nearest
+from chain_impact.scene.names import INPUTS_OF, input_asked, input_key
 from chain_impact.scene.reading import SceneError, refusal
 from chain_impact.scene.signal import FORMS, Samples, Signal
 from chain_impact.scene.signal_values import is_motion, knots_of
+from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]

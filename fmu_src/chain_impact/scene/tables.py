@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
+from chain_impact.scene.default_rules import FROM_JOINTS, MOVABLE, ZEROS, as_in_contact, with_stops
 from chain_impact.scene.key_rules import IDENTIFIER, quantity
 from chain_impact.scene.names import INPUTS_OF
-from chain_impact.scene.rules import FROM_JOINTS, MOVABLE, ZEROS, as_in_contact, with_stops
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)

@@ -33,7 +33,7 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """Return a hint how to write a decimal comma in the line of a TOML file at which a parser found a fault.
+    """Return a hint on a decimal comma in the line at which a parser found a fault in a TOML file.
 
     Returns "" if the line has none.
     """
@@ -44,7 +44,7 @@ def comma_in(text: str, fault: str) -> str:
 
 
 def likely_time(names: Iterable[str]) -> str:
-    """Return a hint that names the column that is probably the missing column ``time``; "" if none is."""
+    """Return a hint with the column that is probably the missing ``time``; "" if no column is."""
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
         said = f"; the column {name} may be meant: call it time, in seconds"

@@ -31,9 +31,10 @@ from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
-Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
+InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
+Signal = InputSource  # the name that users import
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
-Given = Mapping[str, Signal] | TableSource
+Given = Mapping[str, InputSource] | TableSource
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear"]
 """How an input acts between its samples, or between the calls of its function: see ``simulate``."""
@@ -211,7 +212,7 @@ def input_course(
     )
 
 
-def _columns(table: TableSource, stop: float) -> Mapping[str, Signal]:
+def _columns(table: TableSource, stop: float) -> Mapping[str, InputSource]:
     """Return the columns of a table of inputs, by the names of the inputs."""
     read = read_table(table)
     times, columns = samples_of(read, stop)

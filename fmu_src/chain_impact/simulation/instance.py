@@ -39,8 +39,7 @@ class SimulationError(RuntimeError):
     Attributes:
         status: the code, see ``chain_impact.kernel.status``.
         time: the time at which the solver stopped [s].
-        place: the place of the reason in words, such as a point and a wall; "" if the reason has no single
-            place.
+        place: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
         result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
     """
 
@@ -54,9 +53,9 @@ class SimulationError(RuntimeError):
         return type(self), (self.status, self.time, self.result, self.place)
 
 
-def fault_text(status: int, reason: str) -> str:
-    """Return the sentence for a status, with the words for the reason if there is one."""
-    return f"{STATUS_TEXT[status]}: {reason}" if reason else STATUS_TEXT[status]
+def fault_text(status: int, place: str) -> str:
+    """Return the sentence for a status, with the words for the place of the fault if there is one."""
+    return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
 
 
 class Rows(Protocol):
@@ -175,7 +174,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None, self.reason)
+            raise SimulationError(self.status, 0.0, None, self.place)
 
     def observe(self) -> int:
         """Fill the outputs of the record at the present time; return the status.
@@ -319,8 +318,8 @@ class Instance:
         return self._integers.item(self._log_at.status)
 
     @property
-    def reason(self) -> str:
-        """The words for the reason of a refusal, such as a point and a wall; "" if there is none."""
+    def place(self) -> str:
+        """The words for the part that is the reason of a fault, such as a point and a wall; "" if none is."""
         number = int(self.record["fault"]["part"])
         return parts_in_words(self.prepared.scene)[number - 1] if number else ""
 

@@ -22,7 +22,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results import animate as results
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import Signal, input_course
+from chain_impact.simulation.inputs import InputSource, input_course
 from chain_impact.simulation.instance import Instance, WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
@@ -74,7 +74,7 @@ def record_slowly(
     impact_time: float = IMPACT_TIME,
     progress: Progress | None = None,
     *,
-    inputs: Mapping[str, Signal] | None = None,
+    inputs: Mapping[str, InputSource] | None = None,
 ) -> Result:
     """Simulate a scene twice: first to find the impacts, then with dense rows near each impact.
 

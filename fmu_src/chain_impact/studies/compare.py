@@ -29,11 +29,11 @@ from chain_impact.studies.law_change import (
     LOSSLESS,
     OVERLAPS,
     contact_at,
+    contact_with_law,
     first_number,
     keeps_exponents,
     law_values,
     stiffened,
-    with_law,
 )
 from chain_impact.studies.law_runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.system import written_whole
@@ -226,7 +226,7 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
 
 def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
-    used = scene.contact if impact is None else with_law(contact_at(scene, impact), law, impact)
+    used = scene.contact if impact is None else contact_with_law(contact_at(scene, impact), law, impact)
     parameters = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
     notes = [parameters] if len(changes) > 1 else []
     result, first = None, {}

@@ -109,7 +109,7 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
     return replace(contact, **given, wall={})
 
 
-def with_law(contact: Contact, law: str, impact: np.void) -> Contact:
+def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:
     """Return a contact with another law that gives an impact the same elastic penetration."""
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:

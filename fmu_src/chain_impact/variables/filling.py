@@ -92,9 +92,9 @@ which walls the points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
-    """Return what the scenes have in common that differ from a scene only in numbers.
+    """Return the entry of the cache for the scenes that differ from this scene only in numbers.
 
-    If the cache has no such scene, the scene gets a new entry of the cache.
+    A scene without an entry gets a new one.
     """
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
@@ -315,7 +315,7 @@ def _words_of(
     layout, words, there = layout_of(*sizes), [], []
     for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
-        count = number_of(OWNERS[kind.of].over, known)
+        count = number_of(OWNERS[kind.owner_kind].over, known)
         for path in filter(None, (kind.record_path, given)):
             words += [word_index(layout, filled(path, {"at": i})) for i in range(count)]
         if count:

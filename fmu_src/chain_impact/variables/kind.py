@@ -48,8 +48,8 @@ class Kind:
     Attributes:
         name: the template of the variables' names.
         terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
-        of: the kind of owner that has such a variable: a key of ``owners.OWNERS``; "one" if the scene has
-            one such variable.
+        owner_kind: the kind of owner that has such a variable: a key of ``owners.OWNERS``; "one" if
+            the scene has one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.
         axis: x or y if the variable is a component of a vector.
@@ -65,7 +65,7 @@ class Kind:
         given_if: condition under which the path ``given`` exists; without a condition it always exists.
         derived: the rule by which the scene may derive the value, if any.
         tunable: condition under which a parameter can be set at any time.
-        trivial: a scene in which the value is equal to this number, if any, does not have the parameter.
+        absent_at: a scene in which the value is equal to this number, if any, does not have the parameter.
         if_missing: number in the record if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
@@ -80,7 +80,7 @@ class Kind:
     text: str
     record_path: DataPath
     terminal: str = ""
-    of: str = "one"
+    owner_kind: str = "one"
     heading: Heading = NO_HEADING
     axis: str = ""
     unit: str = ""
@@ -94,7 +94,7 @@ class Kind:
     given_if: str = ""
     derived: Derived | None = None
     tunable: str = ""
-    trivial: float | None = None
+    absent_at: float | None = None
     if_missing: float = 0.0
     choices: str = ""
     smooth: bool = True
@@ -107,8 +107,8 @@ class Kind:
     @cached_property
     def pattern(self) -> str:
         """The name that stands for all variables of the kind: `link[i].length`, `contact[k].<wall>.force`."""
-        name = "<name>" if self.of in OF_SIGNALS else "<wall>"
-        return self.name.format(n=LETTERS.get(self.of, "i"), of="i", name=name)
+        name = "<name>" if self.owner_kind in OF_SIGNALS else "<wall>"
+        return self.name.format(n=LETTERS.get(self.owner_kind, "i"), of="i", name=name)
 
     @cached_property
     def description(self) -> str:
@@ -123,7 +123,12 @@ class Kind:
             words: word of the templates → text for this scene; under "general" a table with texts that hold
                 for every owner.
         """
-        general = {**words, **words.get("general", {}), "n": LETTERS.get(self.of, "i"), "axis": self.axis}
+        general = {
+            **words,
+            **words.get("general", {}),
+            "n": LETTERS.get(self.owner_kind, "i"),
+            "axis": self.axis,
+        }
         text = self.text.format_map(general)
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
@@ -147,12 +152,12 @@ LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
 class Block(NamedTuple):
     """The kinds that one kind of owner has; all variables of an owner come before the next owner's."""
 
-    of: str
+    owner_kind: str
     kinds: tuple[Kind, ...]
 
 
 def block(
-    of: str,
+    owner_kind: str,
     *rows: Kind,
     prefix: str = "",
     is_terminal: bool = False,
@@ -162,17 +167,18 @@ def block(
     """Return the block of the kinds that one kind of owner has.
 
     Args:
-        of: the kind of owner.
+        owner_kind: the kind of owner.
         rows: the kinds, with names that lack the prefix.
         prefix: the first part of the names, without the dot.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
         when: conditions for all kinds, in addition to their own.
         common: other attributes that all kinds have.
     """
-    common = {"of": of, "terminal": prefix if is_terminal else "", **common}
+    common = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common}
     start = f"{prefix}." if prefix else ""
     return Block(
-        of, tuple(replace(row, name=start + row.name, when=(*when, *row.when), **common) for row in rows)
+        owner_kind,
+        tuple(replace(row, name=start + row.name, when=(*when, *row.when), **common) for row in rows),
     )
 
 

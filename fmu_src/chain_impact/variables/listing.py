@@ -34,12 +34,12 @@ _METHODS = tuple(
 
 
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
-    """Yield the parameters of the scene's FMU: those for which the scene has a value that is not trivial."""
+    """Yield the parameters of the FMU: those with a value in the scene other than ``absent_at``."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
-    for kind, owner, words in _each(PARAMETERS, structure):
+    for kind, owner, words in _owned_kinds(PARAMETERS, structure):
         path = filled(kind.path or (), owner.values)
         value = value_at(scene, path)
-        if value is not None and value != kind.trivial:
+        if value is not None and value != kind.absent_at:
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )
@@ -64,7 +64,9 @@ def inputs(structure: Structure) -> Iterator[Variable]:
 
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that all scenes of a structure ask for, including the inputs that signals drive."""
-    return (Variable.of(*arguments, variability="continuous") for arguments in _each(INPUTS, structure))
+    return (
+        Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
+    )
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
@@ -79,14 +81,14 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
     The outputs of the KEPT_STRUCTURES structures that were used last are kept, because it takes as long as a
     short simulation to make them.
     """
-    variables = (Variable.of(*arguments) for arguments in _each(OUTPUTS, structure))
+    variables = (Variable.of(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_driven(structure), *variables)}
 
 
 def _driven(structure: Structure) -> Iterator[Variable]:
     """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
     rows = structure.driven_quantities
-    for kind, owner, words in _each(INPUTS, structure) if rows else ():
+    for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():
         driven = rows.get(kind.name.format_map(words))
         if driven is not None:
             row, order = driven
@@ -112,7 +114,7 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
                 unit=quotient(of.unit, parameter.unit),
                 description=f"derivative of {of.name} with respect to {parameter.name}",
                 record_path=(BEHIND, tangent, *of.record_path, "slope", direction),
-                held=of.held,
+                base_at_rest=of.base_at_rest,
             )
 
 
@@ -135,7 +137,9 @@ def absent_hint(name: str) -> str | None:
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
 
 
-def _each(blocks: Iterable[Block], structure: Structure) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
+def _owned_kinds(
+    blocks: Iterable[Block], structure: Structure
+) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
     """Yield each kind with each owner that meets its conditions, and with the words of scene and owner."""
     scene = scene_words(structure)
     for of, kinds in blocks:

@@ -1,8 +1,9 @@
 """The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without the prefix, the unit, the description, the field of the record if its name differs,
-the nominal magnitude, and further attributes. A row with {axis} stands for two rows, one for x and one for y;
-{j} is then 0 and 1. The value references follow the order of the rows.
+A row has the name without the prefix, the unit, the description, and attributes: ``field`` of the record if its
+name differs, and those of ``Kind``. The names and units of inputs are those of ``INPUTS_OF``. A row with {axis}
+stands for two rows, one for x and one for y; {j} is then 0 and 1. The value references follow the order of the
+rows.
 """
 
 from __future__ import annotations
@@ -27,13 +28,11 @@ from chain_impact.variables.kind import (
     block,
 )
 
-COLUMNS = 6
-
 
 def _block(
     *,
     part: str,
-    of: str,
+    owner_kind: str,
     prefix: str,
     rows: str,
     names: Mapping[str, str] = MappingProxyType({}),
@@ -44,34 +43,32 @@ def _block(
 
     Args:
         part: the part of the record.
-        of: the kind of owner.
+        owner_kind: the kind of owner.
         prefix: the first part of the names.
         rows: the rows of the table. The index of the owner is appended to each field without an index.
-        names: full name → unit, if the rows have no names and no units; only names with the prefix count.
+        names: full name → unit, if the rows begin with the description; only names with the prefix count.
         array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
     kinds, head = [], f"{prefix}."
     given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
-    for number, (name, its_unit, text, field, nominal, more, axis) in enumerate(_rows(rows)):
-        member, unit = given[number] if given else (name, its_unit)
-        steps = [int(step) if step.isdecimal() else step for step in (field or member).split(".")]
-        index = [] if of in ("one", "slider") or AT in steps or NEXT in steps else [AT]
-        attributes: dict[str, Any] = {"array": f"{of}.{member}" if array else "", "nominal": nominal}
-        attributes |= dict(_attribute(attribute, unit) for attribute in more.split())
+    for number, (axis, cells) in enumerate(_rows(rows)):
+        name, unit, text, *more = (*given[number], *cells) if given else cells
+        attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
+        attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
+        name, place = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
+        steps = [int(step) if step.isdecimal() else step for step in place.split(".")]
+        index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
         path = (part, *steps, *index)
-        kinds.append(Kind(name=member, unit=unit, text=text, record_path=path, axis=axis, **attributes))
-    return block(of, *kinds, prefix=prefix, **{"is_terminal": True} | other)
+        kinds.append(Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes))
+    return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | other)
 
 
-def _rows(text: str) -> Iterator[list[str]]:
-    """Yield the cells of each row, with empty text for a missing cell, and the axis."""
+def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield the axis and the cells of each row."""
     for line in text.strip().splitlines():
-        cells = [cell.strip() for cell in line.split("|")]
-        name, unit, said, *others = cells + [""] * (COLUMNS - len(cells))
         for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
-            filled = (cell.replace("{axis}", axis).replace("{j}", str(j)) for cell in others)
-            yield [name.replace("{axis}", axis), unit, said, *filled, axis]
+            yield axis, [cell.strip().replace("{j}", str(j)) for cell in line.split("|")]
 
 
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
@@ -90,20 +87,20 @@ def _attribute(text: str, unit: str) -> tuple[str, Any]:
 INPUTS = (
     _block(
         part="given",
-        of="joint",
+        owner_kind="joint",
         prefix="joint[{n}]",
-        rows=" | | torque on link {n} from {before} | joint_torque",
+        rows="torque on link {n} from {before} | field=joint_torque",
         names=INPUTS_OF["joint_torques"],
         when=("inputs.joint_torques",),
         causality="input",
     ),
     _block(
         part="given",
-        of="joint",
+        owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        | | angle that the spring of joint {n} follows            | joint_target_angle
-        | | angular velocity that the damper of joint {n} follows | joint_target_velocity
+        angle that the spring of joint {n} follows            | field=joint_target_angle
+        angular velocity that the damper of joint {n} follows | field=joint_target_velocity
         """,
         names=INPUTS_OF["joint_targets"],
         when=("inputs.joint_targets",),
@@ -111,9 +108,9 @@ INPUTS = (
     ),
     _block(
         part="given",
-        of="slider",
+        owner_kind="slider",
         prefix="slider",
-        rows=" | | force on the carriage, along the line | slider_force.0",
+        rows="force on the carriage, along the line | field=slider_force.0",
         names=INPUTS_OF["slider_force"],
         heading=SLIDER,
         when=("inputs.slider_force",),
@@ -121,11 +118,11 @@ INPUTS = (
     ),
     _block(
         part="given",
-        of="slider",
+        owner_kind="slider",
         prefix="slider",
         rows="""
-        | | position that the spring of the slider follows | slider_target_position.0
-        | | velocity that the damper of the slider follows | slider_target_velocity.0
+        position that the spring of the slider follows | field=slider_target_position.0
+        velocity that the damper of the slider follows | field=slider_target_velocity.0
         """,
         names=INPUTS_OF["joint_targets"],
         heading=SLIDER,
@@ -134,21 +131,21 @@ INPUTS = (
     ),
     _block(
         part="given",
-        of="one",
+        owner_kind="one",
         prefix="tip",
-        rows=" | | {axis} of the force on the tip | tip_force.{j}",
+        rows="{axis} of the force on the tip | field=tip_force.{j}",
         names=INPUTS_OF["tip_force"],
         when=("inputs.tip_force",),
         causality="input",
     ),
     _block(
         part=MOTION,
-        of="one",
+        owner_kind="one",
         prefix="base",
         rows="""
-        | | {axis} of the position of the base     | position.{j}
-        | | {axis} of the velocity of the base     | velocity.{j}
-        | | {axis} of the acceleration of the base | acceleration.{j}
+        {axis} of the position of the base     | field=position.{j}
+        {axis} of the velocity of the base     | field=velocity.{j}
+        {axis} of the acceleration of the base | field=acceleration.{j}
         """,
         names=INPUTS_OF["base_motion"],
         when=("inputs.base_motion",),
@@ -156,13 +153,13 @@ INPUTS = (
     ),
     _block(
         part=MOTION,
-        of="moving wall",
+        owner_kind="moving wall",
         prefix="wall.{name}",
         rows="""
-        | | its displacement along its inward normal n | position
-        | | its velocity along its inward normal n     | velocity
-        | | its acceleration along its inward normal n | acceleration
-        | | speed of its belt along t = (n_y, -n_x)    | velocity.{next}
+        its displacement along its inward normal n | field=position
+        its velocity along its inward normal n     | field=velocity
+        its acceleration along its inward normal n | field=acceleration
+        speed of its belt along t = (n_y, -n_x)    | field=velocity.{next}
         """,
         names=INPUTS_OF["wall_motion"],
         heading=WALL,
@@ -174,24 +171,24 @@ INPUTS = (
 OUTPUTS = (
     _block(
         part="output",
-        of="point",
+        owner_kind="point",
         prefix="point[{n}]",
         rows="""
-        {axis}  | m    | {axis} of the position     | point_position.{at}.{j}     | size | array=point.position
-        v{axis} | m/s  | {axis} of the velocity     | point_velocity.{at}.{j}     | size | array=point.velocity rate_of=point_position
-        a{axis} | m/s2 | {axis} of the acceleration | point_acceleration.{at}.{j} | size | array=point.acceleration rate_of=point_velocity feedthrough
+        {axis}  | m    | {axis} of the position     | field=point_position.{at}.{j} nominal=size array=point.position
+        v{axis} | m/s  | {axis} of the velocity     | field=point_velocity.{at}.{j} nominal=size array=point.velocity rate_of=point_position
+        a{axis} | m/s2 | {axis} of the acceleration | field=point_acceleration.{at}.{j} nominal=size array=point.acceleration rate_of=point_velocity feedthrough
         """,
         heading=POINT,
         when=("outputs.points",),
     ),
     _block(
         part="output",
-        of="link",
+        owner_kind="link",
         prefix="link[{n}]",
         rows="""
         angle                | rad    | angle, absolute, from +x
-        angular_velocity     | rad/s  | angular velocity, absolute     |  |  | rate_of=angle
-        angular_acceleration | rad/s2 | angular acceleration, absolute |  |  | rate_of=angular_velocity feedthrough
+        angular_velocity     | rad/s  | angular velocity, absolute     | rate_of=angle
+        angular_acceleration | rad/s2 | angular acceleration, absolute | rate_of=angular_velocity feedthrough
         """,
         heading=LINK,
         when=("outputs.links",),
@@ -200,48 +197,48 @@ OUTPUTS = (
     ),
     _block(
         part="output",
-        of="joint",
+        owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        angle            | rad   | angle of link {n} relative to {parent}{from_x}            | joint_angle
-        angular_velocity | rad/s | angular velocity of link {n} relative to {parent}{from_x} | joint_angular_velocity |  | rate_of=joint_angle
+        angle            | rad   | angle of link {n} relative to {parent}{from_x}            | field=joint_angle
+        angular_velocity | rad/s | angular velocity of link {n} relative to {parent}{from_x} | field=joint_angular_velocity rate_of=joint_angle
         """,
         heading=JOINT,
     ),
     _block(
         part="output",
-        of="slider",
+        owner_kind="slider",
         prefix="slider",
         rows="""
-        position     | m    | position along the line, 0 at the start | slider_position     | size
-        velocity     | m/s  | velocity along the line                 | slider_velocity     | size | rate_of=slider_position
-        acceleration | m/s2 | acceleration along the line             | slider_acceleration | size | rate_of=slider_velocity feedthrough
+        position     | m    | position along the line, 0 at the start | field=slider_position nominal=size
+        velocity     | m/s  | velocity along the line                 | field=slider_velocity nominal=size rate_of=slider_position
+        acceleration | m/s2 | acceleration along the line             | field=slider_acceleration nominal=size rate_of=slider_velocity feedthrough
         """,
         heading=SLIDER,
     ),
     _block(
         part="output",
-        of="slider",
+        owner_kind="slider",
         prefix="slider",
         rows="""
-        friction_force | N | dry friction on the carriage, along the line | friction.joint_or_slider_friction.{at}   | force | feedthrough
-        sticking       | 1 | 1 while it sticks by dry friction, else 0    | friction.joint_or_slider_sticking.{at} |       | feedthrough minimum=0 maximum=1
+        friction_force | N | dry friction on the carriage, along the line | field=friction.joint_or_slider_friction.{at} nominal=force feedthrough
+        sticking       | 1 | 1 while it sticks by dry friction, else 0    | field=friction.joint_or_slider_sticking.{at} feedthrough minimum=0 maximum=1
         """,
         heading=SLIDER,
-        when=("outputs.contacts", "rubs"),
+        when=("outputs.contacts", "may_have_friction"),
     ),
     _block(
         part="output",
-        of="contact",
+        owner_kind="contact",
         prefix="contact[{n}].{name}",
         rows="""
-        force            | N   | force of the wall, along its normal                                            |                   | force    | feedthrough
-        penetration      | m   | penetration, 0 when apart                                                      |                   | depth    | minimum=0
-        penetration_rate | m/s | rate of penetration, positive when closing, 0 when apart                       |                   | size
-        impulse          | N.s | impulse of the wall since the start, along its normal                          |                   | momentum
-        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | friction.force    | force    | feedthrough when=rubs
-        friction_impulse | N.s | impulse of dry friction since the start, along t = (n_y, -n_x) of its normal n | friction.impulse  | momentum | when=rubs
-        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | friction.sticking |          | feedthrough when=rubs minimum=0 maximum=1
+        force            | N   | force of the wall, along its normal                                            | nominal=force feedthrough
+        penetration      | m   | penetration, 0 when apart                                                      | nominal=depth minimum=0
+        penetration_rate | m/s | rate of penetration, positive when closing, 0 when apart                       | nominal=size
+        impulse          | N.s | impulse of the wall since the start, along its normal                          | nominal=momentum
+        friction_force   | N   | dry friction of the wall, along t = (n_y, -n_x) of its normal n                | field=friction.force nominal=force feedthrough when=may_have_friction
+        friction_impulse | N.s | impulse of dry friction since the start, along t = (n_y, -n_x) of its normal n | field=friction.impulse nominal=momentum when=may_have_friction
+        sticking         | 1   | 1 while it sticks by dry friction, else 0                                      | field=friction.sticking feedthrough when=may_have_friction minimum=0 maximum=1
         """,
         heading=CONTACT,
         when=("outputs.contacts",),
@@ -250,116 +247,116 @@ OUTPUTS = (
     ),
     _block(
         part="output",
-        of="moving wall",
+        owner_kind="moving wall",
         prefix="wall.{name}",
         rows="""
-        position      | m | distance moved along its inward normal n         | channel
-        belt_position | m | how far its belt has moved along t = (n_y, -n_x) | channel.{next}
+        position      | m | distance moved along its inward normal n         | field=channel
+        belt_position | m | how far its belt has moved along t = (n_y, -n_x) | field=channel.{next}
         """,
         heading=WALL,
         when=("outputs.contacts",),
     ),
     _block(
         part="output",
-        of="stop",
+        owner_kind="stop",
         prefix="joint[{n}]",
         rows="""
-        stop_moment      | N.m   | moment of its stops, positive at joint_min                  | force       | stop moment | feedthrough
-        stop_penetration | rad   | angle beyond a stop, 0 when apart                           | penetration | stop depth  | minimum=0
-        stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | impulse     | energy
+        stop_moment      | N.m   | moment of its stops, positive at joint_min                  | field=force nominal=stop_moment feedthrough
+        stop_penetration | rad   | angle beyond a stop, 0 when apart                           | field=penetration nominal=stop_depth minimum=0
+        stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | field=impulse nominal=energy
         """,
         heading=JOINT,
         when=("outputs.contacts",),
     ),
     _block(
         part="output",
-        of="rubbing joint",
+        owner_kind="joint with friction",
         prefix="joint[{n}]",
         rows="""
-        friction_moment | N.m | moment of dry friction on link {n}        | friction.joint_or_slider_friction   | energy | feedthrough
-        sticking        | 1   | 1 while it sticks by dry friction, else 0 | friction.joint_or_slider_sticking |        | feedthrough minimum=0 maximum=1
+        friction_moment | N.m | moment of dry friction on link {n}        | field=friction.joint_or_slider_friction nominal=energy feedthrough
+        sticking        | 1   | 1 while it sticks by dry friction, else 0 | field=friction.joint_or_slider_sticking feedthrough minimum=0 maximum=1
         """,
         heading=JOINT,
         when=("outputs.contacts",),
     ),
     _block(
         part="output",
-        of="one",
+        owner_kind="one",
         prefix="energy",
         rows="""
-        kinetic    | J | kinetic energy                                                         |                     | energy | minimum=0
-        potential  | J | potential energy of gravity, zero at the origin                        |                     | energy
-        elastic    | J | energy stored in the contacts and in the springs of joints             |                     | energy
-        dissipated | J | energy lost in {losses} since the start                                |                     | energy
-        supplied   | J | energy supplied by the inputs and by drives of joints since the start  |                     | energy | when=supply
-        total      | J | kinetic, potential and elastic energy                                  |                     | energy
-        friction   | J | energy lost in dry friction since the start, part of energy.dissipated | friction.dissipated | energy | when=friction
+        kinetic    | J | kinetic energy                                                         | nominal=energy minimum=0
+        potential  | J | potential energy of gravity, zero at the origin                        | nominal=energy
+        elastic    | J | energy stored in the contacts and in the springs of joints             | nominal=energy
+        dissipated | J | energy lost in {losses} since the start                                | nominal=energy
+        supplied   | J | energy supplied by the inputs and by drives of joints since the start  | nominal=energy when=supply
+        total      | J | kinetic, potential and elastic energy                                  | nominal=energy
+        friction   | J | energy lost in dry friction since the start, part of energy.dissipated | field=friction.dissipated nominal=energy when=friction
         """,
         when=("outputs.energies",),
         is_terminal=False,
     ),
     _block(
         part="output",
-        of="joint",
+        owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | load.{axis}         | momentum | feedthrough
-        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | load.moment         | energy   | feedthrough
-        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | load.impulse_{axis} | momentum
-        peak_force     | N   | largest force of {parent} on link {n} since the start                     | load.peak           | momentum | minimum=0
+        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | field=load.{axis} nominal=momentum feedthrough
+        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | field=load.moment nominal=energy feedthrough
+        impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | field=load.impulse_{axis} nominal=momentum
+        peak_force     | N   | largest force of {parent} on link {n} since the start                     | field=load.peak nominal=momentum minimum=0
         """,
         heading=JOINT,
         when=("outputs.loads",),
     ),
     _block(
         part="output",
-        of="slider",
+        owner_kind="slider",
         prefix="slider",
         rows="""
-        reaction | N   | force of the line on the carriage, along its left normal | slider_reaction | momentum | feedthrough
-        moment   | N.m | moment of the line on the carriage                       | slider_moment   | energy   | feedthrough
+        reaction | N   | force of the line on the carriage, along its left normal | field=slider_reaction nominal=momentum feedthrough
+        moment   | N.m | moment of the line on the carriage                       | field=slider_moment nominal=energy feedthrough
         """,
         heading=SLIDER,
         when=("outputs.loads",),
     ),
     _block(
         part="output",
-        of="touched wall",
+        owner_kind="touched wall",
         prefix="wall.{name}",
         rows="""
-        load.{axis} | N   | {axis} of the force of the chain on the wall   | load.{axis} | momentum | feedthrough
-        load_moment | N.m | moment of the chain on the wall, about {about} | load.moment | energy   | feedthrough
+        load.{axis} | N   | {axis} of the force of the chain on the wall   | field=load.{axis} nominal=momentum feedthrough
+        load_moment | N.m | moment of the chain on the wall, about {about} | field=load.moment nominal=energy feedthrough
         """,
         heading=WALL,
         when=("outputs.loads",),
     ),
     _block(
         part="impact",
-        of="one",
+        owner_kind="one",
         prefix="impact",
         rows="""
-        count      |     | impacts since the start                                         |  |  | minimum=0
+        count      |     | impacts since the start                                         | minimum=0
         last_time  | s   | time of the last impact, of the start before the first
-        last_point |     | point of the last impact, -1 before the first{its_joint}        |  |  | minimum=-1 maximum=points
-        last_wall  |     | wall of the last impact: {wall_numbers}                         |  |  | minimum=0 maximum=walls
-        last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} |  |  | minimum=0
+        last_point |     | point of the last impact, -1 before the first{its_joint}        | minimum=-1 maximum=points
+        last_wall  |     | wall of the last impact: {wall_numbers}                         | minimum=0 maximum=walls
+        last_speed | m/s | approach speed at the last impact, 0 before the first{in_rad_s} | minimum=0
         """,
         is_terminal=False,
     ),
     _block(
         part="latest",
-        of="impact",
+        owner_kind="impact",
         prefix="impact[{n}]",
         rows="""
         time             | s   | time of its onset, 0 if there is none
-        point            |     | point, -1 if there is none{its_joint}                                 |  |          | minimum=-1 maximum=points
-        wall             |     | wall: {wall_numbers_if_any}                                           |  |          | minimum=0 maximum=walls
-        speed            | m/s | approach speed at its onset{in_rad_s}                                 |  | size     | minimum=0
+        point            |     | point, -1 if there is none{its_joint}                                 | minimum=-1 maximum=points
+        wall             |     | wall: {wall_numbers_if_any}                                           | minimum=0 maximum=walls
+        speed            | m/s | approach speed at its onset{in_rad_s}                                 | nominal=size minimum=0
         end              | s   | time of its end, the present time if it lasts
-        separation_speed | m/s | speed from the wall at its end, the present one if it lasts{in_rad_s} |  | size
-        peak_force       | N   | largest force so far, 0 for an impulse of a rigid wall{in_n_m}        |  | force    | minimum=0 feedthrough
-        max_penetration  | m   | largest penetration so far{in_rad}                                    |  | depth    | minimum=0
-        impulse          | N.s | impulse of the wall so far{in_n_m_s}                                  |  | momentum
+        separation_speed | m/s | speed from the wall at its end, the present one if it lasts{in_rad_s} | nominal=size
+        peak_force       | N   | largest force so far, 0 for an impulse of a rigid wall{in_n_m}        | nominal=force minimum=0 feedthrough
+        max_penetration  | m   | largest penetration so far{in_rad}                                    | nominal=depth minimum=0
+        impulse          | N.s | impulse of the wall so far{in_n_m_s}                                  | nominal=momentum
         """,
         heading=IMPACT,
         array=True,
@@ -367,14 +364,14 @@ OUTPUTS = (
     ),
     _block(
         part="statistics",
-        of="one",
+        owner_kind="one",
         prefix="solver",
         rows="""
-        steps           |  | accepted steps of the solver                         |  |  | minimum=0
-        rejected_steps  |  | rejected steps of the solver                         |  |  | minimum=0
-        rhs_evaluations |  | evaluations of the equations of motion by the solver |  |  | minimum=0
-        implicit_steps  |  | accepted implicit steps                              |  |  | minimum=0
-        status          |  | status of the solver: {statuses}                     |  |  | minimum=0 maximum=most_status
+        steps           |  | accepted steps of the solver                         | minimum=0
+        rejected_steps  |  | rejected steps of the solver                         | minimum=0
+        rhs_evaluations |  | evaluations of the equations of motion by the solver | minimum=0
+        implicit_steps  |  | accepted implicit steps                              | minimum=0
+        status          |  | status of the solver: {statuses}                     | minimum=0 maximum=most_status
         """,
         when=("outputs.solver",),
         is_terminal=False,

@@ -66,7 +66,7 @@ FACTS = {
 """Name → each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
 ``inputs.tip_force``; a list of names counts as its length."""
 LISTS = {
-    "links": "jointed: a joint holds it; dry: this joint has dry friction",
+    "links": "jointed: a joint holds it; has_friction: this joint has dry friction",
     "sites": "points of links; link and entry: indices; corner: of a box, from 1, or 0; label",
     "candidates": "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, "
     "a joint's stop has none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop",
@@ -104,10 +104,10 @@ CONDITIONS = {
 """Conditions of a scene, beside its facts and lists; a rule may name conditions before it."""
 OWN_CONDITIONS = {
     "has_target": "the target of the joint's spring is an input",
-    "rests": "the target of the joint's or slider's spring is a parameter",
-    "rubs": "the joint, slider or contact may have dry friction",
-    "placed": "the file has the point; it is no corner of a box",
-    "held": "the point is a base that cannot move",
+    "target_is_parameter": "the target of the joint's or slider's spring is a parameter",
+    "may_have_friction": "the joint, slider or contact may have dry friction",
+    "in_file": "the file has the point; it is no corner of a box",
+    "base_at_rest": "the point is a base that cannot move",
 }
 """Name → meaning of the conditions of owners. None has the name of a condition of scenes."""
 COUNTS_OF = {
@@ -129,8 +129,8 @@ class Owners:
 
     Attributes:
         over: the list whose members are the owners, or their number.
-        has: the rule by which a member is an owner. Of members with equal ``n``, ``of`` and name, only the
-            first is an owner.
+        has: the rule by which a member is an owner. Only the first of members with equal ``n``, ``of``
+            and name is an owner: the two stops of joint 2 are one owner.
         numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
             of its link. ``order`` is the index of the member in the list.
         conditions: name in OWN_CONDITIONS → rule by which an owner meets the condition.
@@ -150,34 +150,37 @@ OWNERS = {
         numbers=_COUNTED,
         conditions={
             "has_target": "inputs.joint_targets and jointed",
-            "rests": "not has_target",
-            "rubs": "dry",
+            "target_is_parameter": "not has_target",
+            "may_have_friction": "has_friction",
         },
     ),
     "point": Owners(
         over="links + sites + 1",
         numbers={"n": "order", "at": "order"},
-        conditions={"held": "pinned and not inputs.base_motion and not order"},
+        conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
     "joint": Owners(over="links", has="jointed", numbers=_COUNTED),
-    "rubbing joint": Owners(over="links", has="dry", numbers=_COUNTED),
+    "joint with friction": Owners(over="links", has="has_friction", numbers=_COUNTED),
     # the record has the outputs of both stops of a joint at the first of them
     "stop": Owners(over="candidates", has="at_joint", numbers={"at": "order"}),
     "contact": Owners(
         over="candidates",
         has="not at_joint",
         numbers={"at": "order"},
-        conditions={"rubs": "contact_friction and not stop"},
+        conditions={"may_have_friction": "contact_friction and not stop"},
     ),
     "site": Owners(
         over="sites",
         numbers={"n": "entry + 1", "of": "link + 1", "at": "order"},
-        conditions={"placed": "not corner"},
+        conditions={"in_file": "not corner"},
     ),
     "slider": Owners(
         over="slider",
         numbers={"at": "links"},
-        conditions={"rests": "not inputs.joint_targets", "rubs": "slider_friction"},
+        conditions={
+            "target_is_parameter": "not inputs.joint_targets",
+            "may_have_friction": "slider_friction",
+        },
     ),
     "line": Owners(over="lines", numbers={"at": "order"}),
     # where points may touch, each wall that exists has a material

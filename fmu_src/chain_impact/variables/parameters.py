@@ -68,7 +68,7 @@ def _parameter(
     )
 
 
-def _of(
+def _of_table(
     table: type,
     *,
     path: DataPath,
@@ -110,13 +110,13 @@ PARAMETERS = (
     ),
     block(
         "link",
-        *_of(
+        *_of_table(
             Link,
             path=("chain", "links", AT, KEY),
             record_path=("model", KEY, AT),
             names=[key for key in _rules(Link) if key not in ("points", "shape")],
             height={"if_missing": 0.0, "hint": HAS_ONE},
-            center_of_mass_offset={"trivial": 0.0, "hint": HAS_ONE},
+            center_of_mass_offset={"absent_at": 0.0, "hint": HAS_ONE},
             center_of_mass={"given": ("model", "given_center_of_mass", AT)},
             inertia={"given": ("model", "given_inertia", AT)},
             joint_damping={"record_path": ("given", "joint_damping", AT), "tunable": "has_target"},
@@ -124,11 +124,11 @@ PARAMETERS = (
             joint_rest_angle={
                 "record_path": ("given", "joint_target_angle", AT),
                 "tunable": "has_target",
-                "when": ("rests",),
+                "when": ("target_is_parameter",),
                 "hint": HAS_TARGET,
             },
-            joint_friction={"when": ("rubs",), "hint": HAS_FRICTION},
-            joint_armature={"trivial": 0.0, "hint": HAS_ONE},
+            joint_friction={"when": ("may_have_friction",), "hint": HAS_FRICTION},
+            joint_armature={"absent_at": 0.0, "hint": HAS_ONE},
             joint_torque_limit={"if_missing": math.inf, "hint": HAS_ONE},
             joint_min={"if_missing": -math.inf},
             joint_max={"if_missing": math.inf},
@@ -137,7 +137,7 @@ PARAMETERS = (
     ),
     block(
         "site",
-        *_of(
+        *_of_table(
             Site,
             path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
             record_path=("site", KEY, AT),
@@ -145,20 +145,20 @@ PARAMETERS = (
             radius={"given": ("site", "given_radius", AT)},
         ),
         heading=SITE,
-        when=("placed",),
+        when=("in_file",),
     ),
     block(
         "slider",
-        *_of(
+        *_of_table(
             Slider,
             path=("chain", "slider", KEY),
             record_path=("slider", KEY),
             rest_position={
                 "record_path": ("given", "slider_target_position", 0),
-                "when": ("rests",),
+                "when": ("target_is_parameter",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
-            friction={"when": ("rubs",), "hint": HAS_FRICTION},
+            friction={"when": ("may_have_friction",), "hint": HAS_FRICTION},
             min={"if_missing": -math.inf},
             max={"if_missing": math.inf},
             force_limit={"if_missing": math.inf, "hint": HAS_ONE},
@@ -176,7 +176,7 @@ PARAMETERS = (
         *(
             kind
             for w, wall in enumerate(WALLS)
-            for kind in _of(
+            for kind in _of_table(
                 Box,
                 path=("box", KEY),
                 record_path=("model", "wall", w),
@@ -188,13 +188,13 @@ PARAMETERS = (
     block(
         "line",
         *_vector(Wall, path=("walls", AT, "point"), record_path=("walls", AXIS, AT), text="{axis} of {}"),
-        *_of(Wall, path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
+        *_of_table(Wall, path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
         heading=LINE,
         when=("contacts",),
     ),
     block(
         "one",
-        *_of(
+        *_of_table(
             Contact,
             path=("contact", KEY),
             record_path=("given", "law"),
@@ -204,7 +204,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_of(
+        *_of_table(
             Contact,
             path=("contact", KEY),
             record_path=("contact", KEY),
@@ -213,7 +213,7 @@ PARAMETERS = (
             restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},
         ),
-        *_of(
+        *_of_table(
             Contact,
             path=("contact", KEY),
             record_path=("given", KEY),
@@ -225,7 +225,7 @@ PARAMETERS = (
     ),
     block(
         "material",
-        *_of(
+        *_of_table(
             Material,
             path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
@@ -239,7 +239,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_of(
+        *_of_table(
             Stops,
             path=("stops", KEY),
             record_path=("stops", KEY),
@@ -288,13 +288,13 @@ PARAMETERS = (
     ),
     block(
         "signal",
-        *_of(
+        *_of_table(
             Signal,
             path=("signals", "{name}", KEY),
             record_path=("signal", KEY, AT),
             names=("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
         ),
-        *_of(
+        *_of_table(
             Signal,
             path=("signals", "{name}", KEY),
             record_path=("signal", KEY, AT),
@@ -318,10 +318,10 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_of(Solver, path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}),
+        *_of_table(Solver, path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}),
         smooth=False,
     ),
 )
 """The parameters."""
-EXPERIMENT = _of(Simulation, path=("simulation", KEY), record_path=())
+EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
 """Values that can be changed in addition to parameters; the record does not contain them."""

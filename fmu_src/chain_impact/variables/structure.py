@@ -63,7 +63,7 @@ class Structure:
 def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
     chain, pairs, signals = scene.chain, candidates(scene), driven_by(scene)
-    joints, dry, parts = chain.joints, scene.friction_joints, Parts(scene, pairs, signals)
+    joints, with_friction, parts = chain.joints, scene.friction_joints, Parts(scene, pairs, signals)
     facts = {
         **_flags("inputs", scene.inputs),
         **_flags("outputs", scene.outputs),
@@ -71,7 +71,10 @@ def structure_of(scene: Scene) -> Structure:
     }
     at_walls = facts["pairs"]
     lists: dict[str, list[dict[str, Any]]] = {
-        "links": [{"jointed": n in joints, "dry": n in dry} for n in range(1, len(chain.links) + 1)],
+        "links": [
+            {"jointed": n in joints, "has_friction": n in with_friction}
+            for n in range(1, len(chain.links) + 1)
+        ],
         "sites": [
             {"link": i, "entry": j, "corner": j + 1 if j < link.corners else 0, "label": site.name}
             for i, link in enumerate(chain.links)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.scene.key_rules import Derived, allowed
 from chain_impact.scene.names import DataPath
-from chain_impact.scene.numbers import LARGEST_NUMBER
 from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 
@@ -50,7 +50,7 @@ class Variable:
         minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
-        held: whether the variable belongs to point 0 of a pinned base at rest, which cannot move.
+        base_at_rest: whether the variable belongs to point 0 of a pinned base that no input moves.
         terminal: the variable's terminal in FMI 3.0, "" for none.
         known: words of the scene, for the description of all variables of the kind.
     """
@@ -67,7 +67,7 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     items: tuple[Item, ...] = ()
-    held: bool = False
+    base_at_rest: bool = False
     terminal: str = ""
     known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
@@ -88,7 +88,7 @@ class Variable:
             record_path=filled(kind.record_path, owner.values),
             minimum=words.get(kind.minimum, kind.minimum),
             maximum=words.get(kind.maximum, kind.maximum),
-            held=owner.conditions.get("held", False),
+            base_at_rest=owner.conditions.get("base_at_rest", False),
             terminal=kind.terminal and kind.terminal.format_map(words),
             known=words,
             **{"variability": "continuous" if changing else "discrete"} | other,
@@ -127,7 +127,7 @@ class Variable:
         True for forces and peaks of forces, for accelerations of points that can move, and for derivatives of
         these outputs: at a rigid wall or with dry friction, a torque changes the force at once.
         """
-        return self.kind.feedthrough and not self.held
+        return self.kind.feedthrough and not self.base_at_rest
 
     @property
     def field(self) -> str:

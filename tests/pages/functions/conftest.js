@@ -10,5 +10,5 @@ export const runInPage = async ({ module, file, kit, values, stop, step }) => {
   const impacts = run.impacts.map((impact) =>
     Object.fromEntries(Object.entries(impact).map(([name, value]) => [name, String(value)])));
   return { ...run, impacts, time: textsOf([run.time]), columns: textsOf(run.columns), names: scene.columns,
-    reasons: scene.reasons };
+    partsInWords: scene.partsInWords };
 };

@@ -176,7 +176,8 @@ def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
         ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
-        # row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x
+        # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In the
+        # piece x is between -1 and 1, so that the powers of a short or late piece lose no digits.
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece

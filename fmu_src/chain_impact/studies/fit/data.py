@@ -11,9 +11,9 @@ from typing import cast
 import numpy as np
 
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, names_matching, value_text
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.text_file import likely_time
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES

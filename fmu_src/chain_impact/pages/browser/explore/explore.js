@@ -67,9 +67,9 @@ function withSteadyView(next) {
 }
 
 /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
-function sentenceOf({ status, reason, reached }, hasMotion) {
+function sentenceOf({ status, part, reached }, hasMotion) {
   if (status === 0) return "";
-  const text = [SHARED.kernel.STATUS_TEXT[status], changes.scene.reasons[reason - 1]].filter(Boolean).join(": ");
+  const text = [SHARED.kernel.STATUS_TEXT[status], changes.scene.partsInWords[part - 1]].filter(Boolean).join(": ");
   return hasMotion ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 

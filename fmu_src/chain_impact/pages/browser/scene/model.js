@@ -2,8 +2,9 @@
 // `kit.py`.
 
 import { mapped } from "../base/mapped.js";
+import { range } from "../base/range.js";
 import { pointText, sumOf, wallsAt } from "./geometry.js";
-import { filled, range, rowsOfOwners, structureOf } from "./owners.js";
+import { filled, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
@@ -46,14 +47,14 @@ function drawnOf(kit, known, outputs) {
 }
 
 /**
- * Return the parameters of a scene in the form of the page: of `rows` those with a value in the scene that is not trivial, then
+ * Return the parameters of a scene in the form of the page: of `rows` those with a value in the scene other than `absentAt`, then
  * all `others` (inputs and times).
  */
 function parametersOf(rows, others, values, { known }, byName) {
-  const shown = rows.filter(({ name, has, trivial }) => has && values.has(name) && values.get(name).number !== trivial);
+  const shown = rows.filter(({ name, has, absentAt }) => has && values.has(name) && values.get(name).number !== absentAt);
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...others].map((parameter) => {
-    const { name, owner, given, givenIf, word, rule, number, of, path, has, when, trivial, missing, ...row } = parameter;
+    const { name, owner, given, givenIf, word, rule, number, ownerKind, path, has, when, absentAt, missing, ...row } = parameter;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const index = word ? wordIndex(given && known[givenIf] ? given : word, known, owner.at) : -1;
@@ -63,8 +64,8 @@ function parametersOf(rows, others, values, { known }, byName) {
   });
 }
 
-/** Return the words for the reasons of a refusal: each candidate, each link, and the base at each wall. */
-function reasonsOf({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
+/** Return the words for each part that can be the reason of a fault: each candidate, each link, and the base at each wall. */
+function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
     ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
@@ -126,6 +127,6 @@ export function describe(kit, file, command) {
     parameters: parametersOf(rows, [...inputs, ...times], values, structure, byName),
     columns,
     drawn: drawnOf(kit, known, outputs),
-    reasons: reasonsOf(structure, new Map(pointNames)),
+    partsInWords: partsInWords(structure, new Map(pointNames)),
   };
 }

@@ -2,12 +2,10 @@
 // tables of `owners.py`.
 
 import { mapped } from "../base/mapped.js";
+import { range } from "../base/range.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
-
-/** Return the numbers from 0 to length − 1. */
-export const range = (length) => Array.from({ length }, (_, k) => k);
 
 /** Return the structure of a scene, as `structure.py`, and the parts of the scene from which it follows. */
 export function structureOf(file, kit) {
@@ -28,7 +26,7 @@ function listsOf({ file: { chain, walls, inputs }, driven, sites, sliderStops, s
   return {
     links: chain.links.map(({ joint_friction: friction }, k) => {
       const jointed = chain.base !== "free" || k > 0;
-      return { jointed, dry: jointed && friction > 0 };
+      return { jointed, has_friction: jointed && friction > 0 };
     }),
     sites: sites.map(({ link, entry, corner = 0, name }) => ({ link, entry, corner, label: name })),
     candidates: [
@@ -60,7 +58,7 @@ function factsOf({ file, driven, mayTouch, sliderStops, stops, existingWalls, pa
     slider: base === "slider",
     skewed: links.some(({ center_of_mass_offset: offset }) => offset !== 0),
     contact_friction: mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 || hasOwnFriction),
-    joint_friction: lists.links.some(({ dry }) => dry),
+    joint_friction: lists.links.some(({ has_friction }) => has_friction),
     slider_friction: slider?.friction > 0,
     own_stop_law: Boolean(file.stops.model),
     has_limits: slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined),
@@ -117,8 +115,9 @@ export function filled(text, { n, of, name }) {
 
 /** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */
 export function rowsOfOwners(groups, { owners, known }) {
-  return groups.flatMap(({ of, rows }) => owners[of].flatMap((owner) => {
+  return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...known, ...owner };
-    return rows.map((row) => ({ ...row, of, owner, name: filled(row.name, owner), has: row.when.every((condition) => here[condition]) }));
+    return rows.map((row) =>
+      ({ ...row, ownerKind, owner, name: filled(row.name, owner), has: row.when.every((condition) => here[condition]) }));
   }));
 }

@@ -1,6 +1,7 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
-import { numberIn, range } from "./owners.js";
+import { range } from "../base/range.js";
+import { numberIn } from "./owners.js";
 import { BOX_WALLS } from "./geometry.js";
 import { putSignals } from "./signals.js";
 
@@ -49,10 +50,10 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
     each(name, range(BOX_WALLS.length + known.candidates).map(() => -1)));
   put("stop_law", kit.laws.indexOf(file.stops.model) + 1);
-  for (const { name, of, word, given, givenIf, type, owner, missing } of rows) {
-    const value = values.get(name) ?? (of === "link" || of === "slider" ? { number: Number(missing) } : null);
-    if (!value || (of === "line" && !mayTouch)) continue;
-    if (of === "line" && owner.at >= known.candidates) throw new RangeError(`walls: the record has room for ${known.candidates}`);
+  for (const { name, ownerKind, word, given, givenIf, type, owner, missing } of rows) {
+    const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(missing) } : null);
+    if (!value || (ownerKind === "line" && !mayTouch)) continue;
+    if (ownerKind === "line" && owner.at >= known.candidates) throw new RangeError(`walls: the record has room for ${known.candidates}`);
     write(word, value.number, type === "real", owner.at);
     if (given && known[givenIf]) write(given, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }

@@ -140,7 +140,7 @@ export class Kernel {
       this.integers[this.scene.layout.inputsChanged] = BigInt(SHARED.kernel.REINITIALIZE);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
-    const reason = Number(this.integers[this.scene.layout.reason]);
+    const part = Number(this.integers[this.scene.layout.part]);
     const statistics = Object.fromEntries(
       Object.entries(this.scene.layout.statistics).map(([name, word]) => [name, Number(this.integers[word])]));
     if (status === 0 || done > 0) impacts.push(...this.#unfinished());
@@ -148,7 +148,7 @@ export class Kernel {
     impacts.sort((a, b) => a.onset - b.onset || a.point - b.point || a.wall - b.wall);
     return {
       status,
-      reason,
+      part,
       reached,
       statistics,
       impacts,

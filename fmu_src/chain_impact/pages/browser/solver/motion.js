@@ -131,9 +131,9 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const firstTimes = scene.driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
   const first = yield* run(0, firstTimes, scene.driven, Math.ceil(firstTimes.length / PARTS));
   const spent = performance.now() - began;
-  const { status, reason, reached, statistics, impacts } = first;
+  const { status, part, reached, statistics, impacts } = first;
   const end = status === 0 ? stop : Math.min(reached, stop);
-  const ending = { status, reason, reached, statistics, impacts, spent };
+  const ending = { status, part, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
 
   const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);

@@ -4,7 +4,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene
 from chain_impact.scene import scene as module
-from chain_impact.scene.numbers import with_numbers
+from chain_impact.scene.fast_values import with_numbers
 
 MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "rod_drop")
 
