@@ -21,6 +21,8 @@ RECORDING = (
     "solver/motion.js",
     "player/packed_recording.js",
     "drawing/arrow_scale.js",
+    "drawing/label_positions.js",
+    "drawing/trace.js",
     "charts/curve_charts.js",
     "base/nearest.js",
     "base/ticks.js",

@@ -46,6 +46,20 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("#pins tbody tr").count() == 3
 
 
+def test_letters_of_pins_are_beside_each_other_where_the_tips_are_at_one_place(show):
+    page = show()
+    for value in (0.4, 0.6):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    page.locator("#scrub").fill("0")
+    until(page, "document.getElementById('time').textContent === '0.00000 s'")
+    dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before), #scene .tip").all()]
+    assert len(dots) == 3
+    for one, other in itertools.combinations(dots, 2):
+        assert abs(one["x"] - other["x"]) > 10.0, "half of the letter's dot is free at least"
+
+
 def test_a_carriage_has_one_size_in_all_motions(show):
     page = show("cart_pole")
     page.evaluate("chainImpact.show({'link[1].length': 0.9})")

@@ -19,6 +19,9 @@ from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 LENGTHS = function_of("drawing", "lengths")
+RINGS = function_of("drawing", "ringsAndNumbers")
+"""The middles of the rings, in the order of their impacts, and of their numbers."""
+SELECTED = "getSelection().toString()"
 RULER = """() => [...document.querySelectorAll('.ruler-text')].map((text) =>
   [text.textContent, text.x.baseVal[0].value - document.querySelector('.ruler').x1.baseVal.value])"""
 ON_OTHERS = function_of("drawing", "onOthers")
@@ -205,6 +208,61 @@ def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show_recording, mode
     assert {"#1", "#2", "#3"} <= numbers
 
 
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+def test_the_number_of_an_impact_is_at_its_own_ring(show_recording, viewport):
+    recording = record_slowly("thrown_brick")
+    page, seen = show_recording(recording, viewport=viewport), set()
+    onsets = recording.impacts["onset"]
+    for time in onsets[1:6] + 2e-3:
+        go_to(page, time)
+        rings, numbers = page.evaluate(RINGS)
+        recent = np.flatnonzero((onsets <= time) & (onsets > time - 0.25)) + 1
+        assert len(rings) == len(recent)
+        for text, middle in numbers:
+            apart = [math.dist(middle, ring) for ring in rings]
+            own = apart[list(recent).index(int(text[1:]))]
+            assert own < min(apart) + 12.0, "rings that are nearer to each other count as one"
+            seen.add(text)
+    assert len(seen) > 1
+
+
+def test_a_drag_in_the_drawing_selects_no_text(show_recording):
+    page = show_recording()
+    box = page.locator("#view").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] - 20)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 10, box["y"] + 8, steps=4)
+    page.mouse.up()
+    assert page.evaluate(SELECTED) == ""
+
+
+def test_a_label_avoids_the_trace_if_another_place_is_near(script):
+    """The trace goes along y = 50 until the frame 2, and then upwards from its right end."""
+    trace = {"frames": [0, 2, 4], "positions": [[0, 50], [90, 50], [90, 5]]}
+    for box, frame, found in (
+        ([30, 45, 60, 55], 2, True),
+        ([30, 45, 60, 55], 1, False),
+        ([85, 10, 95, 20], 2, False),
+        ([85, 10, 95, 20], 4, True),
+        ([30, 60, 60, 70], 4, False),
+    ):
+        assert (
+            script.evaluate("([trace, ...at]) => traceFinder(trace, 100)(...at)", [trace, box, frame])
+            is found
+        )
+    place = """([left, candidates]) => {
+      const space = new LabelSpace(100, 100, 0);
+      space.avoid(([x]) => x < left);
+      return space.findPosition("1", 10, candidates.map((at) => ({ at, anchor: "start" }))).at;
+    }"""
+    candidates = [[10, 50], [60, 50], [70, 50]]
+    assert [script.evaluate(place, [left, candidates]) for left in (0, 20, 99)] == [
+        candidates[0],
+        candidates[1],
+        candidates[0],
+    ]
+
+
 def test_a_number_stays_beside_its_point_also_of_a_body_that_is_small_on_a_phone(show_recording):
     recording = record_slowly("thrown_brick")
     page, seen = show_recording(recording, viewport=PHONE), 0
@@ -216,10 +274,16 @@ def test_a_number_stays_beside_its_point_also_of_a_body_that_is_small_on_a_phone
     assert seen > 4
 
 
-def test_ruler_and_scale_bar_are_apart_on_a_phone(show_recording):
-    page = show_recording(viewport=PHONE)
+@pytest.mark.parametrize("viewport", [PHONE, ON_ITS_SIDE])
+@pytest.mark.parametrize("model", ["thrown_brick", "cart_pole", "pinned_arm"])
+def test_the_ruler_of_forces_has_two_numbers_and_its_name_apart_from_the_scale_bar(
+    show_recording, model, viewport
+):
+    page = show_recording(record_slowly(model), viewport=viewport)
     press(page, "Shift+ArrowRight")
     assert page.evaluate(ON_OTHERS) == []
+    assert len(page.evaluate(RULER)) > 1
+    assert page.text_content(".ruler-name").startswith("force")
 
 
 def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):

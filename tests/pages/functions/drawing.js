@@ -16,6 +16,12 @@ export const onOthers = () => {
     .map((other) => [one[0], other[0]]));
 };
 
+export const ringsAndNumbers = () => {
+  const middleOf = ({ x, y, width, height }) => [x + width / 2, y + height / 2];
+  const of = (kind) => [...document.querySelectorAll(kind)];
+  return [of(".ring").map((ring) => middleOf(ring.getBBox())), of(".ring-number").map((text) => [text.textContent, middleOf(text.getBBox())])];
+};
+
 export const distancesOfNumbers = () => {
   const dots = [...document.querySelectorAll("circle.joint, circle.tip, circle.site")];
   const middleOf = ({ x, y, width, height }) => [x + width / 2, y + height / 2];

@@ -32,16 +32,23 @@ export class ArrowScale {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
-  /** Return the powers of ten on the ruler: `at`, the distance [pixels] from its foot, and `text`, "" if it does not fit. */
+  /**
+   * Return the powers of ten on the ruler whose numbers have room: `at`, the distance [pixels] from its foot, and `text`. If only one
+   * has room below the largest force, the ruler goes on to the next power of ten.
+   */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));
+    const marks = this.#marksTo(highest);
+    return marks.length > 1 ? marks : this.#marksTo(highest + 1);
+  }
+
+  #marksTo(highest) {
     let free = Infinity;
     return Array.from({ length: DECADES }, (_, k) => 10 ** (highest - k)).flatMap((force) => {
       const at = this.#lengthOnScale(force);
-      if (at < MARKS_FROM) return [];
       const text = forceText(force, 0);
       const half = (LETTER * text.length) / 2;
-      if (at + half > free) return [{ at, text: "" }];
+      if (at < MARKS_FROM || at + half > free) return [];
       free = at - half - NUMBERS_APART;
       return [{ at, text }];
     });

@@ -9,7 +9,7 @@ import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { LabelSpace, positionsAround } from "./label_positions.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
-import { traceOf } from "./trace.js";
+import { traceFinder, traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
@@ -20,6 +20,7 @@ const RING_TIME = 0.25; // [s] simulated time for which the position of an impac
 // [pixels] width of a ring, and difference in width between successive rings at one position
 const [RING, RINGS_APART] = [20, 7];
 const SAME = 12; // [pixels] largest distance of rings that count as being at one position
+const OWN = 0.8; // largest distance of a number from its ring, relative to the distance from any other ring
 const NUMBERED_PART = 0.5; // part of RING_TIME for which a ring has its number
 const NUMBERS = 8; // largest number of recent impacts with a number
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
@@ -149,11 +150,13 @@ export class ChainDrawing {
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.rail = (this.recording.rail?.lines ?? []).map((line) => belowStrip(this.#toScreen(line)));
     this.rail.forEach((line) => this.ground.polyline(line).addClass("pin"));
-    const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, width) : 0;
-    drawScaleBar(this.ground, this.camera.scale, width, rulerEnd);
-    if (this.recording.drawn.loads.length) drawKey(this.ground, width);
+    const free = this.recording.drawn.loads.length ? drawKey(this.ground, width) : width;
+    const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, free) : 0;
+    drawScaleBar(this.ground, this.camera.scale, free, rulerEnd);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
-    ({ frames: this.traceFrames, positions: this.tracePositions } = traceOf(this.recording, this.camera));
+    const trace = traceOf(this.recording, this.camera);
+    ({ frames: this.traceFrames, positions: this.tracePositions } = trace);
+    this.isOnTrace = traceFinder(trace, width);
   }
 
   #toScreen(points) {
@@ -167,6 +170,15 @@ export class ChainDrawing {
     if (corners.length) this.walls.polygon(this.#toScreen(corners)).addClass("free-region");
     this.edges = edges.map((ends) => this.#toScreen(ends));
     this.edges.forEach((ends) => this.walls.polyline(ends).addClass("wall"));
+  }
+
+  /** Keep labels, if possible, off the space beyond the walls. */
+  #avoidWalls(frame) {
+    const walls = Object.values(this.recording.wallsAt(frame));
+    this.labelSpace.avoid(([left, top, right, bottom]) => {
+      const corners = [[left, top], [right, top], [left, bottom], [right, bottom]].map((corner) => this.camera.toMetres(...corner));
+      return walls.some(({ normal: [nx, ny], offset }) => corners.some(([x, y]) => nx * x + ny * y < offset));
+    });
   }
 
   /** Draw the ground mark of a pinned base at the position of the base in a frame. */
@@ -191,6 +203,8 @@ export class ChainDrawing {
     this.#drawRanges(frame);
     this.#drawTrace(frame, chain.at(-1));
     this.labelSpace = new LabelSpace(...this.size, STRIP);
+    if (this.showTrace) this.labelSpace.avoid((box) => this.isOnTrace(box, frame));
+    this.#avoidWalls(frame);
     const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
     [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
@@ -274,25 +288,28 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same position, with numbers beside
-   * them.
+   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same position. A number stands nearer to
+   * its own ring than to any other, or is left out.
    */
   #drawRings(frame) {
     const { recording } = this;
     const now = recording.timeAt(frame);
     this.rings.clear();
     const recent = recording.impacts.filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact));
-    const drawn = [];
-    recent.forEach(({ onset, point, wall, number }, k) => {
+    const places = recent.map(({ onset, point, wall }) => this.#contactPosition(recording.frameAt(onset), point, wall));
+    const apart = ([x0, y0], [x1, y1]) => Math.hypot(x1 - x0, y1 - y0);
+    recent.forEach(({ onset, number }, k) => {
       const age = (now - onset) / RING_TIME;
-      const { position, away } = this.#contactPosition(recording.frameAt(onset), point, wall);
-      const same = drawn.filter((other) => Math.hypot(other[0] - position[0], other[1] - position[1]) < SAME).length;
-      drawn.push(position);
+      const { position, away } = places[k];
+      const same = places.slice(0, k).filter((other) => apart(other.position, position) < SAME).length;
       const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
       this.rings.circle(width).center(...position).addClass("ring").opacity((1 - age) ** 2);
       if (recent.length - k > NUMBERS || age > NUMBERED_PART) return;
       const text = `#${number}`;
-      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2));
+      const others = places.filter((other) => apart(other.position, position) >= SAME);
+      const isNearest = (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));
+      const candidates = positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2);
+      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isNearest);
       if (!label) return;
       const [x, y] = label.at;
       this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number");

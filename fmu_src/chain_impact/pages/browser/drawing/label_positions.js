@@ -4,6 +4,7 @@
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
 const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
+const AVOIDED = 16; // number of candidates, two rounds of directions, that a label passes over to keep free of what it should avoid
 const HALF = 7; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
@@ -32,6 +33,7 @@ function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
 export class LabelSpace {
   #taken = []; // the used boxes
   #lines = []; // the used lines: pairs of positions
+  #avoided = []; // functions that tell whether a box covers what labels should avoid if they can
 
   /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
   constructor(width, height, strip) {
@@ -48,20 +50,34 @@ export class LabelSpace {
     positions.slice(1).forEach((to, k) => this.#lines.push([positions[k], to]));
   }
 
+  /** Keep labels, if they have a place elsewhere that is near, away from the boxes for which a function returns true. */
+  avoid(covers) {
+    this.#avoided.push(covers);
+  }
+
   /**
-   * Return the first of some candidates {at, anchor} at which a text of a size covers nothing, and mark it as used;
-   * undefined if there is none.
+   * Return the first of some candidates {at, anchor} at which a text of a size covers nothing and `isAllowed` accepts its middle,
+   * and mark it as used; undefined if there is none. A candidate that covers what labels should avoid counts as AVOIDED later.
    */
-  findPosition(text, size, candidates) {
-    const [left, top, right, bottom] = this.limits;
-    return candidates.find(({ at, anchor }) => {
+  findPosition(text, size, candidates, isAllowed = () => true) {
+    let [best, least] = [undefined, Infinity];
+    for (let k = 0; k < Math.min(candidates.length, least); k += 1) {
+      const { at, anchor } = candidates[k];
       const box = boxOf(text, at, size, anchor);
-      if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
-      if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
-      if (this.#lines.some((line) => isCrossed(box, line))) return false;
-      this.#take(box);
-      return true;
-    });
+      if (!this.#isFree(box) || !isAllowed([(box[0] + box[2]) / 2, (box[1] + box[3]) / 2])) continue;
+      const rank = this.#avoided.some((covers) => covers(box)) ? k + AVOIDED : k;
+      if (rank < least) [best, least] = [{ ...candidates[k], box }, rank];
+    }
+    if (best) this.#take(best.box);
+    return best;
+  }
+
+  /** Return whether a box is in the drawing and covers nothing. */
+  #isFree(box) {
+    const [left, top, right, bottom] = this.limits;
+    if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
+    if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
+    return !this.#lines.some((line) => isCrossed(box, line));
   }
 
   /** Mark the place of a text as used, whatever it covers. */

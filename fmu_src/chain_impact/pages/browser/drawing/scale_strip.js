@@ -2,7 +2,10 @@
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip at the top, and distance to the scale bar
-const NAMED_FROM = 480; // [pixels] least width of a drawing in which the ruler has its name
+const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
+const RULER_NAMES = ["force (cube root)", "force", ""]; // the first that leaves room for the scale bar is shown
+const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width
+const BAR_TEXT = 6; // largest number of letters at the scale bar
 export const STRIP = 30; // [pixels] height of the strip at the top for the scale bar
 
 /** Return the part of a line on the screen that is below the strip with the scale bar. */
@@ -13,11 +16,11 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a bar of a round length, about a sixth of the width, in the middle, or behind the end of the ruler; `scale` is in
+ * Draw a bar of a round length, at most LONGEST_BAR of the width, in the middle, or behind the end of the ruler; `scale` is in
  * pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
-  const wanted = width / 6 / scale;
+  const wanted = (LONGEST_BAR * width) / scale;
   const power = 10 ** Math.floor(Math.log10(wanted));
   const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
   const y = 0.6 * STRIP;
@@ -29,25 +32,28 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
   group.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
 }
 
-/** Draw the lengths of the arrows of round forces, up to the largest force; return where the ruler ends. */
+/** Draw the lengths of the arrows of round forces, up to the largest force or beyond; return where the ruler ends. */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
-  group.line([[left, y], [left + longest, y]]).addClass("bar ruler");
+  const right = left + Math.max(longest, ...marks.map(({ at }) => at));
+  group.line([[left, y], [right, y]]).addClass("bar ruler");
   marks.forEach(({ at, text }) => {
     group.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
-    if (text) group.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
+    group.plain(text).attr({ x: left + at, y: y - 7 }).addClass("ruler-text");
   });
-  group.polygon([[left + longest + 7, y], [left + longest, y - 4], [left + longest, y + 4]]).addClass("ruler-head");
-  const end = left + longest + 12;
-  if (width < NAMED_FROM) return end;
-  group.plain("force").attr({ x: end, y: y + 4 }).addClass("ruler-name");
-  return end + STRIP_LETTER * "force".length;
+  group.polygon([[right + 7, y], [right, y - 4], [right, y + 4]]).addClass("ruler-head");
+  const end = right + 12;
+  const free = (1 - LONGEST_BAR) * width - STRIP_LETTER * BAR_TEXT - 2 * BESIDE_BAR - end;
+  const name = RULER_NAMES.find((text) => RULER_LETTER * text.length <= free) ?? "";
+  group.plain(name).attr({ x: end, y: y + 4 }).addClass("ruler-name");
+  return end + RULER_LETTER * name.length;
 }
 
-/** Draw the legend of the two kinds of arrows, on a ground that covers walls. */
+/** Draw the legend of the two kinds of arrows, on a ground that covers walls; return where it begins. */
 export function drawKey(group, width) {
   group.rect(2 * KEY, STRIP - 5).move(width - 2 * KEY, 0).addClass("key-ground");
   [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {
     group.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * column, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);
   });
+  return width - 2 * KEY;
 }

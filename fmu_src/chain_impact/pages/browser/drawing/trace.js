@@ -6,6 +6,7 @@ const OFF = 0.05; // [pixels] largest distance from the curve to the straight li
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of parts of the curve between two frames
 const MOST = 20_000; // largest number of positions of a trace
+const CELL = 6; // [pixels] size of the cells in which the trace is looked for
 
 /**
  * Return the positions of the tip on the screen, without positions that coincide, and the frame of each position, which may
@@ -29,6 +30,29 @@ export function traceOf(recording, camera) {
     }
   }
   return { frames, positions };
+}
+
+/** Return a function that tells whether the trace comes, up to a frame, into a box [left, top, right, bottom] of a drawing of a width. */
+export function traceFinder({ frames, positions }, width) {
+  const columns = Math.ceil(width / CELL);
+  const cellAt = (x, y) => columns * Math.floor(y / CELL) + Math.floor(x / CELL);
+  const firstFrames = new Map(); // the frame in which the trace first comes into each of its cells
+  positions.forEach(([x, y], k) => {
+    const [x0, y0] = positions[Math.max(k - 1, 0)];
+    const parts = Math.ceil(Math.hypot(x - x0, y - y0) / CELL) || 1;
+    for (let part = 1; part <= parts; part += 1) {
+      const cell = cellAt(x0 + (part / parts) * (x - x0), y0 + (part / parts) * (y - y0));
+      if (!firstFrames.has(cell)) firstFrames.set(cell, frames[k]);
+    }
+  });
+  return ([left, top, right, bottom], frame) => {
+    for (let y = top; y < bottom + CELL; y += CELL) {
+      for (let x = left; x < right + CELL; x += CELL) {
+        if (firstFrames.get(cellAt(Math.min(x, right), Math.min(y, bottom))) <= frame) return true;
+      }
+    }
+    return false;
+  };
 }
 
 /**

@@ -6,6 +6,7 @@ import { durationText, forceText, unitsOf } from "../base/format.js";
 const GESTURE = 800; // [ms] changes that follow each other faster count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // each colour's letter, because two colours may look alike on some screens and to some eyes
+const [TIP, TIPS_APART] = [15, 16]; // [pixels] size of a letter's dot, and least distance of two of them
 const LISTED = 40; // largest number of impacts that are listed side by side
 
 export class ComparedMotions {
@@ -54,6 +55,7 @@ export class ComparedMotions {
     const { drawing, clock, recording: shown } = this.player;
     drawing.behind.clear();
     const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
+    const tips = [drawing.camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.links))];
     for (const { recording, kind, letter } of [{ recording: this.before, kind: "before" }, ...pinned]) {
       if (!recording || recording === shown) continue;
       const frame = recording.frameAt(clock.time);
@@ -63,8 +65,9 @@ export class ComparedMotions {
         drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
       drawing.behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
-      const [x, y] = positions.at(-1);
-      drawing.behind.circle(letter ? 15 : 8).center(x, y).addClass(`compared-tip ${kind}`);
+      const [x, y] = letter ? besideOthers(positions.at(-1), tips) : positions.at(-1);
+      if (letter) tips.push([x, y]);
+      drawing.behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
       if (letter) drawing.behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
   }
@@ -105,6 +108,12 @@ export class ComparedMotions {
     title.append(make("small", { textContent: count }));
     return make("th", { scope: "row", title: text }, title);
   }
+}
+
+/** Return the first position on the screen, from a position to the right, that is TIPS_APART from all others. */
+function besideOthers([x, y], others) {
+  const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
+  return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
 /** Return a cell for an impact: its time and peak force, and the other values when pointed at; a dash without an impact. */

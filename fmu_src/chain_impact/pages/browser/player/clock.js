@@ -40,9 +40,14 @@ export class Clock {
     return this.recording.time.length - 1;
   }
 
-  /** Return the simulated seconds per second on the screen; at the end, where playing stops, the chosen speed. */
+  /** Return whether the clock stands still at the end. */
+  get hasEnded() {
+    return !this.playing && this.frame >= this.last;
+  }
+
+  /** Return the simulated seconds per second on the screen. */
   get rate() {
-    return this.speed * (this.slow && this.frame < this.last ? this.recording.rateAt(this.frame) : 1);
+    return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
   /** Change some of: frame, playing, slow, loop, speed. Without a recording, change nothing. */
@@ -60,7 +65,7 @@ export class Clock {
 
   /** Play, from the start if the end is reached, or pause. */
   toggle() {
-    const again = !this.playing && this.frame >= this.last;
+    const again = this.hasEnded;
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
   }
 

@@ -105,9 +105,10 @@ function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
   const thumb = 16; // [pixels] the middle of the slider's thumb stays half of this width from the ends of the slider
+  const lowest = 5; // [pixels] least height of a mark
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
-    const tall = Math.max(3, (height * endSpeed) / fastest);
+    const tall = Math.max(lowest, (height * endSpeed) / fastest);
     context.fillRect(x - 1, height - tall, 2, tall);
   }
 }

@@ -97,7 +97,7 @@ export class Player {
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;
-    find("rate").textContent = rateText(clock.rate);
+    find("rate").textContent = clock.hasEnded ? "" : rateText(clock.rate);
     document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
