@@ -30,8 +30,11 @@ FILES = {
 """Dotted name → file."""
 
 
+@cache
 def nodes(file):
-    return ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+    """Return the imports and attributes in a file."""
+    kinds = (ast.Import, ast.ImportFrom, ast.Attribute)
+    return [node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, kinds)]
 
 
 def imported(file):
@@ -203,15 +206,16 @@ def test_the_order_of_the_tests_names_files_that_exist():
     assert {*SLOWEST, *WITH, *WITH.values()} - paths == set()
 
 
+IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (?:\(([^)]*)\)|([^\n(#]+))", re.MULTILINE)
+
+
 @cache
 def imported_with(file):
     """Return all modules that the import of a file imports, also by other files of the repository."""
-    found = set()
-    for node in ast.parse(file.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    text, found = re.sub(r'""".*?"""', "", file.read_text(encoding="utf-8"), flags=re.DOTALL), set()
+    for module, *names in IMPORT.findall(text):
+        for name in re.findall(r"(?:^|,)\s*([\w.]+)", "".join(names)):
+            found |= {module, f"{module}.{name}"} if module else {name}
     own = (top / f"{name.replace('.', '/')}.py" for name in [*found] for top in (ROOT, PACKAGE.parent))
     return found.union(*(imported_with(module) for module in own if module.is_file()))
 
