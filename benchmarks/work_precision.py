@@ -24,7 +24,8 @@ from benchmarks.looks import LOOKS, look
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.labels import Ink, Label, place_labels
-from chain_impact.pictures.style import INK, headline, number
+from chain_impact.pictures.style import INK, headline
+from chain_impact.recording.text import number
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene
+from chain_impact.pages.assembly import program, text_of
 from chain_impact.pages.explore import TOML
-from chain_impact.pages.recorded import program, text_of
 from chain_impact.results.animate import animate
 from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import DESK, TEXTS, bits, packed_module, page_contents

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import quickjs
 
+from chain_impact.pages.assembly import program, text_of
 from chain_impact.pages.explore import TOML
-from chain_impact.pages.recorded import program, text_of
 
 BROWSER = f"""
 const structuredClone = (value) => JSON.parse(JSON.stringify(value));

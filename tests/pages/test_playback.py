@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.pages.recorded import program
+from chain_impact.pages.assembly import program
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes

@@ -1,6 +1,6 @@
 """The pages: small, without other files, made from their sources, with the parts of npm's packages."""
 
-# Tests: pages/encoding.py, pages/inline.py
+# Tests: pages/assembly.py, pages/encoding.py, pages/inline.py
 
 import base64
 import hashlib
@@ -13,7 +13,8 @@ import quickjs
 
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.recorded import FRAGMENTS, PAGE, STYLES, data, modules, page, program
+from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, modules, program
+from chain_impact.pages.recorded import data, page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee

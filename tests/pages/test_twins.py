@@ -15,8 +15,9 @@ import pytest
 import quickjs
 
 from chain_impact import load_scene, model_names, simulate
+from chain_impact.pages.assembly import text_of
 from chain_impact.pages.drawn import GROUPS, drawn_entries
-from chain_impact.pages.recorded import data, free_sides, impacts, text_of
+from chain_impact.pages.recorded import data, free_sides, impacts
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
 from chain_impact.pictures.over_time import ENERGIES

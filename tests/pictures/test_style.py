@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.over_time import ENERGIES
-from chain_impact.pictures.style import LOAD, PALETTE, broken, headline, number
+from chain_impact.pictures.style import LOAD, PALETTE, broken, headline
+from chain_impact.recording.text import number
 from tests.pictures.pictures import contrast, lab
 
 # what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import chain_impact
 from tests.scheduling import SLOWEST, WITH
 from tests.tiers import GROUPS, IMPORTING, subjects
 
@@ -91,6 +92,31 @@ def test_no_files_need_each_other_not_even_for_types():
         name: set(needs(file)) - {"chain_impact"} for name, file in FILES.items() if name != "chain_impact"
     }
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
+
+
+def loaded(name, found):
+    """Add to ``found`` a module and all modules that its import loads, by their dotted names."""
+    for package in (".".join(name.split(".")[:n]) for n in range(1, name.count(".") + 2)):
+        if package not in found:
+            found.add(package)
+            statements = ast.parse(FILES[package].read_text("utf-8")).body if package in FILES else []
+            for node in statements:
+                if isinstance(node, ast.Import):
+                    for alias in node.names:
+                        loaded(alias.name, found)
+                elif isinstance(node, ast.ImportFrom):
+                    for alias in node.names:
+                        inner = f"{node.module}.{alias.name}"
+                        loaded(inner if inner in FILES else node.module, found)
+
+
+def test_no_public_name_loads_what_draws():
+    """matplotlib takes a second; what draws imports it in its functions."""
+    found = set()
+    for module in {f"chain_impact.{module}" for module in chain_impact._MODULES}:
+        loaded(module, found)
+    assert "numpy" in found
+    assert {"matplotlib", "rich"} & found == set()
 
 
 def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():

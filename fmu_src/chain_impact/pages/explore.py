@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
+from chain_impact.pages.assembly import assembled, program, script_data, styles, text_of
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
-from chain_impact.pages.recorded import assembled, program, script_data, styles, text_of
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 from chain_impact.system import written_whole

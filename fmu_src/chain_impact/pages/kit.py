@@ -1,10 +1,10 @@
-"""Data about all scenes for the page: the keys of a scene file, the variables, and their paths in the record.
+"""Data about all scenes for the page that simulates: keys of a scene file, variables, paths in the record.
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
 ``variables/listing.py`` does, and the tables in ``variables/owners.py``, which the page evaluates. The index
 of a word in the record depends on the same numbers. The data contain the coefficients from which the page
-computes the index (compilation/affine.py).
+computes the index (compilation/affine.py). shared.py has the constants that all pages have.
 """
 
 from __future__ import annotations

@@ -5,34 +5,23 @@ Its program, the player, makes the frames.
 
 from __future__ import annotations
 
-import html
-import json
 import math
-import posixpath
-import re
-from collections.abc import Iterable, Mapping
-from importlib import resources
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from chain_impact.pages.assembly import assembled, program, script_data, styles, text_of
 from chain_impact.pages.drawn import OF_IMPACT, drawn_entries
 from chain_impact.pages.encoding import encoded
-from chain_impact.pages.shared import FINEST, declaration
+from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
-PAGE = resources.files("chain_impact.pages") / "browser"
-STYLES = ("vendor/uPlot.min.css", "player/style.css", "player/panels.css")
-LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 PROGRAM = "player/recorded_page.js"
-FRAGMENTS = ("stage", "panels", "playback")
-IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
-EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
-SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 MOST_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
 
 
@@ -47,51 +36,6 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
     shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("player/recorded_page.html")
     return assembled(template, recording.name, styles(), program(PROGRAM), data=script_data(shown))
-
-
-def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
-    """Return a page with a player, from a template and its parts.
-
-    Args:
-        template: HTML in which ``{{ name }}`` stands for a part.
-        title: the title of the page.
-        styles: the texts of the style sheets.
-        modules: the program of the page, from ``program``.
-        parts: name → text for the other parts of the template.
-    """
-    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
-    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
-    parts |= {"libraries": scripts, "program": modules}
-    parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
-    # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which must stay
-    return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
-
-
-def styles() -> list[str]:
-    """Return the texts of the style sheets of a page with a player."""
-    return [text_of(name) for name in STYLES]
-
-
-def program(*names: str) -> str:
-    """Return modules and all modules that they import, joined to one program without imports."""
-    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
-    return "\n".join([declaration(), *texts])
-
-
-def modules(*names: str) -> list[str]:
-    """Return modules and all modules that they import; each comes after the modules that it imports."""
-    found: list[str] = []
-
-    def add(name: str) -> None:
-        if name in found:
-            return
-        for path in IMPORT.findall(text_of(name)):
-            add(posixpath.normpath(posixpath.join(posixpath.dirname(name), path)))
-        found.append(name)
-
-    for name in names:
-        add(name)
-    return found
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
@@ -109,11 +53,6 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
     after = np.searchsorted(time, shown[np.isfinite(shown)])
     even = np.linspace(0, len(time) - 1, MOST_ROWS).astype(int)
     return recording.at(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
-
-
-def script_data(content: Any) -> str:
-    """Return data as text for a script element of a page."""
-    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def data(recording: Recording) -> dict[str, Any]:
@@ -206,8 +145,3 @@ def _packed(values: np.ndarray) -> dict[str, Any]:
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
     return {"low": low, "high": high, "values": encoded(integers.astype("<u2").tobytes())}
-
-
-def text_of(name: str) -> str:
-    """Return the text of a file of the pages."""
-    return PAGE.joinpath(name).read_text(encoding="utf-8")

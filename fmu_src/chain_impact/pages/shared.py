@@ -1,6 +1,7 @@
 """Numbers, names and words that stand in Python and that the pages need, too.
 
-The program of each page begins with them, as the constant ``SHARED``. A page computes some things again that
+The program of each page begins with them, as the constant ``SHARED``. They do not depend on a scene; kit.py
+has the data on scenes, which only the page that simulates needs. A page computes some things again that
 Python computes for pictures and films, because the reader of the page changes the scene. For these things,
 tests/pages/test_twins.py compares the values of both languages.
 """
@@ -8,6 +9,7 @@ tests/pages/test_twins.py compares the values of both languages.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -35,15 +37,24 @@ from chain_impact.variables import indices
 
 FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
 
+CONSTANTS = {
+    "pacing": (
+        pacing,
+        "FLIGHT_STEP FRAMES_OF_A_PERIOD FRAME_RATE IMPACT_TIME LONGEST LONGEST_IMPACT MOST_FRAMES NEAR RAMP"
+        " REAL SHORTEST SLOW SLOWEST SLOW_COUNT SLOW_SPEED TAIL TENS WITHIN",
+    ),
+    "view": (view, "ALONE DECADES LEAST LONGEST_ARROW MARGIN NEAR PIN PIN_LINES ROOM UPRIGHT"),
+    "jointStops": (joint_stops, "ARC CORNERS OPEN TICK"),
+    "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
+    "curves": (curves, "BEFORE FOLLOWED WITHIN"),
+}
+"""Name of a part of ``SHARED`` → a module, and those of its constants that stand in this part."""
+
 
 def shared() -> dict[str, Any]:
     """Return the constants by the name of their part, and by their names in Python; JSON can hold them."""
     return {
-        "pacing": _constants(pacing),
-        "view": _constants(view),
-        "jointStops": _constants(joint_stops),
-        "bodies": _constants(bodies),
-        "curves": {"BEFORE": curves.BEFORE, "FOLLOWED": curves.FOLLOWED, "WITHIN": curves.WITHIN},
+        **{part: _constants(module, names.split()) for part, (module, names) in CONSTANTS.items()},
         "names": {
             "STOPS": names.STOPS,
             "SLIDER_STOPS": {stop: stop.removeprefix("slider_") for stop in names.SLIDER_STOPS},
@@ -96,9 +107,8 @@ def declaration() -> str:
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
 
 
-def _constants(module: ModuleType) -> dict[str, Any]:
-    """Return all constants of a module by their names, with those that it imports."""
-    return {name: _plain(value) for name, value in vars(module).items() if name.isupper()}
+def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:
+    return {name: _plain(getattr(module, name)) for name in constants}
 
 
 def _plain(value: Any) -> Any:

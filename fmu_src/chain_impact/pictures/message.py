@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.style import headline, is_narrow, number, raised
+from chain_impact.pictures.style import headline, is_narrow, raised
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import plural
+from chain_impact.recording.text import number, plural
 from chain_impact.scene.unit_text import of_power
 
 ROUND_OFF = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss

@@ -320,8 +320,3 @@ def force_text(value: float, unit: str) -> str:
 def raised(text: str) -> str:
     """Return a text of matplotlib in which exponents after ``^`` are raised: N/m^1.5."""
     return re.sub(r"\^([\d.]+|[a-z]+)", r"$^{\1}$", text)
-
-
-def number(value: float, digits: int = 4) -> str:
-    """Return a number as text with at most ``digits`` digits, without zeros at the end: 1e8, 2.145e10."""
-    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")

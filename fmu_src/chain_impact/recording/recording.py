@@ -20,7 +20,7 @@ from chain_impact.recording.joint_stops import JointRange, is_stop, touching_pla
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, Touch
 from chain_impact.recording.tables import save_impacts
-from chain_impact.recording.text import plural, what
+from chain_impact.recording.text import plural, toucher_name
 from chain_impact.scene.bodies import Rail
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
@@ -257,7 +257,7 @@ class Recording:
             "slider.angle" in self.parameters or "slider.position" in self.columns
         )
         stop = wall if of_slider or self.is_stop(impact["wall"]) else ""
-        return what(int(impact["point"]), stop, self.point_names)
+        return toucher_name(int(impact["point"]), stop, self.point_names)
 
     @cached_property
     def at_stops(self) -> np.ndarray:

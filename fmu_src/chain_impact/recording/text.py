@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from itertools import groupby, zip_longest
@@ -23,7 +24,7 @@ def few(names: Sequence[str], shown: int) -> str:
     return f"{', '.join(names[:shown])}{more}"
 
 
-def what(number: int, stop: str, names: Mapping[int, str]) -> str:
+def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
     """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
 
     Args:
@@ -34,6 +35,11 @@ def what(number: int, stop: str, names: Mapping[int, str]) -> str:
     if stop in SLIDER_STOPS:
         return "slider"
     return f"joint {number}" if stop else point_label(number, names)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number as text with at most ``digits`` digits, without zeros at the end: 1e8, 2.145e10."""
+    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}

@@ -21,7 +21,7 @@ from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.joint_stops import at_stop
-from chain_impact.recording.text import what
+from chain_impact.recording.text import toucher_name
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
@@ -191,7 +191,7 @@ class DifferentiatedInstance(Instance):
             where = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
             scene, wall = self.prepared.scene, trust["wall"]
-            touching = what(int(trust["point"]), scene.stop_name(wall), scene.point_names)
+            touching = toucher_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if at_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]

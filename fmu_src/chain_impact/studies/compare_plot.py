@@ -29,12 +29,11 @@ from chain_impact.pictures.style import (
     headline,
     is_narrow,
     legend_at_foot,
-    number,
     raised,
     styled,
 )
 from chain_impact.recording.impact_units import unit_at
-from chain_impact.recording.text import plural, prefixed
+from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns

@@ -29,10 +29,10 @@ from chain_impact.pictures.style import (
     PALETTE,
     headline,
     is_narrow,
-    number,
     styled,
 )
 from chain_impact.recording.impact_units import IMPACT_UNITS
+from chain_impact.recording.text import number
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.pictures.style import number
-from chain_impact.recording.text import TextTable, plural
+from chain_impact.recording.text import TextTable, number, plural
 from chain_impact.scene.unit_text import of_scene, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter

@@ -28,11 +28,10 @@ from chain_impact.pictures.style import (
     headline,
     is_narrow,
     legend_at_foot,
-    number,
     raised,
     styled,
 )
-from chain_impact.recording.text import plural
+from chain_impact.recording.text import number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.sweep.design import Design

@@ -1,0 +1,76 @@
+"""A page with a player as one file: its template is filled with style sheets, libraries and modules."""
+
+from __future__ import annotations
+
+import html
+import json
+import posixpath
+import re
+from collections.abc import Iterable
+from importlib import resources
+from typing import Any
+
+from chain_impact.pages.shared import declaration
+
+PAGE = resources.files("chain_impact.pages") / "browser"
+STYLES = ("vendor/uPlot.min.css", "player/style.css", "player/panels.css")
+LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
+FRAGMENTS = ("stage", "panels", "playback")
+IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
+EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
+SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
+
+
+def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
+    """Return a page with a player, from a template and its parts.
+
+    Args:
+        template: HTML in which ``{{ name }}`` stands for a part.
+        title: the title of the page.
+        styles: the texts of the style sheets.
+        modules: the program of the page, from ``program``.
+        parts: name → text for the other parts of the template.
+    """
+    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
+    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
+    parts |= {"libraries": scripts, "program": modules}
+    parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
+    # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which must stay
+    return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
+
+
+def styles() -> list[str]:
+    """Return the texts of the style sheets of a page with a player."""
+    return [text_of(name) for name in STYLES]
+
+
+def program(*names: str) -> str:
+    """Return modules and all modules that they import, joined to one program without imports."""
+    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    return "\n".join([declaration(), *texts])
+
+
+def modules(*names: str) -> list[str]:
+    """Return modules and all modules that they import; each comes after the modules that it imports."""
+    found: list[str] = []
+
+    def add(name: str) -> None:
+        if name in found:
+            return
+        for path in IMPORT.findall(text_of(name)):
+            add(posixpath.normpath(posixpath.join(posixpath.dirname(name), path)))
+        found.append(name)
+
+    for name in names:
+        add(name)
+    return found
+
+
+def script_data(content: Any) -> str:
+    """Return data as text for a script element of a page."""
+    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def text_of(name: str) -> str:
+    """Return the text of a file of the pages."""
+    return PAGE.joinpath(name).read_text(encoding="utf-8")
