@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import quickjs
 
-from chain_impact import load_scene, model_names, simulate
+from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
 from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, modules, program
 from chain_impact.pages.recorded import data, page
@@ -153,7 +153,7 @@ def test_a_recording_with_even_rows_has_a_page_too():
 
 
 def test_a_name_cannot_break_the_page(recording):
-    vars(recording)["name"] = name = "</script><b>&{{ data }}"
+    recording = Recording(name := "</script><b>&{{ data }}", recording.time, recording.columns)
     text = html(recording)
     assert "&lt;/script&gt;&lt;b&gt;&amp;" in text
     assert data_of(text)["name"] == name
