@@ -28,6 +28,7 @@ from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.contact import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
+from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, link_of, normal, stop_moment, tangent
 from chain_impact.kernel.status import counted_work, uncount_work
@@ -269,6 +270,7 @@ def load_joints_at(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     rate_from_points(d, y, rate)
+    refine_rate(d, theta, y, rate)
     accelerate_points(d, y, rate)
     joint_forces(d, d.touch.force, d.element.force, d.transmitted.x, d.transmitted.y)
 

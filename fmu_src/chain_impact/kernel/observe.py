@@ -18,6 +18,7 @@ from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
+from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, stop_moment
 from chain_impact.kernel.status import counted_work, uncount_work
@@ -70,6 +71,7 @@ def fill_motion(d, theta):
     n, out, work, y, rate = d.links, d.output, d.work, d.work.y, d.work.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
+    refine_rate(d, theta, y, rate)
     accelerate_points(d, y, rate)
     fill_points(d, work.acceleration, out.point_acceleration)
     for i in range(n):

@@ -21,6 +21,7 @@ from chain_impact.kernel.ode.dense import (
     interpolate,
     maximum_of,
 )
+from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import (
     OUTPUTS,
     SOLVER,
@@ -102,8 +103,10 @@ def update_held_extremes(d):
     first = event_fraction(d)
     length = fraction(d, step.end) - first
     for j in range(HELD_SAMPLES):
-        interpolate(step, first + length * j / (HELD_SAMPLES - 1), d.work.y)
+        theta = first + length * j / (HELD_SAMPLES - 1)
+        interpolate(step, theta, d.work.y)
         rate_from_state(d, d.work.y, d.work.rate)
+        refine_rate(d, theta, d.work.y, d.work.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]

@@ -63,7 +63,7 @@ from chain_impact.kernel.rows.constraints import (
     require,
     solve_lcp,
 )
-from chain_impact.kernel.rows.geometry import clearance, fastest_of_all
+from chain_impact.kernel.rows.geometry import clearance, farthest, fastest_of_all
 
 # The least speed with which a point rebounds, relative to `contact.minimum_impact_speed`; a slower point does
 # not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
@@ -73,9 +73,9 @@ TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact
 # the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|) for the impulses p
 # and the speeds u⁻ before and u⁺ after them, or of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
-# The clearance given to a point that is released, relative to a link length. It is a hundred times round-off,
-# so that round-off does not make the point touch again.
-RELEASE_GAP = 1e-13
+# The clearance given to a point that is released, relative to a link length, and at least relative to the
+# largest coordinate. It is far larger than round-off, so that round-off does not make the point touch again.
+RELEASE_GAP, LEAST_RELEASE = 1e-13, 1e-14
 # The arriving points come to rest if weight and dry friction can stop them within this distance, relative to
 # a link length.
 FALL = 10.0 * RELEASE_GAP
@@ -306,12 +306,13 @@ def end_unstopped_contacts(d):
 
 
 def release_contacts(d):
-    """End the contacts that no force holds, and move their points away from the wall by RELEASE_GAP."""
+    """End the contacts that no force holds, and move their points a little away from the wall."""
     parting = False
     start_from_state(d, 0)
+    gap = max(RELEASE_GAP * d.model.size, LEAST_RELEASE * farthest(d))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         released = not d.constraints.in_active_set[k]
-        require(d, k, RELEASE_GAP * d.model.size if released else 0.0)
+        require(d, k, gap if released else 0.0)
         if released:
             end_contact(d, d.touch.active_index[k], True)
             parting = True

@@ -130,7 +130,13 @@ def add_constraint_forces(d, y, rate):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
-        keep_force(d, c, constraints.impulse[k])
+    keep_forces(d)
+
+
+def keep_forces(d):
+    """Store the forces in ``d.constraints.impulse`` as those of the held contacts and sticking elements."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        keep_force(d, d.touch.active_index[k], d.constraints.impulse[k])
     if any_sticking(d):
         keep_static_forces(d)
 

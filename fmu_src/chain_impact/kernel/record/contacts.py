@@ -180,6 +180,8 @@ def latest_dtype() -> np.dtype:
     "rows/constraints.py",
     start="forces/holding.py",
     resistance="forces/holding.py",
+    refined="ode/folds.py",
+    uneven="ode/folds.py",
     least_force="forces/holding.py",
     sample="events/contact_log.py",
 )
@@ -198,6 +200,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
+        ("raised", INTEGER),  # how often the impedance of the last problem grew, see rows/constraints.py
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
         ("start", REAL, (rows,)),  # motion along the constraint without impulses
@@ -209,6 +212,10 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
         # kg, resistance of a contact with a force law to a projection; else 0
         ("resistance", REAL, (rows,)),
+        # N, the force near a fold, and a difference of forces that is small if the force is smooth, see
+        # kernel/ode/folds.py
+        ("refined", REAL, (rows,)),
+        ("uneven", REAL, (rows,)),
         ("sample", REAL, (2, candidates)),  # N, the two most recent samples of the force of the constraint
         # N, the smallest force of a held candidate in the stages of the step, or 0 if the force never pulls;
         # not packed

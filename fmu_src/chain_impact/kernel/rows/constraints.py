@@ -78,9 +78,8 @@ NEGLIGIBLE = 0.1
 # the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
 # impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of pivots in succession that may fail to reach a new least number of violated candidates, while
-# all violated candidates change at once. After them only one candidate changes at a time, which always
-# terminates but takes more pivots. At a new least number, all violated candidates change at once again.
+# The number of pivots in succession without a new least number of violated candidates after which only one
+# candidate changes at a time, until a new least number. This always terminates but takes more pivots.
 MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
 # With a smaller impedance, the residual falls too slowly.
@@ -105,10 +104,7 @@ def set_impedance(d, amount):
 
 
 def share_impedance(d):
-    """Scale the impedances of sticking elements by their limits of friction relative to the largest limit.
-
-    No factor is less than LEAST_SHARE.
-    """
+    """Scale the impedances of sticking elements by limit over largest limit, at least by LEAST_SHARE."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -144,6 +140,7 @@ def solve_equality(d, scale):
         The largest residual that rigid walls leave, or 0 if they hold no point.
     """
     constraints, impedance = d.constraints, holding_impedance(d)
+    constraints.raised = 0
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
@@ -181,6 +178,7 @@ def iterate(d, scale, impedance):
         before = worst
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             before = math.inf
+            constraints.raised += 1
             impedance *= STIFFER
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
@@ -218,10 +216,7 @@ def only_active(d):
 
 
 def solve_single(d, row):
-    """Solve the problem of ``solve_equality`` for one constraint: p = m/W; return whether W is large enough.
-
-    This function solves for the chain's response once, the iteration about six times.
-    """
+    """Solve the problem of ``solve_equality`` for one constraint: p = m/W. Return if W is large enough."""
     constraints = d.constraints
     clear_loads_of(d, d.work.load)
     add_along(constraint(d, row), d.work.load, 1.0)
@@ -243,10 +238,7 @@ def solve_single(d, row):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return whether the iteration may end after so many iterations once the residual is round-off.
-
-    Dual numbers need more iterations.
-    """
+    """Return whether so many iterations suffice if the residual is round-off; dual numbers need more."""
     return True
 
 
@@ -293,6 +285,16 @@ def move_by_impulses(d):
     for k in range(constraint_rows(d)):
         constraints.reached[k] = constraints.start[k] + along(constraint(d, k), d.work.motion)
     count_other_work(d, 1)
+
+
+def replace_impulses(d, impulse):
+    """Replace the impulses by those in ``impulse``, and find the change of the coordinates that follows."""
+    constraints = d.constraints
+    for k in range(constraint_rows(d)):
+        constraints.impulse[k] = impulse[k] - constraints.impulse[k]
+    move_by_impulses(d)
+    for k in range(constraint_rows(d)):
+        constraints.impulse[k] = impulse[k]
 
 
 def solve_lcp(d, scale):
@@ -354,10 +356,7 @@ def count_stalls(wrong, fewest, stalls_left):
 
 
 def count_violations(d, scale):
-    """Mark the candidates with an impulse p < 0 or a motion u < target by more than round-off.
-
-    Return the number of these candidates.
-    """
+    """Mark and count the candidates with an impulse p < 0 or a motion u < target by more than round-off."""
     constraints, largest, wrong = d.constraints, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(constraints.impulse[k]))
