@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.state import time_at, velocity_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
@@ -64,6 +65,22 @@ def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear
     assert credible(d, 1.1 * EARLY)
 
 
+def test_an_early_touch_in_a_regularized_step_has_to_agree_with_the_motion_in_time():
+    """At dt/ds = ½ a point with ġ = −2 m/s moves by 1 m in 1 s of the step's variable s."""
+    theta = 0.9 * EARLY
+    _, d = chain(np.random.default_rng(0), 2)
+    motion = with_rate(d, translation(d, [0.3, 0.1], [0.0, -1.0]), HALF)
+    walls_away(d)
+    set_step(d, motion, 1.0, regularized=REGULARIZED)
+    wall_at(d, 1, motion.at(0.0), 3.0 * theta)
+    touch(d, [REGULARIZED])
+    measure(d, theta)
+    d.touch.event[:] = NONE
+    d.touch.event[1] = ONSET
+    d.search.clear_end[1] = -1e-15
+    assert not credible(d, theta)
+
+
 @pytest.mark.parametrize("active", [0, 1])
 @pytest.mark.parametrize(
     ("gap", "rate", "bend", "clear"),
@@ -111,12 +128,23 @@ def test_onsets_of_points_that_move_away_are_dropped():
     assert drop_separating(d, 0.4) == 0.4
 
 
-def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
+REGULARIZED = 7  # a candidate without an event
+HALF = 0.5  # dt/ds of a regularized step with u = 1
+
+
+def with_rate(d, motion, rate):
+    """Return the same positions in a step whose variable s advances time by the given rate dt/ds."""
+    motion.coefficients[:, velocity_at(d.links) : velocity_at(d.links) + 2] /= rate
+    motion.coefficients[1, time_at(d.links)] = rate
+    return motion
+
+
+def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0, *, regularized=-1):
     """Return a step that ends with two points at given clearances from their walls after located events."""
     _, d = chain(np.random.default_rng(0), 2)
     motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
     walls_away(d)
-    set_step(d, motion, size)
+    set_step(d, motion if regularized < 0 else with_rate(d, motion, HALF), size, regularized=regularized)
     d.touch.event[:] = NONE
     for c, gap in zip((1, 5), gaps, strict=True):  # two points at the floor
         wall_at(d, c, motion.at(size), gap)
@@ -130,19 +158,20 @@ def lands(d):
     return accepted(d)
 
 
+@pytest.mark.parametrize("regularized", [-1, REGULARIZED])
 @pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
-def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
-    """A point whose distance from its wall is a part of its path |ġ| h arrives later by this part.
+def test_a_step_repeated_for_onsets_ends_at_the_first_of_them(off, bend, regularized):
+    """A point whose distance from its wall is a part of its path |g′| h arrives later by this part.
 
-    g = off |ġ| h + ġ t + ½ g̈ t², t after the end of the step.
+    g = off |g′| h + g′ s + ½ g″ s², s after the end of the step, in the variable of the step.
     """
     speed, size = 2.0, 0.5
     gap = off * speed * size
     after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
     behind = gap + 0.3 * LANDED * speed * size
     for gaps in ([gap, behind], [behind, gap]):
-        found = onset_fraction(landed(gaps, -speed, size, bend=bend))
+        found = onset_fraction(landed(gaps, -speed, size, bend=bend, regularized=regularized))
         assert found == pytest.approx(1.0 + after / size, abs=1e-11)
 
 

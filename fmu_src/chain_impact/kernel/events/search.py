@@ -38,6 +38,7 @@ from chain_impact.kernel.events.sampled import (
 from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
+from chain_impact.kernel.ode.sundman import time_rate_now
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
@@ -124,12 +125,12 @@ def find_sampled_event(d, theta):
 def credible(d, theta):
     """Return whether the points of the crossings at the fraction θ of the step really arrive or leave.
 
-    The clearances and their rates must be set at θ. Positions and rates of the interpolant may be
+    The state, the clearances and their rates must be set at θ. Positions and rates of the interpolant may be
     inconsistent within the tolerance. Three kinds of crossing are errors of a step that is too long: an onset
     deep inside a wall, an onset of a point that moves away, and a crossing right after the start of the step
     by a point that cannot have reached the wall yet.
     """
-    if theta <= EARLY and starts_clear(d, theta * d.step.size):
+    if theta <= EARLY and starts_clear(d, d.work.y[time_at(d.links)]):
         return False
     if theta == 0.0:
         # a point that is inside a wall at the start of this step is inside in a shorter step as well
@@ -197,16 +198,17 @@ def onset_lateness(d, y):
     """Locate the points for a state y of the last step, and return how late y is after the onsets.
 
     Returns:
-        Two values. The first is the time from the earliest onset to y, over the step size: ∞ if a point does
-        not arrive or is far from its onset, −∞ if there are no onsets. The second is the largest depth [m] of
-        an arriving point inside its wall.
+        Two values. The first is the time from the earliest onset to y, divided by the step size in seconds:
+        ∞ if a point does not arrive or is far from its onset, −∞ if there are no onsets. The second is the
+        largest depth [m] of an arriving point inside its wall.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0
+    seconds = d.step.size * time_rate_now(d, y)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
-            late = gap / (gap_rate * d.step.size)
+            late = gap / (gap_rate * seconds)
             if abs(late) > LANDED and abs(gap) <= ROUND_OFF * (d.model.size + coordinates_size(d, c, y)):
                 late = 0.0
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
