@@ -47,7 +47,7 @@ def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):
         build_fmu("rod_drop", tmp_path, platforms=("",))
 
 
-def test_it_runs_on_all_cores_that_it_may_use(monkeypatch):
+def test_the_cores_are_those_that_the_process_may_use(monkeypatch):
     assert 1 <= system.cores() <= os.cpu_count()
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     assert system.cores() == os.cpu_count()

@@ -47,7 +47,7 @@ def test_walls_of_a_table_can_be_set_as_those_of_its_scene(run, here):
     assert data_of((here / "rod.html").read_text(encoding="utf-8"))["walls"]["y_min"]["offset"] == -1.0
 
 
-def test_what_came_before_a_fault_is_shown(run, here):
+def test_a_run_that_fails_is_shown_up_to_its_fault(run, here):
     code, said, errors = run("animate", "-o", "a.html", "--set", "solver.work_limit=1500")
     assert code == 3
     assert "stopped at t = " in errors

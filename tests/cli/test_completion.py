@@ -63,7 +63,7 @@ def test_there_is_a_script_for_each_shell(shell, tmp_path):
         subprocess.run([program, "-n", script], check=True)
 
 
-def test_who_does_not_ask_pays_nothing():
+def test_completion_is_imported_only_where_a_shell_asks():
     program = "import sys; from chain_impact import cli; cli.main(['info', 'rod_drop', '-q']);"
     program += "print('argcomplete' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

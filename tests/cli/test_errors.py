@@ -78,7 +78,7 @@ def files(here, fmu):
             new.writestr(name, old.read(name).replace(b'"link[', b'"tank['))
 
 
-def test_what_is_refused_and_in_which_words(run, here, files, fmu):
+def test_commands_are_refused_with_the_listed_sentences(run, here, files, fmu):
     found = []
     for code, verb, arguments, said in refusals():
         for each in ("four_link_box", str(fmu)) if "{each}" in arguments else ("",):
@@ -121,7 +121,7 @@ def test_a_package_that_is_damaged(refused, monkeypatch):
     refused(2, "a package is damaged, install it anew: DLL load failed while importing lib", "simulate")
 
 
-def test_what_cannot_be_shown_is_refused_before_anything_runs(refused, monkeypatch):
+def test_options_of_windows_are_refused_before_a_run(refused, monkeypatch):
     monkeypatch.setattr("chain_impact.cli.source.Source.record", None)
     for name in ("out.bmpx", "out", "png"):
         refused(2, rf"{name} must end in \.png, \.svg, \.pdf", "simulate", "--plot", name)
@@ -163,7 +163,7 @@ def test_the_command_alone_shows_first_steps_that_can_be_typed(run):
         "fit rod/scene.toml motion.csv --free contact.restitution -o rod/scene.toml",
     ],
 )
-def test_what_is_read_is_not_replaced(refused, here, arguments):
+def test_an_output_never_replaces_a_file_that_is_read(refused, here, arguments):
     (here / "rod").mkdir()
     files = [here / name for name in ("rod/scene.toml", "motion.csv", "impacts.csv")]
     for file in files:

@@ -33,7 +33,7 @@ def test_a_stop_time(run, data):
     assert "200 of 400 values lie after the stop time, 0.3 s: they were not used." in said
 
 
-def test_a_fit(run, data):
+def test_a_fit_prints_its_values(run, data):
     code, said, _ = run(
         "fit", "four_link_box", "motion.csv,impacts.csv", *START, *FREE, "--sigma", "peak_force=0.1%",
         "--bounds", "contact.restitution=0.5:0.9", "--plot", "fit.svg", "-o", "fitted.toml",
@@ -63,7 +63,7 @@ def test_data_sets_with_their_own_values(run, data):
     assert "initial.vx of data set 2" in said
 
 
-def test_laws(run, data):
+def test_laws_are_compared_by_a_fit(run, data):
     code, said, _ = run("fit", "four_link_box", "motion.csv", "--free", "contact.restitution", "--laws")
     assert code == 0
     assert "ΔAIC" in said

@@ -64,7 +64,7 @@ def test_a_table_drives_every_run_of_a_sweep(arm, tmp_path):
     assert rows["link[2].angle"][1] == run["link[2].angle"][-1]
 
 
-def test_what_cannot_drive_is_told(arm, tmp_path, capsys):
+def test_a_table_that_cannot_drive_a_scene_is_refused(arm, tmp_path, capsys):
     scene, table = arm
     assert command("simulate", scene, "--interpolation", "hold") != 0
     assert "give --inputs FILE too" in capsys.readouterr().err

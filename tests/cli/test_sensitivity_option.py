@@ -49,7 +49,7 @@ def test_the_table_of_impacts(run):
     assert "Change of the impacts" not in run("simulate", "--stop-time", "0.6")[1]
 
 
-def test_what_is_not_finite_is_a_dash(run):
+def test_a_derivative_that_is_not_finite_is_a_dash(run):
     _, said, _ = run("simulate", "bouncing_ball", "--stop-time", "1", "--sensitivity", "contact.restitution")
     first, *_ = tables(said)["contact.restitution"]
     assert first[2] == "+1"  # e v, for e + 1 %

@@ -14,7 +14,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def test_a_grid(run, here):
+def test_a_grid_is_swept_into_a_file(run, here):
     code, said, _ = run(
         "sweep", *SHORT, "--vary", "contact.restitution=0:0.8:3", "--vary", "contact.model=flores,hertz",
         "--output", "point[4].x", "-o", "out.csv",
@@ -39,7 +39,7 @@ def test_a_picture_and_parquet(run, here):
     assert (here / "out.parquet").read_bytes()[:4] == b"PAR1"
 
 
-def test_samples(run, here):
+def test_samples_are_swept_into_a_file(run, here):
     arguments = ("sweep", *SHORT, "--vary", "contact.stiffness=1e6:1e9:log", "--samples", "8")
     seeds = {"a": (), "b": ("--seed", "0"), "c": ("--seed", "1"), "d": ("--sampling", "sobol")}
     for name, more in seeds.items():

@@ -59,7 +59,7 @@ def test_a_file_is_made_once_and_appears_when_it_is_whole():
     assert stat.S_IMODE(base_folder().stat().st_mode) == 0o700  # for its user only
 
 
-def test_one_makes_it_and_the_others_wait():
+def test_a_file_is_made_by_one_process_while_others_wait():
     calls, found = [], []
 
     def make(path):
@@ -92,7 +92,7 @@ get_or_make("a.so", make)
 """
 
 
-def test_who_is_killed_leaves_nothing_that_matters():
+def test_a_killed_process_leaves_a_cache_that_works():
     """Another process continues at once, and removes the scratch folder of the killed process."""
     killed = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True)
     assert killed.stdout.readline() == "begun\n"
@@ -162,7 +162,7 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
     assert get_or_make("a.so", lambda _: None).read_text() == "whole"
 
 
-def test_where_the_cache_can_only_be_read_an_error_says_what_to_set(monkeypatch):
+def test_a_read_only_cache_gives_an_error_that_says_what_to_set(monkeypatch):
     """The folder is read-only for root, too, who ignores permissions."""
     get_or_make("a.so", whole)
 
@@ -220,7 +220,7 @@ def test_a_cache_that_others_can_write_is_refused(shared):
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "changed", "without its checksum"])
-def test_what_is_damaged_is_made_again(damage):
+def test_a_damaged_file_is_made_again(damage):
     """A damaged library is compiled again, because a truncated library would end the process with SIGBUS."""
     file = get_or_make("a.so", whole)
     if damage == "without its checksum":
@@ -283,7 +283,7 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
         get_or_make("a.so", fail)
 
 
-def test_who_waits_says_so(monkeypatch):
+def test_a_process_that_waits_says_so(monkeypatch):
     monkeypatch.setattr(cache, "PATIENCE", 0.05)
     begun, told = threading.Event(), threading.Event()
     monkeypatch.setattr(cache.log, "debug", lambda sentence: (said.append(sentence), told.set()))
@@ -310,7 +310,7 @@ def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error(make):
         get_or_make("a.so", make)
 
 
-def test_what_is_there_is_told_and_removed():
+def test_files_of_the_cache_are_listed_and_removed():
     assert entries() == []
     get_or_make("a.so", lambda path: path.write_text("12345"))
     zig = base_folder() / f"{cache.LINKER}0.17.0"

@@ -119,7 +119,7 @@ def test_comparisons_look_at_values_alone():
         assert of_duals(compared, x, y, result=float64)[0] == of_numbers(compared, x, y)
 
 
-def test_of_equal_ones_the_first_is_kept():
+def test_the_first_of_equal_dual_numbers_is_kept():
     """Of equal values, min and max return the first, as Python does."""
     for function in (lambda x, y: max(x, y, x), lambda x, y: min(x, y, y)):
         assert np.array_equal(of_duals(function, 1.0, 1.0)[1:], SLOPES[0])
@@ -150,7 +150,7 @@ def test_a_branch_may_give_a_plain_number():
     assert np.array_equal(of_duals(either, 1.0, 2.0), [1.0, *SLOPES[0]])
 
 
-def test_what_the_kernel_asks_of_a_dual_number():
+def test_a_dual_number_answers_the_questions_of_the_kernel():
     assert of_duals(lambda x, y: value(x) * value(y), result=float64)[0] == AT[0] * AT[1]
     found = of_duals(lambda x, y: carried(5.0, 3.0, x))
     assert np.array_equal(found, [5.0, *(3.0 * SLOPES[0])])

@@ -60,7 +60,7 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize(("text", "line"), HOSTILE.values(), ids=HOSTILE.keys())
-def test_nothing_of_a_hostile_file_is_run(text, line, tmp_path):
+def test_a_hostile_file_is_not_run(text, line, tmp_path):
     mark, file = tmp_path / "mark", tmp_path / "damped.py"
     file.write_text(text.replace("{mark}", str(mark)).replace("{}", f"'{mark}'"), encoding="utf-8")
     values = {"contact.law_file": str(file), "contact.model": "damped"}
@@ -94,7 +94,7 @@ def test_a_file_that_is_too_much_for_python_is_refused(text):
         "        sum += rate ** k // 1 % 7\n    return sum",
     ],
 )
-def test_what_a_law_needs_is_allowed_and_compiles(text):
+def test_a_law_may_use_what_it_needs_and_compiles(text):
     from chain_impact.compilation.law import law_entry
 
     assert law_entry(parse_law("damped", text))

@@ -35,7 +35,7 @@ def one_link():
 
 
 @HOST_ONLY
-def test_what_the_library_needs_and_offers(one_link):
+def test_a_library_offers_the_interface_and_needs_an_old_c_library_only(one_link):
     """The library needs an old C library but no Python, and offers both FMI versions without local paths."""
     found, content = read_binary(one_link), one_link.read_bytes()
     assert [name for name in found.needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
@@ -106,7 +106,7 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
 
 
 @needs_compilers
-def test_all_long_chains_share_a_kernel():
+def test_long_chains_share_a_kernel():
     assert kernel_library(30) == kernel_library(1000)
 
 

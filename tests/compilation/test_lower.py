@@ -43,7 +43,7 @@ def test_no_path_and_nothing_pickled_is_in_it(what):
 
 
 @pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
-def test_of_the_c_library_only_roots_and_whole_parts_are_called(what):
+def test_the_kernel_calls_only_exact_functions_of_the_c_library(what):
     """Every C library rounds them correctly; other functions of it differ in the last digit."""
     module = library._lowered_kernel(what)
     called = set(re.findall(r"^declare double @([\w.]+)\(", module, re.M)) - {"user_law_force"}
@@ -65,7 +65,7 @@ def test_no_path_is_in_a_law_that_could_raise(tmp_path):
     assert ".py" not in module
 
 
-def test_the_same_sources_give_the_same_bytes_wherever_they_are(tmp_path, monkeypatch):
+def test_equal_sources_give_equal_bytes_in_any_folder(tmp_path, monkeypatch):
     """Lower a law under other user settings and in another folder; `.ci/run` compares whole kernels."""
     (tmp_path / "chain_impact").mkdir()
     (tmp_path / "chain_impact" / "__init__.py").write_text("raise RuntimeError('another one')")

@@ -99,7 +99,7 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
 
 
 @needs_compilers
-def test_it_is_said_what_is_done(made, said):
+def test_the_making_of_kernels_says_what_it_does(made, said):
     """pip shows these lines: none comes long after the previous line."""
     assert sorted(said[:2]) == [f"compiling {what}, for any number of links" for what in sorted(ready.PARTS)]
     assert "linking derivatives-any-linux64.so, 3 of 5" in said
@@ -107,7 +107,7 @@ def test_it_is_said_what_is_done(made, said):
 
 
 @needs_compilers
-def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
+def test_a_long_step_says_that_work_goes_on(tmp_path, monkeypatch):
     said = []
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(ready_kernels, "PATIENCE", 0.01)

@@ -68,7 +68,7 @@ def test_every_field_is_where_numpy_has_it(what, sizes):
             assert number(field.size, *sizes) == dtype.itemsize, path
 
 
-def test_what_has_to_do_with_candidates_and_elements_comes_last():
+def test_tables_of_candidates_and_elements_are_last_in_the_record():
     """So the offsets of all other fields are constants in a kernel for a fixed number of links."""
     for path in ("step", "work", "statistics", "friction"):
         for place, field in TABLE.items():

@@ -43,7 +43,7 @@ def test_every_source_counts_and_what_makes_no_code_does_not(copy, sources, coun
         assert (fingerprint() != before) == count, source
 
 
-def test_files_in_folders_count_and_so_do_their_names(copy):
+def test_a_fingerprint_covers_files_in_folders_and_their_names(copy):
     found = {fingerprint()}
     folder = copy / "kernel" / "new" / "room"
     folder.mkdir(parents=True)
@@ -65,7 +65,7 @@ NO_CODE = {
 """Imports of code generators that do not influence the generated code."""
 
 
-def test_what_is_compiled_imports_nothing_of_the_package_but_that():
+def test_compiled_sources_import_only_compiled_sources():
     """A change of any other imported source would change the lowered code without a new fingerprint."""
     allowed = [*(f"chain_impact.{name.removesuffix('.py').replace('/', '.')}" for name in COMPILED), *NO_CODE]
     found = set()

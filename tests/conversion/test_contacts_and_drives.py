@@ -51,9 +51,7 @@ def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
         ("", "", '<contact><exclude body1="world" body2="lower"/></contact>', 1.0),
     ],
 )
-def test_a_plane_is_a_wall_where_it_touches_and_has_the_friction_of_the_pair(
-    tmp_path, floor, shape, rest, friction
-):
+def test_a_touched_plane_is_a_wall_with_the_friction_of_the_pair(tmp_path, floor, shape, rest, friction):
     scene, done = read(tmp_path, arm(world=FLOOR.format(floor), shape=shape, rest=rest))
     if friction is None:
         assert scene.half_planes == {}
@@ -94,7 +92,7 @@ FOOT = {
 @pytest.mark.parametrize("name", FOOT)
 @pytest.mark.parametrize("plane", ["x,z", "-x,z"])
 @pytest.mark.parametrize("axis", [1, -1])
-def test_what_touches_a_floor_becomes_points_where_the_file_has_it(tmp_path, name, plane, axis):
+def test_shapes_that_touch_a_floor_become_points_at_their_places(tmp_path, name, plane, axis):
     shape, expected = FOOT[name]
     text = arm(world=FLOOR.format(""), lower='euler="0 25 0"', rest=key(qpos=".3 -.7"))
     bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
@@ -246,7 +244,7 @@ def test_a_keyframe_is_chosen(tmp_path):
 MESH = '<asset><mesh name="shell" file="absent.stl"/><texture name="t" type="2d" file="absent.png"/></asset>'
 
 
-def test_files_that_nothing_needs_may_be_absent(tmp_path):
+def test_files_of_meshes_that_are_not_needed_may_be_absent(tmp_path):
     seen = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0" mass="0"/>'
     scene, done = read(tmp_path, arm(asset=MESH, more=seen))
     assert scene.chain == read(tmp_path, arm())[0].chain

@@ -227,7 +227,7 @@ def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, caps
     assert "left out contact.model = zhang_sharf" in capsys.readouterr().out
 
 
-def test_a_scene_that_is_to_become_a_scene_is_refused_with_what_can_be_done(tmp_path):
+def test_the_conversion_of_a_scene_into_a_scene_is_refused(tmp_path):
     told = r"^pinned_arm is a scene; its MJCF is written to a file that ends in \.xml$"
     with pytest.raises(SceneError, match=told):
         convert("pinned_arm", tmp_path / "arm.toml")

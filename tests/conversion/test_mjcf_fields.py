@@ -82,7 +82,7 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
 
 
 @pytest.mark.parametrize("row", FIELD_REMARKS, ids=lambda row: row.field)
-def test_what_is_told_is_told_where_it_is_not_at_its_default(row):
+def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
     model = rich()
     title = "warning" if row.effect == Effect.MOTION else "differs" if row.differs else "left out"
     before = lines(unsupported_fields(model), title)
@@ -107,7 +107,7 @@ def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypa
     assert [line for line in told if "body_mass" in line and "not known to this version" in line]
 
 
-def test_what_has_no_effect_changes_no_acceleration_in_flight():
+def test_fields_without_effect_change_no_acceleration_in_flight():
     model = rich()
     expected = acceleration(model)
     for field, value in fields(model):

@@ -133,7 +133,7 @@ def test_a_mirrored_plane_mirrors_the_centre_of_mass(plane):
     assert done.warnings == []
 
 
-def test_of_upright_axes_gravity_is_borne_by_the_joints():
+def test_joints_with_upright_axes_bear_gravity():
     found, done = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
     assert found.gravity == (0.0, 0.0)
     assert found.initial.angles == (0.0, 0.0)
@@ -193,7 +193,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         ),
     ],
 )
-def test_what_is_no_planar_chain_is_refused_with_what_would_be_one(robot, wanted, said):
+def test_robots_that_are_no_planar_chain_are_refused_with_a_way_out(robot, wanted, said):
     with pytest.raises(SceneError) as caught:
         scene(robot, *wanted)
     assert said in str(caught.value)

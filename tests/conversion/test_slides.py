@@ -26,7 +26,7 @@ def test_a_slide_out_of_plane_or_after_a_hinge_is_refused(tmp_path):
     assert "--joints a,b takes joints" in told
 
 
-def test_of_joints_about_several_axes_a_slide_and_its_hinges_are_proposed(tmp_path):
+def test_joints_about_several_axes_give_a_proposal_of_a_slide_and_hinges(tmp_path):
     text = cart().replace('<joint name="b" axis="0 1 0"', '<joint name="b" axis="0 0 1"')
     assert "--joints rail,a takes" in refused(tmp_path, text)
 

@@ -72,7 +72,7 @@ def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
     assert done.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
 
 
-def test_what_urdf_does_not_know_is_told(tmp_path):
+def test_quantities_that_urdf_does_not_know_are_reported(tmp_path):
     extra = '<gazebo reference="u"><mu1>2</mu1></gazebo>'
     text = urdf(
         link("u", more="<contact><stiffness value='3'/></contact>"),
@@ -90,7 +90,7 @@ def test_what_urdf_does_not_know_is_told(tmp_path):
 @pytest.mark.parametrize(
     "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
 )
-def test_of_a_xacro_file_it_is_said_to_run_xacro(tmp_path, part):
+def test_a_xacro_file_is_refused_with_the_advice_to_run_xacro(tmp_path, part):
     told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
     assert "run xacro first" in told
 

@@ -80,7 +80,7 @@ def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
     assert run.toucher(run.impacts[0]) == "point 3 (heel)"
 
 
-def test_names_of_points_and_rules_of_parameters_do_not_follow_from_descriptions(fmus, tmp_path):
+def test_names_of_points_and_rules_do_not_follow_from_descriptions(fmus, tmp_path):
     bare = tmp_path / "bare.fmu"
     with zipfile.ZipFile(fmus["body"]) as old, zipfile.ZipFile(bare, "w") as new:
         for name in old.namelist():

@@ -73,7 +73,7 @@ def test_an_fmu_has_equal_bytes_and_a_guid_of_its_values(fmus, target, tmp_path)
 
 @pytest.mark.full("more cases", but=4)
 @every_model
-def test_files(fmus, target, model):
+def test_an_fmu_has_the_files_of_the_standard(fmus, target, model):
     """Files are sorted, undated and small: a page with every variable, the license, a picture, a binary."""
     path, name = Path(fmus[model]), load_scene(model).name
     assert path.name == f"{name}.fmu"
@@ -246,7 +246,7 @@ CAPABILITIES |= {"canBeInstantiatedOnlyOncePerProcess": "false"}
 CAPABILITIES |= {"canHandleVariableCommunicationStepSize": "true"}
 
 
-def test_capabilities(fmus, target):
+def test_an_fmu_declares_its_capabilities(fmus, target):
     states = "FMUState" if target == "fmi3" else "FMUstate"
     more = {"canInterpolateInputs": "false"}
     more["canNotUseMemoryManagementFunctions"] = "true" if target == "pythonfmu" else "false"
@@ -335,7 +335,7 @@ def test_dependencies_are_true_under_every_law(native, clean):
         ({"target": "pythonfmu", "fmi": 3}, r"for FMI 2\.0 only: FMI 3\.0 needs target = 'native'"),
     ],
 )
-def test_what_cannot_be_built_is_refused(tmp_path, options, said):
+def test_an_fmu_that_cannot_be_built_is_refused(tmp_path, options, said):
     with pytest.raises(BuildError, match=said):
         build_fmu("rod_drop", tmp_path, **options)
     assert not list(tmp_path.iterdir())
@@ -350,7 +350,7 @@ def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, native):
 
 
 @pytest.mark.full("takes long")
-def test_where_the_fmu_is_a_link_nothing_else_is_left_in_its_folder(tmp_path):
+def test_an_fmu_that_is_a_link_leaves_no_other_file_in_its_folder(tmp_path):
     """The target of a link is written in place, as /dev/stdout is; a missing folder is made."""
     folder, kept = tmp_path / "a" / "folder", tmp_path / "kept.fmu"
     assert build_fmu("rod_drop", folder) == folder / "RodDrop.fmu"

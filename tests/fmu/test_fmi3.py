@@ -21,7 +21,7 @@ RIGID = CONTACT_LAWS["newton_impact"].number
 
 
 @calling3("rod_drop")
-def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
+def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
     import shutil
 
     library = Library(fmu)

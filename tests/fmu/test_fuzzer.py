@@ -74,6 +74,6 @@ def test_no_sequence_of_calls_does_harm(fuzzer, fmu, seed):
     assert int(re.match(r"(\d+) messages", run(fuzzer, fmu, seed))[1]) > SEQUENCES
 
 
-def test_the_same_calls_give_the_same_results(fuzzer, fmu):
+def test_equal_calls_give_equal_results(fuzzer, fmu):
     seed = SEEDS.stop
     assert run(fuzzer, fmu, seed) == run(fuzzer, fmu, seed)

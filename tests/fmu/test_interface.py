@@ -50,7 +50,7 @@ from tests.fmu.zig import WARNINGS, zig
 @pytest.mark.parametrize(
     "platform", ["linux64", "win64", "aarch64-linux", "aarch64-darwin", "standard's headers"]
 )
-def test_it_compiles_without_a_warning(platform, tmp_path):
+def test_the_interface_compiles_without_a_warning(platform, tmp_path):
     """The standard's own headers are included, so that each function has the type of the standard."""
     target, _ = ZIG_TARGETS.get(platform, ZIG_TARGETS[HOST])
     headers = INCLUDES if platform in ZIG_TARGETS else (HEADERS, *INCLUDES)
@@ -76,7 +76,7 @@ def test_the_version_and_the_constants_are_those_of_the_standard(fmu):
 
 
 @calling("rod_drop")
-def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmu):
+def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
     library, broken = Library(fmu), Path(tempfile.mkdtemp())
     content = (library.folder / "resources" / "model.bin").read_bytes()
 
@@ -240,7 +240,7 @@ def test_a_value_reference_behind_the_last_variable_is_refused(fmu):
 
 
 @calling("pinned_arm", kinds="fmus")
-def test_what_can_be_set_when(fmu, target):
+def test_each_state_of_an_instance_lets_its_variables_be_set(fmu, target):
     """pythonfmu's FMU has only fatal errors, so the phase after a failed step does not exist."""
     before, tunable = ("instantiated", "initialization mode"), "step complete"
     when = {"box.x_max": before, "energy.total": ()}
@@ -254,7 +254,7 @@ def test_what_can_be_set_when(fmu, target):
 
 
 @calling("rod_drop", kinds="fmus")
-def test_of_several_values_all_are_set_or_none(fmu):
+def test_several_values_are_set_together_or_not_at_all(fmu):
     library = Library(fmu)
     one = Component(library).start()
     one.step(0.0, 0.1)

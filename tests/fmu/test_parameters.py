@@ -83,7 +83,7 @@ def tuned(fmu, at, values, stop, step):
 
 
 @pytest.mark.parametrize("model", TUNED)
-def test_what_is_tunable_can_be_set_between_steps(fmus, clean, model):
+def test_tunable_parameters_can_be_set_between_steps(fmus, clean, model):
     (at, values), stop = TUNED[model], STOPS[model]
     names, rows = clean(tuned, fmus[model], at, values, stop, STEP)
     chain, never = Chain(scene_of(model)), Chain(scene_of(model))
@@ -160,7 +160,7 @@ def test_the_value_in_use_is_shown(fmus, clean, changes, when):
 
 
 @importing("finger")
-def test_a_parameter_that_is_set_to_the_value_it_shows_is_set(fmu):
+def test_a_derived_parameter_set_to_its_shown_value_keeps_it(fmu):
     one, name = Instance(fmu), "link[1].inertia"
     before = one[name]
     one.set({name: before})

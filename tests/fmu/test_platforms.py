@@ -173,13 +173,13 @@ def assert_same(fmu, fmu3, machine, folder, here):
 
 
 @ON_ARM
-def test_it_runs_on_arm(fmu, fmu3, here, tmp_path):
+def test_an_fmu_runs_on_arm(fmu, fmu3, here, tmp_path):
     machine = Machine("aarch64-linux", QEMU)
     assert_same(fmu, fmu3, machine, tmp_path, here)
 
 
 @pytest.mark.skipif(not shutil.which("wine"), reason="needs Debian's wine64")
-def test_it_runs_on_windows(fmu, fmu3, here, tmp_path):
+def test_an_fmu_runs_on_windows(fmu, fmu3, here, tmp_path):
     def path(file):
         return "Z:" + str(file).replace("/", "\\")
 

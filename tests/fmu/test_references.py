@@ -180,7 +180,7 @@ def test_inputs_that_do_not_arrive_are_found(spoil):
         (lambda text: "\n".join(text.splitlines()[:3]), "two times or more"),
     ],
 )
-def test_what_is_wrong_is_said(spoil, change, sentence):
+def test_wrong_reference_results_are_told(spoil, change, sentence):
     passed, text = check_references(spoil(change))
     assert not passed
     assert sentence in text

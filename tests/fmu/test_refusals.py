@@ -190,7 +190,7 @@ def test_the_tolerance_is_the_parameter(fmu):
     assert instance.get(plain.outputs) == plain.get(plain.outputs)
 
 
-def test_why_a_native_fmu_cannot_start_or_go_on_is_seen_on_the_command_line(native, capsys):
+def test_the_command_line_shows_why_a_native_fmu_cannot_start_or_go_on(native, capsys):
     """The command line shows the reason, and the results before the failure."""
     assert cli.main(["simulate", native["rod_drop"], "--set", "initial.y=-1"]) == 3
     assert "the simulation cannot start: a contact point starts beyond a wall" in capsys.readouterr().err

@@ -43,7 +43,7 @@ def stepped(fmu, names, times, values):
         ("dry_derivatives", [("point[4].x", f"link[{i}].joint_friction") for i in (1, 3)], {}),
     ],
 )
-def test_they_are_those_of_simulate(fmus, clean, model, asked, values):
+def test_outputs_of_derivatives_are_those_of_simulate(fmus, clean, model, asked, values):
     scene = scene_of(model).with_values(values)
     stop = 0.8 if model == "derivatives" else scene.simulation.stop_time  # s, with three impacts
     result = simulate(scene, stop, output_step=0.05)
@@ -86,7 +86,7 @@ def test_a_parameter_that_is_tuned_has_derivatives_of_its_new_value(fmu, names):
 
 
 @importing("flat_derivatives")
-def test_they_are_nan_once_they_cannot_be_trusted(fmu):
+def test_derivatives_that_cannot_be_trusted_are_nan(fmu):
     """All points of a horizontal chain arrive at a rigid floor at the same moment."""
     one = Instance(fmu).start()
     (name,) = (name for name in one.outputs if name.endswith("restitution.point[0].vy"))

@@ -69,7 +69,7 @@ def test_an_fmu_for_both_platforms(tmp_path):
 
 
 @importing("four_link_box", **in_python)
-def test_it_needs_the_standard_library_only(fmu):
+def test_the_slave_needs_the_standard_library_only(fmu):
     import sys
 
     import fmpy

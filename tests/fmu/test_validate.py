@@ -41,7 +41,7 @@ from tests.tiers import needs_compilers
 
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["rod_drop", "kneed_leg", "controlled_arm"])
-def test_nothing_is_found_in_an_fmu_of_ours(fmus, model):
+def test_an_fmu_of_ours_has_no_faults(fmus, model):
     found = validation(fmus[model])
     assert list(found.findings) == []
     assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]

@@ -207,7 +207,7 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
         (STEP_TOO_SMALL, (0.5, 1), False, STEP_TOO_SMALL),
     ],
 )
-def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
+def test_a_change_that_jumps_is_applied_at_the_communication_point(
     monkeypatch, status, given, goes_on, right
 ):
     d = at_end_of_a_step()
@@ -218,7 +218,7 @@ def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
 
 
 @pytest.mark.parametrize("held", [(False,), (True, False), (True, True)])
-def test_what_rigid_walls_hold_is_found_anew_after_a_change(monkeypatch, held):
+def test_points_held_by_rigid_walls_are_found_again_after_a_change(monkeypatch, held):
     d, done, answers = at_end_of_a_step(), [], list(held)
     d.step.end = 0.5
     monkeypatch.setattr(handlers, "any_point_held", lambda _: answers.pop(0))

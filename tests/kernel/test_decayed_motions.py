@@ -67,7 +67,7 @@ def resting():
 
 @small
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_what_has_faded_is_cleared_and_the_rest_is_kept(size, sign):
+def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
     _, d = chain(np.random.default_rng(0), 3, "pinned")
     last_step.reset_step(d, 0.0, d.step.state_end)
     d.model.has_springs_or_dampers = 1
@@ -157,7 +157,7 @@ def test_forces_slopes_and_sizes_of_a_contact_are_finite(size, speed):
 @small
 @pytest.mark.parametrize("contacts", [1, 2])
 @pytest.mark.parametrize("base", ["free", "pinned"])
-def test_what_sticks_with_a_faded_speed_is_stopped(size, contacts, base):
+def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
     _, d, y = rubbing_chain(np.random.default_rng(4), base, contacts, True)
     for e in d.element.index[: d.friction.count]:
         d.element.mode[e] = STICKS
@@ -230,7 +230,7 @@ def test_a_held_joint_rests_to_the_end(method, tolerance):
 
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
-def test_what_fades_is_at_rest_before_its_numbers_are_denormal(method):
+def test_a_fading_motion_is_at_rest_before_its_numbers_are_denormal(method):
     """A damped rod without gravity stops as e^(−c t/I), which is 1e-1737 at the end."""
     scene = scene_from_dict(
         {

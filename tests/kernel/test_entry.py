@@ -138,7 +138,7 @@ def test_a_call_returns_awhile_before_its_time(monkeypatch):
     assert d.step.time == STOP
 
 
-def test_what_is_set_is_tried_until_a_step_takes_it():
+def test_a_set_value_is_tried_until_a_step_takes_it():
     """The status names the refused value; the outputs keep the earlier state, and the run can continue."""
     runs = Runs()
     d = runs.d

@@ -79,7 +79,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     assert all(last == 1.5 for name, _, last in called if name == "set_own_output_time")
 
 
-def test_one_that_does_not_fit_is_not_sound(monkeypatch):
+def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
     tangents = [SimpleNamespace(**SIZES) for _ in range(2)]
     d = SimpleNamespace(tangents=2, tangent_instances=tangents, **SIZES)
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)

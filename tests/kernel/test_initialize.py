@@ -106,7 +106,7 @@ LEFT |= {("touch", "event"): NONE, ("impact", "last_point"): -1, ("latest", "poi
 LEFT |= dict.fromkeys([("impact", "last_time"), ("limits", "event_start"), ("limits", "work_start")], 3.0)
 
 
-def test_nothing_of_an_earlier_run_is_left():
+def test_a_start_clears_everything_of_an_earlier_run():
     _, d = prepared()
     d.latest.kept = 4
     d.work.load.joint[:] = 9.0

@@ -55,7 +55,7 @@ class Stopping:
 
 @pytest.mark.parametrize("step", [1e-3, 0.1, 2.0])
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "pinned_arm", "ramp", "rigid"])
-def test_it_stops_at_each_onset_and_nothing_else_changes(model, step):
+def test_a_run_that_stops_at_each_onset_is_otherwise_unchanged(model, step):
     scene = with_values(load_scene("four_link_box"), RIGID) if model == "rigid" else load_scene(model)
     stop = 1.0 if step < 1.0 else 2.0
     stopping, plain = Stopping(scene), Instance(scene)
@@ -85,7 +85,7 @@ def test_an_onset_at_the_very_start_is_one(contact):
     assert (stopping.instance.time, stopping.count) == (0.0, 2)
 
 
-def test_who_does_not_handle_an_onset_goes_on_all_the_same():
+def test_a_caller_that_ignores_an_onset_can_go_on():
     stopping, plain = Stopping(dropped(0.1)), Instance(dropped(0.1))
     counts = []
     while stopping.to_onset(0.5) == ONSET_DUE:

@@ -67,7 +67,7 @@ def test_without_dry_friction_there_is_no_room_for_it():
         assert set(sizes) <= {0, 1}
 
 
-def test_all_readers_of_the_sizes_have_them_in_the_order_of_the_record():
+def test_readers_of_the_sizes_have_the_order_of_the_record():
     head = list(instance_dtype(1, 0).names[:HEAD])
     assert head == [*COUNTS, *FEATURES, "tangents"]
     assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]

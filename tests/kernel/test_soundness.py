@@ -147,7 +147,7 @@ def test_no_more_contacts_have_a_force_than_there_are():
     assert_fits(d, "touch", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
 
 
-def test_a_law_may_be_missing_only_before_a_start_and_where_nothing_touches():
+def test_a_law_may_be_missing_only_before_a_start_without_contacts():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
     assert not within_bounds(d)

@@ -23,7 +23,7 @@ def d():
 
 
 @pytest.mark.parametrize(("evaluations", "looks", "over"), [(100, 0, False), (0, 100, False), (60, 41, True)])
-def test_all_work_in_a_second_counts(d, evaluations, looks, over):
+def test_the_limit_counts_all_work_in_a_second(d, evaluations, looks, over):
     d.statistics.rhs_evaluations += evaluations
     d.limits.other_work += looks
     assert status.work_done(d) == 700 + evaluations + looks

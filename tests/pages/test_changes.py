@@ -42,7 +42,7 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
         ("cart_pole", {"slider.max": -3.5}),
     ],
 )
-def test_values_that_do_not_go_together_are_refused_with_the_sentence_of_python(script, model, changes):
+def test_contradicting_values_are_refused_with_the_sentence_of_python(script, model, changes):
     run = """([contents, given]) => {
       try {
         new Changes(sceneOf(contents)).set(given);
@@ -69,7 +69,7 @@ def test_values_that_do_not_go_together_are_refused_with_the_sentence_of_python(
     ],
     ids=str,
 )
-def test_what_follows_from_others_is_shown_as_in_the_edited_file(script, changes):
+def test_derived_values_are_shown_as_in_the_edited_file(script, changes):
     """A derived value follows its sources again after a reset."""
     expected = edited(FINGER, changes)
     shown, text, back, starts = script.evaluate(

@@ -46,7 +46,7 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("#pins tbody tr").count() == 3
 
 
-def test_letters_of_pins_are_beside_each_other_where_the_tips_are_at_one_place(show):
+def test_letters_of_pins_at_one_place_are_beside_each_other(show):
     page = show()
     for value in (0.4, 0.6):
         page.get_by_role("button", name="Pin").click()

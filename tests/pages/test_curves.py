@@ -77,7 +77,7 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
     until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
 
 
-def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show, result):
+def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     page = show(hash_="#curves=contact[2].y_min.force")
     page.get_by_role("button", name="Go to impact 1, ").click()
     assert page.get_by_role("button", name="At impact").get_attribute("aria-pressed") == "false"
@@ -104,7 +104,7 @@ def test_a_view_of_one_impact_has_its_peak_and_the_curve_of_a_pinned_motion(show
     assert heights[0] / heights[1] == pytest.approx(impact["peak_force"] / lower[0]["peak_force"], rel=0.1)
 
 
-def test_the_kernel_gives_chosen_outputs_only_with_the_peaks_of_all_impacts(worker, result):
+def test_the_kernel_gives_only_chosen_outputs_with_the_peaks_of_impacts(worker, result):
     given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
     assert worker.evaluate(MOTION, {**given, "curves": []})["names"] == []
     names = [f"contact[{point}].y_min.force" for point in range(5)]
@@ -116,7 +116,7 @@ def test_the_kernel_gives_chosen_outputs_only_with_the_peaks_of_all_impacts(work
     assert found["rows"] > found["frames"]
 
 
-def test_all_outputs_of_a_group_are_chosen_at_once(show):
+def test_a_group_of_outputs_is_chosen_at_once(show):
     page = show()
     page.get_by_role("button", name="Chart…").click()
     page.get_by_role("searchbox", name="Search the outputs").fill("y")

@@ -40,7 +40,7 @@ def pinned_arm(tmp_path_factory):
     return path.as_uri()
 
 
-def test_what_is_shown_of_time_force_energies_and_trace(show_recording, recording):
+def test_the_page_shows_time_forces_energies_and_the_trace(show_recording, recording):
     page = show_recording()
     before = pixels(page)
     assert [page.locator(kind).count() for kind in (".joint", ".tip")] == [4, 1]
@@ -263,7 +263,7 @@ def test_a_label_avoids_the_trace_if_another_place_is_near(script):
     ]
 
 
-def test_a_number_stays_beside_its_point_also_of_a_body_that_is_small_on_a_phone(show_recording):
+def test_numbers_stay_beside_the_points_of_a_body_that_is_small_on_a_phone(show_recording):
     recording = record_slowly("thrown_brick")
     page, seen = show_recording(recording, viewport=PHONE), 0
     for impact in recording.impacts[:4]:
@@ -276,9 +276,7 @@ def test_a_number_stays_beside_its_point_also_of_a_body_that_is_small_on_a_phone
 
 @pytest.mark.parametrize("viewport", [PHONE, ON_ITS_SIDE])
 @pytest.mark.parametrize("model", ["thrown_brick", "cart_pole", "pinned_arm"])
-def test_the_ruler_of_forces_has_two_numbers_and_its_name_apart_from_the_scale_bar(
-    show_recording, model, viewport
-):
+def test_the_ruler_of_forces_is_apart_from_the_scale_bar(show_recording, model, viewport):
     page = show_recording(record_slowly(model), viewport=viewport)
     press(page, "Shift+ArrowRight")
     assert page.evaluate(ON_OTHERS) == []

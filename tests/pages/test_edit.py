@@ -212,7 +212,7 @@ ON_RAIL = [
 
 
 @pytest.mark.parametrize(("path", "value", "told"), ON_RAIL, ids=["reach", "velocity"])
-def test_what_no_chain_on_a_slider_can_have_is_refused_as_by_python(script, path, value, told):
+def test_keys_that_no_slider_allows_are_refused_as_by_python(script, path, value, told):
     contents = changed(path, value, BODIES["rail"])
     with pytest.raises(SceneError, match=re.escape(told)):
         scene_from_dict(contents, "rail.toml")

@@ -120,7 +120,7 @@ def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser
 
 @pytest.mark.parametrize("size", [DESK, PHONE, {"width": 320, "height": 320}])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_stands_out_of_the_screen(show, size, scheme):
+def test_the_page_stays_within_the_screen(show, size, scheme):
     page = show(viewport=size, color_scheme=scheme)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert page.locator("#scene").is_visible()

@@ -99,7 +99,7 @@ def test_a_run_in_firefox_has_the_bits_of_simulate(firefox, tmp_path, model):
         assert list(map(int, ends)) == expected.tolist(), name
 
 
-def test_a_joint_is_dragged_and_moved_by_keys_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
+def test_firefox_drags_a_joint_moves_it_by_keys_and_draws_a_map(firefox, tmp_path):
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 0.6})
     explore(scene, tmp_path / "rod.html")
     firefox.open(tmp_path / "rod.html")

@@ -36,7 +36,7 @@ def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
     assert found == known
 
 
-def test_a_slider_that_is_moved_while_the_motion_plays_is_held_from_then_on(show, tmp_path, capsys):
+def test_a_slider_moved_during_playback_is_held_from_then_on(show, tmp_path, capsys):
     page = show("pinned_arm")
     before = page.evaluate("chainImpact.parameters['joint[1].torque']")
     page.get_by_label("Speed").select_option("¼ ×")
@@ -163,7 +163,7 @@ def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
     assert torque.input_value() == "much"
 
 
-def test_a_slider_that_is_dragged_back_to_its_value_follows_the_motion_again(show):
+def test_a_slider_dragged_back_to_its_value_follows_the_motion_again(show):
     page = show("pinned_arm", hash_=f"#{SLIDER}@=0.02:3")
     playing(page)
     slider = page.get_by_role("slider", name=ITS_WORDS)

@@ -68,7 +68,7 @@ def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
-def test_what_the_scene_derives_follows_changed_parameters(kernel, changes):
+def test_derived_values_of_the_scene_follow_changed_parameters(kernel, changes):
     assert_same_bits(kernel(finger(), changes), simulate(edited(FINGER, changes)))
 
 

@@ -153,7 +153,7 @@ def test_angles_in_degrees_are_taken_in_every_field(show):
     assert {"10", "50"} <= set(page.locator("#map-scales text").all_text_contents())
 
 
-def test_all_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
+def test_the_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-x-name").select_option("contact.stiffness")

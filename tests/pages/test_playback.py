@@ -35,7 +35,7 @@ def time_after(page, milliseconds):
     return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
 
 
-def test_it_plays_on_its_own_and_pauses(show_recording):
+def test_a_recording_plays_on_its_own_and_pauses(show_recording):
     page = show_recording(reduced_motion="no-preference", stopped=True)
     page.clock.run_for(200)
     page.get_by_role("button", name="Pause").click()
@@ -184,7 +184,7 @@ def twins(until_next=1e-3, force=1.0):
 
 
 @pytest.mark.parametrize("until_next", [1e-3, 0.0])
-def test_of_contacts_that_overlap_the_latest_is_named(show_recording, until_next):
+def test_the_latest_of_overlapping_contacts_is_named(show_recording, until_next):
     """If two contacts begin at the same time, the page names the contact whose button was pressed."""
     page = show_recording(twins(until_next))
     for number in (1, 2, 1):
@@ -247,7 +247,7 @@ def test_speed_help_and_what_has_the_focus(show_recording):
     assert not page.get_by_role("dialog").is_visible()
 
 
-def test_it_is_dark_where_that_is_wanted_and_changes_while_open(show_recording):
+def test_the_page_is_dark_where_that_is_wanted_and_changes_while_open(show_recording):
     page = show_recording(color_scheme="dark")
     dark = pixels(page)
     assert np.median(dark) < 60

@@ -70,7 +70,7 @@ def assert_alone(text):
     assert "{{" not in others
 
 
-def test_what_is_packed_is_the_recording(recording):
+def test_the_packed_data_are_the_recording(recording):
     packed = json.loads(json.dumps(data(recording)))
     time = np.frombuffer(base64.b64decode(packed["time"]), "<f8")
     np.testing.assert_array_equal(time, recording.time)

@@ -71,7 +71,7 @@ def drag(page, grip, by, origin=None):
         ("velocity 4", (0, -25), {"initial.angular_velocity[4]": 1}),
     ],
 )
-def test_what_is_dragged_changes_what_it_stands_for(show, grip, by, signs):
+def test_a_dragged_handle_changes_the_value_that_it_stands_for(show, grip, by, signs):
     """A joint rotates its link, the base moves the chain, and a wall moves along its normal."""
     page, scene = show(), load_scene("four_link_box")
     before = {name: value for name, value in parameters(page).items() if name in scene.values}
@@ -204,7 +204,7 @@ def angle(page, link=4):
     return parameters(page)[f"initial.angle[{link}]"]
 
 
-def test_a_finger_drags_a_joint_without_scrolling_and_a_second_one_does_not(show):
+def test_only_the_first_finger_drags_a_joint_and_the_page_does_not_scroll(show):
     page = show(viewport=PHONE, has_touch=True)
     first, second = middle(page, "joint 4"), middle(page, "joint 1")
     lower = second + np.array([0, 40])

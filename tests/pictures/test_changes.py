@@ -88,7 +88,7 @@ def test_the_legend_says_what_is_changed_and_by_how_much(swing):
     assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
 
 
-def test_of_many_parameters_the_most_important_have_colours():
+def test_the_most_important_of_many_parameters_have_colours():
     recording = made("rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6)
     found, page = recording.sensitivities, drawn(recording)
     count = len(found.parameters)
@@ -123,13 +123,13 @@ def test_the_legend_counts_the_other_parameters(names, told):
     assert looks[-1]["label"] == told
 
 
-def test_nothing_changes_before_the_first_impact():
+def test_changes_without_an_impact_say_that_there_is_none():
     page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
     assert said(page)[0] == "RodDrop: changes with 1 parameter, to first order"
     assert "no impact" in [text.get_text() for text in page.axes[-1].texts]
 
 
-def test_where_there_are_none_there_is_a_gap_and_the_reason():
+def test_missing_derivatives_leave_a_gap_with_the_reason():
     recording = made(flat_rod(model="newton_impact"), "initial.vy")
     page = drawn(recording)
     (limit,) = recording.sensitivities.limits

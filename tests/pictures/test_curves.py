@@ -90,7 +90,7 @@ def test_curves_go_into_axes_that_are_there(result):
     plt.close(figure)
 
 
-def test_what_cannot_be_drawn_is_refused(result):
+def test_outputs_that_cannot_be_drawn_are_refused(result):
     with pytest.raises(UnknownNameError, match="the nearest is"):
         result.plot(curves="point[4].z")
     with pytest.raises(ValueError, match="around = 3 must be from 1 to 2"):

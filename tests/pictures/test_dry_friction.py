@@ -61,7 +61,7 @@ def test_phases_too_short_to_be_seen_are_not_in_the_legend():
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks"]
 
 
-def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
+def test_the_places_that_rub_for_longest_are_shown(recording):
     many = simulate(pendulum(), 0.5)
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]
     many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)

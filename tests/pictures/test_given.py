@@ -21,7 +21,7 @@ FORCES = "contact[*].x_*.force"
         ((1, 3), (9.0, 3.0), {"panels": ["motion", "energy", "impacts"]}),
     ],
 )
-def test_nothing_is_cut_off_or_covers_a_neighbour(shape, size, options):
+def test_a_picture_in_given_axes_is_whole_and_covers_no_neighbour(shape, size, options):
     page = Figure(size)
     axes = page.subplots(*shape)
     recorded("sliding_rod" if "friction" in options.values() else "four_link_box").plot(**options, ax=axes)

@@ -130,7 +130,7 @@ def rays(count, colour, width):
     return page, axes
 
 
-def test_a_number_without_free_room_stands_on_pale_lines_and_has_an_outline():
+def test_a_number_without_free_room_is_outlined_on_pale_lines():
     page, axes = rays(200, "0.85", 0.6)
     label = Label("1, 3", (2.0, 2.0))
     assert place_labels(axes, [label], Ink(page)) == [label]

@@ -28,7 +28,7 @@ def test_the_numbers_are_those_of_the_recording(model):
         assert abs(columns["energy.dissipated"]).max() < 1e-9
 
 
-def test_nothing_is_said_of_energy_that_is_not_lost_or_not_known():
+def test_the_headline_omits_energy_that_is_not_lost_or_not_known():
     recording = swing()
     recording.columns["energy.dissipated"] = np.zeros(50)
     assert message(recording) == "Swing: no impacts in 2 s"

@@ -51,7 +51,7 @@ def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
     np.testing.assert_allclose(recording.pose_at(0.4), recording.points[0], atol=1e-15)
 
 
-def test_the_paths_of_all_points_are_there_and_that_of_the_tip_is_strongest():
+def test_paths_of_all_points_are_drawn_that_of_the_tip_strongest():
     recording = recorded("four_link_box")
     _, motion, *_ = drawn(recording)
     _, others, tip = motion.collections

@@ -53,14 +53,14 @@ def test_the_hardest_impacts_are_numbered_first():
 
 
 @pytest.mark.full("takes long")
-def test_of_many_impacts_at_equal_distances_every_kth_is_numbered():
+def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
     page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
     (axes,) = (panel for panel in page.axes if panel.get_label() == "impacts")
     assert [text.get_text() for text in axes.texts] == [str(number) for number in range(5, 31, 5)]
     assert any("every 5th" in text.get_text() for text in page.texts)
 
 
-def test_all_that_is_measured_names_its_unit():
+def test_measured_quantities_name_their_units():
     _, motion, clock, energy, speeds = drawn(recorded("pinned_arm"))
     names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
     assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]

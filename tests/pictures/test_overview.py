@@ -131,7 +131,7 @@ def test_a_broad_motion_has_the_whole_width():
     assert [axes.get_label() for axes in over_time] == ["time", "energy"]
 
 
-def test_long_names_of_points_are_short_in_the_panels_and_whole_at_the_foot():
+def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
     name = "left_front_foot_collision_sphere"
     recording = dataclasses.replace(
         swing([hit(1.0, 1, "x_min", 1.0)], {"x_min": -1.0}), point_names={1: name}
@@ -221,7 +221,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
 
 
 @pytest.mark.full("takes long")
-def test_a_page_that_is_too_low_is_refused_and_one_as_high_as_told_is_drawn():
+def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     with pytest.raises(ValueError, match=r"^size = \(6, 2\) must be at least [\d.]+ high") as refused:
         result.plot(size=(6.0, 2.0), panels=panels)
@@ -247,7 +247,7 @@ def test_fonts_follow_the_settings_of_matplotlib():
 
 
 @pytest.mark.full("takes long")
-def test_files_have_text_and_no_type_3_fonts(tmp_path):
+def test_files_of_pictures_have_text_and_no_type_3_fonts(tmp_path):
     """Both the package and the user of a figure can write the files."""
     result = recorded("rod_drop")
     users = result.plot(panels="energy")

@@ -81,7 +81,7 @@ def test_the_room_is_white_and_all_beyond_it_grey():
         assert outline.contains_point(place) == inside
 
 
-def test_what_moves_beyond_a_wall_is_in_view():
+def test_points_that_move_beyond_a_wall_are_in_view():
     """Points that are not candidates pass through walls."""
     _, motion, *_ = drawn(swing(walls={"y_max": 0.4}))
     assert motion.get_ylim()[1] > 1.0

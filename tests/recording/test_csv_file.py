@@ -82,7 +82,7 @@ def test_a_chain_without_walls_needs_no_scene(tmp_path):
         (f"{HEAD},contact[1].y_min.force\n0,0,0,1,0,0\n1,0,0,1,0,0\n", "give its scene"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(tmp_path, text, pattern):
+def test_a_wrong_table_is_refused_in_one_line(tmp_path, text, pattern):
     path = tmp_path / "bad.csv"
     path.write_text(text)
     with pytest.raises(SceneError, match=pattern) as refusal:

@@ -51,7 +51,7 @@ def test_a_number_makes_the_difference():
     assert one != replace(one, time=one.time[:-1])
 
 
-def test_what_is_unknown_is_equal():
+def test_unknown_numbers_are_equal():
     table = np.zeros(2, [("time", float), ("point", int)])
     table["time"] = math.nan
     assert equal({"a": [math.nan, table]}, {"a": [math.nan, table.copy()]})

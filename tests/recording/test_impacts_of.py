@@ -32,7 +32,7 @@ def recorded(scene, times):
 @pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 @pytest.mark.parametrize("step", [1e-3, 1e-2, 0.1])
-def test_it_is_complete_at_any_step(model, step):
+def test_the_table_of_impacts_is_complete_at_any_communication_step(model, step):
     scene = load_scene(model).with_values({"outputs.impacts": 16})
     stop = scene.simulation.stop_time
     expected = simulate(scene).impacts
@@ -87,7 +87,7 @@ def test_a_contact_that_newer_impacts_hide_before_its_end_is_told():
     assert not np.isnan(table["peak_force"]).any()
 
 
-def test_what_an_importer_returns_is_taken_as_it_is():
+def test_arrays_of_an_importer_are_taken_as_they_are():
     record = recorded(load_scene("rod_drop"), np.linspace(0.0, 1.0, 11))
     rows = np.rec.fromarrays(list(record.values()), names=list(record))
     assert impacts_of(rows).tobytes() == impacts_of(record).tobytes()

@@ -58,7 +58,7 @@ def test_frames_increase_and_are_no_more_than_allowed():
     assert (np.diff(times) > 0.0).all()
 
 
-def test_of_two_impacts_the_slower_rate_holds():
+def test_the_slower_rate_of_two_impacts_holds():
     time = np.array([0.5, 0.5005])
     assert (rate(time, [(0.5, 0.501), (0.49, 0.6)], 0.5) == rate(time, [(0.5, 0.501)], 0.5)).all()
 

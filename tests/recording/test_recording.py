@@ -62,7 +62,7 @@ def test_a_file_appears_only_when_it_is_whole(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_who_reads_the_old_file_goes_on_reading_it(tmp_path):
+def test_a_reader_of_a_replaced_file_goes_on_reading_it(tmp_path):
     path = tmp_path / "out.txt"
     path.write_text("old")
     with path.open() as reader:
@@ -79,7 +79,7 @@ def test_a_file_has_the_mode_of_any_other(tmp_path):
     assert (tmp_path / "whole").stat().st_mode == (tmp_path / "plain").stat().st_mode
 
 
-def test_what_is_no_plain_file_is_written_through(tmp_path):
+def test_a_target_that_is_no_plain_file_is_written_in_place(tmp_path):
     """A replacement of /dev/null or /dev/stdout would damage the system."""
     target, link, pipe = tmp_path / "target", tmp_path / "link", tmp_path / "pipe"
     target.write_text("old")

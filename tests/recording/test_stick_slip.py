@@ -113,7 +113,7 @@ def test_the_phases_alternate_with_the_outputs():
                 assert (np.sign(moment) == -phase["mode"]).all()
 
 
-def test_what_an_fmu_shows_of_contacts():
+def test_phases_from_outputs_of_an_fmu_are_those_of_its_walls():
     time = np.arange(6.0)
     columns = {
         **{f"contact[1].{wall}.force": np.ones(6) for wall in ("slope", "elsewhere")},

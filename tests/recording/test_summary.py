@@ -14,7 +14,7 @@ from chain_impact.recording.text import plural
 from tests.helpers.scenes.problems import dropped_ball
 
 
-def test_the_plural():
+def test_counts_other_than_one_have_the_plural():
     assert [plural(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
 
 

@@ -150,7 +150,7 @@ def test_only_the_lowering_imports_numba():
     assert users == {"built_in", "lower", *of_lowering}
 
 
-def test_it_can_be_imported_where_it_is_not_installed():
+def test_the_package_can_be_imported_where_it_is_not_installed():
     """The build of a wheel imports the package before a version exists, to lower the kernel."""
     program = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r})\n" + (
         "from importlib import metadata\n"
@@ -176,7 +176,7 @@ def redirections(file):
             yield from {node.attr} & (calls if isinstance(node.ctx, ast.Load) else streams)
 
 
-def test_files_are_short_and_redirect_nothing_of_the_process():
+def test_modules_are_short_and_redirect_no_stream_of_the_process():
     """The caller may have other threads, so the process-wide streams and folder must stay."""
     files = [*MODULES, SLAVE]
     lengths = {file.name: len(file.read_text("utf-8").splitlines()) for file in [*files, *SCRIPTS]}

@@ -30,7 +30,7 @@ def names_of(module):
     return names
 
 
-def test_what_scripts_import_from_this_repository_is_there():
+def test_names_that_scripts_import_from_this_repository_exist():
     trees = [(file, list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))) for file in SCRIPTS]
     # names of older revisions, after a try with those of today
     older = {

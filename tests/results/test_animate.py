@@ -39,7 +39,7 @@ def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
         ({"recording": swing(1)}, "Swing: an animation needs two rows at least"),
     ],
 )
-def test_refusals(tmp_path, arguments, pattern):
+def test_wrong_arguments_of_animate_are_refused(tmp_path, arguments, pattern):
     arguments = {"recording": swing(), **arguments}
     arguments["path"] = tmp_path / arguments.get("path", "swing.html")
     with pytest.raises(AnimationError, match=pattern):

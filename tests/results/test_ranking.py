@@ -122,7 +122,7 @@ def test_at_stops_the_moment_is_ranked():
         result.ranking("max_penetration")
 
 
-def test_what_cannot_be_ranked_is_refused(result):
+def test_quantities_that_cannot_be_ranked_are_refused(result):
     for name, told in {
         "peak_forc": "peak_forc is no quantity that can be ranked; the nearest is peak_force",
         "impact[2].peak_force": "there is no impact 2; there are 1",
@@ -137,7 +137,7 @@ def test_what_cannot_be_ranked_is_refused(result):
         simulate("pinned_arm", stop_time=0.1).ranking("peak_force")
 
 
-def test_what_cannot_be_trusted_is_not_known(result):
+def test_effects_that_cannot_be_trusted_are_unknown(result):
     found = result.sensitivities
     lost = {name: np.full_like(slopes, np.nan) for name, slopes in found.impact_slopes.items()}
     ranking = ranking_of(result, replace(found, impact_slopes=lost), "peak_force", [*found.parameters])

@@ -49,7 +49,7 @@ def test_impacts_and_counts_are_told_over_time(result):
     assert result["solver.status"].tolist() == [0] * len(result.time)
 
 
-def test_they_can_be_asked_for_and_left_out():
+def test_chosen_outputs_are_kept_and_others_are_told_where_they_are():
     some = simulate(default_scene(), 0.6, output=["impact.count", "energy.total", "solver.s*"])
     assert some.names == ("energy.total", "impact.count", "solver.steps", "solver.status")
     assert some["impact.count"][-1] == 2
@@ -57,7 +57,7 @@ def test_they_can_be_asked_for_and_left_out():
     assert refusal(lambda: some["impact.last_time"]).endswith(left_out)
 
 
-def test_they_are_known_in_another_process_and_after_a_fault(result):
+def test_counts_are_known_in_another_process_and_after_a_fault(result):
     assert pickle.loads(pickle.dumps(result))["impact.count"].tolist() == result["impact.count"].tolist()
     with pytest.raises(SimulationError) as caught:
         simulate(default_scene().with_values({"solver.work_limit": 1e3}), 2.0, tolerance=1e-12)
@@ -147,7 +147,7 @@ def test_a_name_that_is_no_output_is_told_what_it_is(name, hint):
     assert hint in refusal(lambda: simulate(arm, 0.01)[name])
 
 
-def test_of_a_misspelt_output_the_nearest_is_named():
+def test_a_misspelt_output_is_refused_with_the_nearest_name():
     for wrong, right in (("impact.cnt", "impact.count"), ("solver.stepz", "solver.steps")):
         assert f"the nearest is {right}" in refusal(
             lambda wrong=wrong: simulate(default_scene(), output=[wrong])

@@ -87,7 +87,7 @@ def test_an_offset_of_the_centre_of_mass_is_that_of_a_link_turned_by_it():
     np.testing.assert_allclose(beside["energy.total"], along["energy.total"], rtol=0.0, atol=1e-9)
 
 
-def test_a_free_cart_keeps_momentum_and_energy_and_its_line_bears_the_weight():
+def test_a_free_cart_keeps_momentum_and_energy_and_is_borne_by_its_line():
     run = simulate(
         on_slider(
             {"center_of_mass_offset": 0.1},
@@ -290,7 +290,7 @@ def test_derivatives_of_a_limited_carriage_have_a_closed_form():
         ),
     ],
 )
-def test_what_no_body_can_be_is_refused_by_its_key(tables, told):
+def test_impossible_bodies_are_refused_by_their_key(tables, told):
     with pytest.raises(SceneError, match=told.replace(".", r"\.")):
         scene(changed(ROD, **tables))
 

@@ -71,7 +71,7 @@ def test_a_contact_that_a_step_misses_is_never_proven_away():
     assert missed >= 2
 
 
-def test_what_is_not_in_the_equations_is_not_proven():
+def test_a_step_of_other_equations_is_not_proven():
     for change in ("gravity", "mass"):
         step = next(steps(load_scene("four_link_box")))
         if change == "gravity":

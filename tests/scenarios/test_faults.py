@@ -57,7 +57,7 @@ def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gr
 @pytest.mark.parametrize("turn", [0.7, 1.3, -2.0])
 @pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
 @pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
-def test_a_chain_flush_with_a_wall_at_a_slant_falls_along_it_at_little_cost(law, gravity, turn):
+def test_a_chain_flush_with_a_slanted_wall_falls_along_it_at_little_cost(law, gravity, turn):
     """Round-off makes its points touch and leave the wall several times."""
     start = {"position": [0.0, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
     scene = chain(4, start, box=WALL, gravity=gravity, contact={"model": law})

@@ -48,7 +48,7 @@ def pair_inertia(angle):
 
 
 @pytest.mark.parametrize("angles", FOLDING, ids=str)
-def test_links_that_fold_in_a_corner_strike_the_wall_at_the_time_of_the_closed_form(angles):
+def test_links_that_fold_in_a_corner_strike_at_the_time_of_the_closed_form(angles):
     """Links 1 and 2 slide on the floor, point 4 rests in the corner, and point 2 moves toward it."""
     scene = default_scene(model="newton_impact", restitution=0.3)
     scene = with_values(scene, {("initial", "angles"): tuple(angles)})

@@ -17,7 +17,7 @@ def test_a_constant_acceleration_is_followed_exactly():
 
 
 @pytest.mark.parametrize(("names", "order"), [(3, 3), (2, 2)])
-def test_a_smooth_motion_is_followed_with_an_error_that_falls_with_the_step(names, order):
+def test_the_error_of_a_followed_smooth_motion_falls_with_the_step(names, order):
     errors = []
     for step in (0.02, 0.01):
         given = ("base.x", "base.vx", "base.ax")[:names]
@@ -84,7 +84,7 @@ VARIED = ("link[1].mass", "contact.stiffness", "wall.y_min.displacement", "wall.
 
 
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
-def test_derivatives_of_a_bounce_on_a_moving_floor_are_those_of_differences(model):
+def test_derivatives_of_a_bounce_on_a_moving_floor_equal_differences(model):
     names = [name for name in VARIED if model != "newton_impact" or name != "contact.stiffness"]
     scene = room(model, walls=("y_min",))
 

@@ -203,7 +203,7 @@ def test_five_points_with_unlike_speeds_get_moreaus_impulses():
 
 @as_both
 @pytest.mark.parametrize("tilts", [(0.0,) * 4, (0.3, 0.1, -0.1, -0.3)], ids=["flat", "bent"])
-def test_what_is_symmetric_stays_so(law, tilts):
+def test_a_symmetric_motion_stays_symmetric(law, tilts):
     result = simulate(of(law, flat_chain(0.05, tilts, stop_time=0.4, restitution=0.5)))
     assert len(result.impacts) > 5
     height, place = result.points[..., 1], result.points[..., 0] - result.points[:, 2:3, 0]

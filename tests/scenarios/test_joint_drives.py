@@ -64,7 +64,7 @@ def test_a_servo_follows_a_sine_as_its_transfer_function_says():
     assert balance(result) < 1e-9
 
 
-def test_nothing_moves_without_targets():
+def test_a_servo_without_targets_holds_its_rest_angle():
     """The rest angle is the start value of the target angle."""
     scene = with_values(one_servo(joint_rest_angle=0.7), {"initial.angular_velocities": [0.0]})
     chain = Chain(scene)

@@ -116,7 +116,7 @@ def test_a_result_is_of_the_law_that_it_was_simulated_with(law, change):
 
 
 @pytest.mark.full("takes long")
-def test_it_is_told_all_that_a_law_may_need_and_may_do_anything_with_it(law):
+def test_a_users_law_gets_all_quantities_and_may_use_them_freely(law):
     """The law pushes hard if an argument is wrong; for e = 0.8 it pulls; for e = 0.9 it returns NaN."""
     scene = ball(1e-3, mass=2.0, stiffness=2e5, exponent=1.25, restitution=0.375)
     scene = with_file(scene, law(DAMPED))
@@ -151,7 +151,7 @@ def test_the_file_is_sought_beside_the_scene(law, tmp_path):
 
 
 @pytest.mark.full("takes long")
-def test_it_is_the_last_choice_of_the_enumeration(law):
+def test_a_users_law_is_the_last_choice_of_the_enumeration(law):
     scene = with_file(load_scene("rod_drop"), law(DAMPED))
     model = next(v for v in PreparedScene(scene).variables if v.name == "contact.model")
     assert len(model.items) == LAW_COUNT + 1

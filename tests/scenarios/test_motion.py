@@ -124,7 +124,7 @@ def test_a_ball_on_a_vibrating_table_bounces_as_the_map_has_it():
 
 
 @pytest.mark.parametrize("model", ["newton_impact", "flores"])
-def test_what_rests_on_a_floor_that_accelerates_does_not_creep(model):
+def test_a_chain_at_rest_on_an_accelerating_floor_does_not_creep(model):
     def height(t):
         return 0.5 * (1.0 - np.cos(0.01 * t))
 
@@ -138,7 +138,7 @@ def test_what_rests_on_a_floor_that_accelerates_does_not_creep(model):
 
 
 @pytest.mark.parametrize("rate", [0.01, 1.0])
-def test_what_sticks_to_a_belt_that_accelerates_does_not_creep(rate):
+def test_a_point_that_sticks_to_an_accelerating_belt_does_not_creep(rate):
     scene = resting("flores", friction=0.5, stop=36.0 / rate)
     result = simulate(scene, inputs={"wall.y_min.belt_speed": lambda t: 0.5 * rate * np.sin(rate * t)})
     apart = (result["point[1].x"] - 0.5 * (1.0 - np.cos(rate * result.time)))[100:]

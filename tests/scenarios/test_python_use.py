@@ -88,7 +88,7 @@ def test_a_chain_goes_on_in_another_process(chain):
     assert found == finished(chain)
 
 
-def test_what_is_no_saved_state_of_the_scene_is_refused(chain):
+def test_bytes_that_are_no_saved_state_of_the_scene_are_refused(chain):
     for wrong in ("x", None, 5, [1, 2]):
         message = refusal(chain.restore, wrong)
         assert message == f"PinnedArm: restore({wrong!r}) must be given the bytes that save() returned"

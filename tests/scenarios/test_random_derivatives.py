@@ -54,14 +54,14 @@ def saturated():
 
 
 @pytest.mark.parametrize("scene", [overlapping, let_go, saturated])
-def test_chosen_scenes(scene):
+def test_derivatives_of_chosen_scenes_equal_differences(scene):
     found = compare(scene(), {}, MASS)
     assert found.compared > 3000
     assert found.wrong[:3] == []
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_random_scenes(kind):
+def test_derivatives_of_random_scenes_equal_differences(kind):
     found = [check(kind, seed) for seed in range(FEW)]
     assert sum(comparison.compared for comparison in found) > 1000
     assert [comparison.wrong[:3] for comparison in found] == [[]] * FEW

@@ -132,7 +132,7 @@ def test_a_dataset_has_all_points_and_the_stops_of_a_slider():
     assert force.max() > 1.0
 
 
-def test_what_sticks_is_marked_where_it_is():
+def test_sticking_elements_are_marked_where_they_are():
     chain = {**CART["chain"], "slider": {"friction": 50.0}}
     cart = simulate(scene_from_dict({**CART, "chain": chain}, "Cart"), stop_time=1.0, output_step=0.01)
     axes = cart.plot(kind="motion").axes[0]

@@ -131,7 +131,7 @@ def test_a_start_inside_a_wall_is_refused(record):
 
 
 @pytest.mark.full("takes long")
-def test_what_came_before_a_fault_is_kept(record):
+def test_a_run_that_fails_keeps_its_rows_before_the_fault(record):
     with pytest.raises(RunError, match=r"stopped at t = .* s: .*solver\.work_limit") as caught:
         record(LITTLE_WORK)
     partial = caught.value.recording
@@ -181,7 +181,7 @@ def changed(source, target, **members):
 
 
 @pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 and then nothing", "half"])
-def test_what_is_no_zip_is_no_fmu(fmus, tmp_path, content):
+def test_a_file_that_is_no_zip_is_no_fmu(fmus, tmp_path, content):
     whole = fmus["rod_drop"].read_bytes()
     (tmp_path / "bad.fmu").write_bytes(whole[: len(whole) // 2] if content == "half" else content)
     with pytest.raises(SceneError, match=r"bad\.fmu: not a readable FMU: .*zip"):
@@ -189,7 +189,7 @@ def test_what_is_no_zip_is_no_fmu(fmus, tmp_path, content):
 
 
 @pytest.mark.parametrize("description", [lambda _: None, lambda content: content[:-30]])
-def test_what_has_no_readable_description_is_no_fmu(fmus, tmp_path, description):
+def test_a_zip_without_a_readable_description_is_no_fmu(fmus, tmp_path, description):
     with pytest.raises(SceneError, match=r"not a readable FMU: .*modelDescription\.xml"):
         read_fmu(changed(fmus["rod_drop"], tmp_path / "bad.fmu", xml=description))
 
@@ -247,7 +247,7 @@ def test_a_missing_file_is_named():
     assert caught.value.filename == "missing.fmu"
 
 
-def test_all_outputs_take_one_run(monkeypatch):
+def test_all_outputs_of_an_fmu_take_one_run(monkeypatch):
     told, seen, found = [], [], instance.kernel_for
 
     def kernel_for(scene, **options):

@@ -48,5 +48,5 @@ def test_published_figures_differ_as_documented(problem):
 
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.threads[0])
-def test_what_is_asked_elsewhere_has_its_closed_form(question):
+def test_questions_from_elsewhere_have_their_closed_forms(question):
     assert question.ours() == pytest.approx(question.exact, rel=question.held, abs=question.held)

@@ -94,7 +94,7 @@ def test_in_a_scene_file_and_in_a_dict(arm):
 
 
 @pytest.mark.parametrize(("name", "value"), VALUES.items())
-def test_by_name(arm, name, value):
+def test_angles_are_set_by_name_in_degrees(arm, name, value):
     unit = "deg/s" if "velocity" in name else "deg"
     text = f"{math.degrees(value) + 1.0!r} {unit}"
     assert arm.with_values({name: text}).values[name] == pytest.approx(value + math.pi / 180, rel=1e-14)
@@ -141,7 +141,7 @@ def test_in_no_signal_that_drives_another_quantity(wrong, unit):
     assert all(part in str(caught.value) for part in ("signals.nod.amplitude", "'30 deg'", unit))
 
 
-def test_of_a_chain_that_is_stepped(arm):
+def test_angles_of_a_stepped_chain_are_in_degrees(arm):
     chain = Chain(arm)
     chain.set({ANGLE: "-60 deg", RATE: "15 deg/s"})
     assert (chain.get("link[1].angle"), chain.get("link[1].angular_velocity")) == (-math.pi / 3, math.pi / 12)
@@ -161,7 +161,7 @@ def test_in_the_bounds_of_a_fit(arm):
     assert (fitted.low, fitted.high) == (math.radians(-100.0), math.radians(-80.0))
 
 
-def test_of_an_fmu(arm, tmp_path):
+def test_angles_of_an_fmu_are_in_degrees(arm, tmp_path):
     recording = record_fmu(build_fmu(arm, tmp_path), {ANGLE: "-60 deg", RATE: "15 deg/s"})
     assert recording.parameters[ANGLE] == recording.columns["link[1].angle"][0] == -math.pi / 3
     assert recording.parameters[RATE] == math.pi / 12
@@ -189,7 +189,7 @@ def test_a_fitted_scene_file_keeps_degrees_that_do_not_change(arm):
 # --- refusals ----------------------------------------------------------------------------------------------
 
 
-def test_what_is_no_angle_is_refused_with_the_form(arm):
+def test_texts_that_are_no_angle_are_refused_with_the_form(arm):
     needed = 'must be a finite number [rad], or text in degrees as "90 deg"'
     for wrong in ("90 grad", "90 deg/s", "1e999 deg", True):
         assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {value_text(wrong)} {needed}"

@@ -51,7 +51,7 @@ def change(text):
     return (path if "." not in name else name), eval(value, {"nan": math.nan, "inf": math.inf})
 
 
-def test_what_is_refused_and_by_which_words():
+def test_scenes_are_refused_with_the_listed_sentences():
     scenes, wrong = {"finger": parse_scene(FINGER, "finger.toml")}, []
     for name, changes, message in table():
         scene = scenes.setdefault(name, scenes.get(name) or load_scene(name))
@@ -62,7 +62,7 @@ def test_what_is_refused_and_by_which_words():
 
 
 @pytest.mark.parametrize("path", [(), 5])
-def test_what_is_no_path_is_refused(path):
+def test_values_that_are_no_path_are_refused(path):
     assert refused((path, 1)).startswith(f"{path} is no path to a value of the scene")
     number = {("contact", "stiffness"): 10**400}
     assert refused(*number.items()).startswith(f"contact.stiffness = 1{'0' * 59}... must be a finite number")

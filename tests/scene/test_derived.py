@@ -41,7 +41,7 @@ def test_changes_one_after_the_other_are_those_at_once():
             assert scene == finger().with_values(all_of_it)
 
 
-def test_what_is_set_itself_is_derived_no_more_until_it_is_removed():
+def test_a_set_value_is_derived_again_once_it_is_removed():
     scene = finger().with_values({"link[1].inertia": 0.5})
     assert "link[1].inertia" not in scene.derived
     assert scene.with_values({"link[1].length": 2.0}).values["link[1].inertia"] == 0.5
@@ -72,7 +72,7 @@ def test_a_scene_tells_what_it_derives_and_how():
     assert finger().with_values(finger().values).derived == {}
 
 
-def test_what_is_written_is_what_is_given():
+def test_a_written_scene_is_read_as_the_same_scene():
     for scene in map(load_scene, model_names()):
         data = scene_to_dict(scene)
         assert scene_from_dict(data, "f") == scene
@@ -93,7 +93,7 @@ def test_a_scene_keeps_what_it_derives_when_it_is_copied():
     assert pickle.loads(pickle.dumps(scene)).derived == scene.derived
 
 
-def test_what_is_derived_is_no_key():
+def test_derived_values_are_no_keys():
     message = refusal(scene_from_dict, tomllib.loads(FINGER) | {"derived_paths": []}, "f")
     assert message.startswith("f: derived_paths is unknown")
 

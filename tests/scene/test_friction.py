@@ -13,7 +13,7 @@ from tests.helpers.scenes.friction import pendulum, sled
 BOX = load_scene("four_link_box")
 
 
-def test_defaults():
+def test_a_scene_has_no_friction_by_default():
     scene = load_scene("rod_drop")
     assert (scene.contact.friction, scene.contact.static_friction) == (0.0, 0.0)
     assert [link.joint_friction for link in scene.chain.links] == [0.0]
@@ -59,7 +59,7 @@ def test_values_by_their_names():
         ({"friction": 0.0}, (0.0, 0.0)),
     ],
 )
-def test_a_wall_with_sliding_friction_of_its_own_has_its_own_static_friction(own, found):
+def test_a_wall_with_its_own_sliding_friction_has_its_own_static_one(own, found):
     contact = sled(**{"contact.friction": 0.3, "contact.static_friction": 0.4}).contact
     assert coefficients(contact, Material(**own)) == found
 

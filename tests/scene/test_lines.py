@@ -88,7 +88,7 @@ def test_an_error_names_the_line(before, after, line):
         ("y_min = 0", "y_min = 0,5", r"; a number has a decimal point: 0\.5$"),
     ],
 )
-def test_what_is_no_toml_is_told_what_to_write(before, after, hint):
+def test_text_that_is_no_toml_is_refused_with_a_correct_entry(before, after, hint):
     with pytest.raises(SceneError, match=rf"^ball\.toml: not valid TOML: .*{hint}"):
         parse_scene(TEXT.replace(before, after), "ball.toml")
 

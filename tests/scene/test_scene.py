@@ -282,7 +282,7 @@ def test_only_names_that_windows_reserves_are_refused():
 
 
 @pytest.mark.parametrize("name", ["no_such_model", "missing.toml", "empty", "a\0b", "x" * 5000, ""])
-def test_what_is_no_scene_file_is_refused(tmp_path, monkeypatch, name):
+def test_files_that_are_no_scene_are_refused(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty").mkdir()
     with pytest.raises(SceneError, match=r"or a model; .* --list models") as caught:

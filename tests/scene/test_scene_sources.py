@@ -63,7 +63,7 @@ SCENES = {"scene", "source", "recording"}
 """The names of parameters for scenes."""
 
 
-def test_these_are_all_that_take_a_scene():
+def test_the_tested_functions_are_all_that_take_a_scene():
     public = {name: getattr(chain_impact, name) for name in chain_impact.__all__}
     takers = {
         name

@@ -48,7 +48,7 @@ def test_models_are_valid():
 
 @pytest.mark.full("takes long")
 @given(scene_dicts())
-def test_what_the_reader_accepts_is_valid(data):
+def test_scenes_that_the_reader_accepts_are_valid(data):
     scene_from_dict(data, "scene.toml")
     SCHEMA.validate(data)
 
@@ -87,7 +87,7 @@ MISSING = [("name",), ("initial",), ("chain", "links"), ("initial", "angles")]
 
 
 @pytest.mark.parametrize("change", [*BAD.values(), *((*path, None) for path in MISSING)], ids=str)
-def test_what_is_bad_or_missing_is_refused_by_both(change):
+def test_bad_or_missing_keys_are_refused_by_schema_and_reader(change):
     data = scene_to_dict(load_scene("rod_drop"))
     *path, last, value = change
     table = data

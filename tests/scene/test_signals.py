@@ -113,7 +113,7 @@ def test_a_table_that_cannot_be_is_refused(tmp_path, name):
     assert "signals.a.file = 'push.csv' cannot be read" in refusal(load_scene, tmp_path / "arm.toml")
 
 
-def test_what_is_driven_is_an_output_of_the_same_name():
+def test_a_driven_input_is_an_output_of_the_same_name():
     text = f'{ARM}[signals.a]\ninput = ["base.y", "base.x"]\n{SINE}'
     text += f'[signals.b]\ninput = "joint[1].target_angle"\n{RAMP}'
     prepared = PreparedScene(parse_scene(text, "arm.toml"))

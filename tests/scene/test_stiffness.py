@@ -55,7 +55,7 @@ def test_a_steel_ball_touches_as_long_as_in_the_textbook():
         ({"poisson_2": -1.0}, r"poisson_2 = -1\.0"),
     ],
 )
-def test_what_is_no_material_is_refused(changed, message):
+def test_values_that_are_no_material_are_refused(changed, message):
     values = {"radius": RADIUS, "young_1": 1e9, "poisson_1": 0.3, "young_2": 1e9, "poisson_2": 0.3}
     with pytest.raises(ValueError, match=message):
         sphere_plane_stiffness(**values | changed)

@@ -27,7 +27,7 @@ def csv(tmp_path):
     return write
 
 
-def test_a_file(csv):
+def test_a_table_file_is_read_with_its_columns(csv):
     table = read_table(csv("\ufefftime, point[1].x\n0.1,2.5\n\n0.2,\n"))
     assert table.names == ("time", "point[1].x")
     assert table.lines == ["line 2", "line 4"]
@@ -36,18 +36,18 @@ def test_a_file(csv):
     assert table.cell(0, "impact") is None
 
 
-def test_columns():
+def test_a_table_may_be_given_as_columns():
     table = read_table({"time": [0.1, 0.2], "wall": ["floor", None]})
     assert table.number(1, "time") == 0.2
     assert [table.cell(row, "wall") for row in (0, 1)] == ["floor", None]
 
 
 @pytest.mark.parametrize("cell", ["", " ", "nan", "NaN"])
-def test_empty_cells(cell):
+def test_empty_cells_of_a_table_are_unknown(cell):
     assert math.isnan(read_table({"time": [cell]}).number(0, "time"))
 
 
-def test_refusals(csv):
+def test_wrong_tables_are_refused(csv):
     path = csv("time,x\n0.1,abc\n")
     assert refusal(read_table(path).number, 0, "x") == (
         f"{path}: line 2: x = 'abc' must be a finite number, or empty if not measured"

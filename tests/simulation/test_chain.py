@@ -183,7 +183,7 @@ def chain_at(scene, time):
     return chain
 
 
-def test_what_is_set_acts_from_now_on(arm):
+def test_a_set_value_acts_from_the_present_time(arm):
     chain = Chain(arm)
     chain.step(0.1)
     before = chain.get("link[2].angular_acceleration")
@@ -210,14 +210,14 @@ def test_what_is_set_acts_from_now_on(arm):
         ({"contact.model": 1.5}, "contact.model = 1.5 must be one of 1 (hertz), "),
     ],
 )
-def test_what_cannot_be_set_is_refused_and_nothing_changes(arm, values, message):
+def test_values_that_cannot_be_set_are_refused_and_change_nothing(arm, values, message):
     chain = Chain(arm)
     state = chain.save()
     assert refusal(chain.set, {"tip.force.y": 1.0, **values}).startswith(f"PinnedArm: {message}")
     assert chain.save() == state
 
 
-def test_one_value_is_set_by_name_and_value(arm):
+def test_a_single_value_is_set_by_name_and_value(arm):
     chain = Chain(arm)
     chain.set(TORQUE, 2.0)
     assert chain.get(TORQUE) == 2.0

@@ -59,7 +59,7 @@ def test_a_name_without_derivatives(name, said):
     assert str(caught.value).startswith(f"Case: {name} is no parameter with derivatives; {said}")
 
 
-def test_no_names():
+def test_derivatives_by_no_parameter_are_refused():
     with pytest.raises(SceneError, match="name at least one parameter"):
         DifferentiatedRun(CASE.scene, [], OUTPUTS)
 
@@ -171,7 +171,7 @@ def test_a_run_again_takes_all_parameters(case):
         assert getattr(found, name).tobytes() == getattr(right, name).tobytes()
 
 
-def test_shapes():
+def test_derivatives_have_a_row_for_each_output_and_parameter():
     names = ("contact.restitution", "link[2].mass")
     values = np.array([CASE.scene.values[name] for name in names])
     found = DifferentiatedRun(CASE.scene, names, OUTPUTS).run(values, TIMES)

@@ -187,7 +187,7 @@ def scolding(_time):
         ({ELBOW: lambda: 1.0}, "function raised TypeError at t = 0 s"),
     ],
 )
-def test_what_is_no_input_is_refused_in_one_sentence(inputs, message):
+def test_values_that_are_no_input_are_refused_in_one_sentence(inputs, message):
     with pytest.raises(SceneError, match=message) as caught:
         simulate(load_scene("pinned_arm"), inputs=inputs)
     assert "\n" not in str(caught.value)
@@ -206,7 +206,7 @@ def test_an_interpolation_is_one_of_three():
         simulate(load_scene("pinned_arm"), inputs={ELBOW: 1.0}, interpolation="cubic")
 
 
-def test_of_many_inputs_some_are_named():
+def test_a_wrong_name_is_refused_with_some_of_many_inputs():
     scene = with_values(load_scene("pinned_arm"), {("inputs", "tip_force"): True})
     links = [{"length": 0.1, "mass": 0.1}] * 30
     table = scene_to_dict(scene) | {"chain": {"base": "pinned", "links": links}}

@@ -29,7 +29,7 @@ def test_advice_is_the_laws_that_realise_the_restitution_in_the_impact(box):
     assert [law for law in CONTACT_LAWS if law in advice(far)] == [nearest]
 
 
-def test_of_a_few_laws_the_advice_names_all(box):
+def test_the_advice_names_all_of_a_few_laws(box):
     far = replace(box["zhang_sharf"], restitution=0.1)
     assert advice(replace(box, runs=(far, box["flores"]))) == "within 5 % of e = 0.7 in this impact: flores"
 

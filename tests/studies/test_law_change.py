@@ -73,7 +73,7 @@ def test_laws_are_compared_at_a_stop(up):
 
 
 @pytest.mark.parametrize("kept", ["flores", "newton_impact"])
-def test_where_stops_keep_their_law_the_laws_are_compared_at_a_wall(kept):
+def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
     """The first impact is at a stop and equal under all laws, so it does not distinguish them."""
     found = compare(knee(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
     result = found["zhang_sharf"].result
@@ -119,7 +119,7 @@ def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
         ({"contact.points": []}, "no point can touch a wall"),
     ],
 )
-def test_no_impact_is_compared_where_only_stops_are_hit_that_keep_their_law(changes, reason):
+def test_impacts_at_stops_that_keep_their_law_are_not_compared(changes, reason):
     scene = knee(**{"stops.model": "flores"}, **changes)
     with pytest.raises(SceneError, match=f"the stops keep stops.model = flores, and {reason}"):
         compare(scene, laws=["zhang_sharf"])

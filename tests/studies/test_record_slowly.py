@@ -11,7 +11,7 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.animate import record_slowly
 
 
-def test_it_is_the_same_simulation():
+def test_a_dense_recording_is_the_same_simulation():
     scene = load_scene("four_link_box")
     done = []
     close, even = record_slowly(scene, progress=done.append), simulate(scene)

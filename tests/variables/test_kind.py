@@ -33,7 +33,7 @@ def test_owner_conditions_and_texts_of_a_row_exist(kind):
     assert kind.rate_of == "" or kind.rate_of in output_dtype(1, 0, 0, 0, 0).names
 
 
-def test_all_of_a_kind_are_described_at_once():
+def test_variables_of_a_kind_are_described_at_once():
     found = {
         variable.kind.pattern: variable.kind_description for variable in PreparedScene(EVERYTHING).variables
     }

@@ -67,7 +67,7 @@ def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
     assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]
 
 
-def test_walls_that_no_point_can_touch_have_no_number_before_those_of_stops():
+def test_walls_that_no_point_can_touch_have_no_number():
     walls = [{"name": f"slope_{w}", "point": (0.0, -2.0 - w), "angle": 0.1} for w in range(6)]
     alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
     assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
@@ -137,7 +137,7 @@ def test_friction_is_there_with_the_group_of_outputs_that_it_belongs_to():
     assert "energy.friction" not in variables(RUBBING.with_values({"outputs.energies": False}))
 
 
-def test_what_sticks_answers_to_an_input_at_once():
+def test_a_sticking_element_answers_to_an_input_at_once():
     found = variables(sled())
     at_once = {name for name in found if name.startswith("contact[0]") and found[name].feedthrough}
     assert at_once == {f"contact[0].slope.{key}" for key in ("force", "friction_force", "sticking")}

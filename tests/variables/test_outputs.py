@@ -92,7 +92,7 @@ SHAPES |= {"contact.points": [0, 4], "inputs.tip_force": True, "outputs.impacts"
 
 
 @pytest.mark.parametrize(("name", "value"), SHAPES.items())
-def test_what_is_kept_of_a_scene_is_not_taken_for_another_one(name, value):
+def test_kept_parts_of_a_scene_are_not_taken_for_another_one(name, value):
     before, changed = all_outputs(BOX), BOX.with_values({name: value})
     kept = all_outputs(changed)
     listing.outputs_of.cache_clear()

@@ -56,7 +56,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     assert checked > (15 if candidates(scene) else 8)
 
 
-def test_what_the_scene_says_in_words_becomes_a_number():
+def test_words_of_the_scene_become_numbers():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
     held = PreparedScene(with_values(box, changes)).new_instance()[0]

@@ -71,7 +71,7 @@ def test_no_other_field_has_a_range():
     assert set(RANGED) <= {tuple(map(str, kind.record_path[:2])) for kind in KINDS.values()}
 
 
-def test_the_compiled_kernel_refuses_what_is_out_of_a_range_and_names_its_link():
+def test_the_compiled_kernel_refuses_values_out_of_range_by_their_link():
     rod = {"length": 0.3, "mass": 1.0, "joint_max": 1.0}
     still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
     links = [rod | {"points": [{"x": 0.1, "y": 0.05}]}, rod, rod]

@@ -46,7 +46,7 @@ def test_each_fact_and_each_list_is_explained(scene):
     assert all(name in LISTS[one] for one in LISTS for name in members_of(one))
 
 
-def test_what_the_tables_name_is_known():
+def test_names_in_the_tables_are_known():
     known = FACTS.keys() | KEYS | LISTS.keys()
     for name, (rule, meaning) in CONDITIONS.items():
         assert names_in(rule) <= known, name

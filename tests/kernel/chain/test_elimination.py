@@ -48,7 +48,7 @@ def assembled(scene, angles, impedance, impulses):
 @pytest.mark.parametrize("largest", [0.0, 1.0, 1e6, 1e200])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
-def test_it_solves_the_assembled_equations(count, base, largest, angle):
+def test_the_elimination_solves_the_assembled_equations(count, base, largest, angle):
     """(M + Jᵀ D J + Gᵀ K G) Δ = Jᵀ p + Gᵀ μ, for a real shift and for complex ones of this argument.
 
     Stiff dampers cause large round-off in the matrix. So the dense solution has the dampers' moments as

@@ -41,7 +41,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     assert [resists(k) for k, _ in own] == [one > 0.0 for one in held]
 
 
-def test_springs_store_half_the_stiffness_times_the_square_of_their_stretch(sprung):
+def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
     links, d, y = sprung
     angles = y[2 : d.links + 2]
     relative = np.diff(angles, prepend=0.0) - [link.joint_rest_angle for link in links]
@@ -51,7 +51,7 @@ def test_springs_store_half_the_stiffness_times_the_square_of_their_stretch(spru
     assert spring_energy(d, y) == pytest.approx(0.5 * stiffness @ relative**2, rel=1e-14, abs=1e-300)
 
 
-def test_they_are_slack_at_their_rest_angles_and_do_not_feel_the_chain_turn(sprung):
+def test_springs_are_slack_at_rest_angles_and_while_the_chain_turns(sprung):
     links, d, y = sprung
     y[2 : d.links + 2] = np.cumsum([link.joint_rest_angle for link in links])
     assert spring_energy(d, y) == pytest.approx(0.0, abs=1e-28)

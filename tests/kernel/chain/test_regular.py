@@ -71,7 +71,7 @@ def test_chains_with_singular_mass_matrices_are_found(count, pinned):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("pinned", [False, True])
-def test_what_it_allows_has_positive_pivots(pinned):
+def test_chains_allowed_as_regular_have_positive_pivots(pinned):
     rng = np.random.default_rng(3)
     allowed = 0
     for _ in range(150):

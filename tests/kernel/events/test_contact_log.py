@@ -102,7 +102,7 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
 
 
-def test_what_only_falls_has_no_peak_to_look_for():
+def test_a_force_that_only_falls_has_no_peak_in_the_step():
     d, _ = pressed([0.0, 0.1, 0.1])
     d.touch.speed[1], d.touch.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
@@ -215,7 +215,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
 
 @pytest.mark.parametrize("kept", [0, 4])
 @pytest.mark.parametrize("impulsive", [0, 1])
-def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsive, kept):
+def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, kept):
     for until in (0.1, 0.6):
         d, motion = pressed(TURNING)
         d.latest.kept = kept

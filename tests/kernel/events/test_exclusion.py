@@ -162,7 +162,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
 
 
 @pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.WITH_CURVES, exclusion.FAR])
-def test_what_is_learned_is_known_until_the_steps_break(what):
+def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
     exclusion.remember_clearances(d, what)

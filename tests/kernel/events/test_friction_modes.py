@@ -76,7 +76,7 @@ def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
 
 
 @pytest.mark.parametrize("jumped", [True, False])
-def test_what_moves_slides_in_the_direction_of_its_motion(jumped):
+def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
     """A sticking element moves by errors only, unless a speed has jumped."""
     rng = np.random.default_rng(8)
     _, d, y = rubbing_chain(rng, "free", 3, True)
@@ -119,7 +119,7 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_has_reached_its_limit_slides_against_its_force(seed):
+def test_an_element_at_its_limit_slides_against_its_force(seed):
     chain = AtRest(seed, "free", 2, True)
     d = chain.d
     d.law.static_friction[:], d.model.joint_friction[:] = 1e9, 1e9
@@ -339,7 +339,7 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_what_others_hold_may_move_backward_by_the_tolerance(one, sign):
+def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
     """The limit is the larger of the tolerance and twice the present speed; the force is at its limit."""
     d, c = one
     d.element.mode[c], d.element.undecided[c] = sign, 1

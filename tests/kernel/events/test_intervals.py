@@ -63,7 +63,7 @@ def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, 
     assert crossing.check_candidate(d, 0, 0.25, 0.5) == verdict
 
 
-def test_of_several_candidates_the_one_that_is_unsettled_decides():
+def test_the_candidate_that_is_unsettled_decides_among_several():
     d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
     assert crossing.check_interval(d, 0.0, 1.0) == CROSSES
     d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
@@ -102,7 +102,7 @@ def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
 
 
 @pytest.mark.parametrize("part", [1.0, 0.25])
-def test_what_bends_by_round_off_barely_bends(part):
+def test_a_curvature_of_round_off_counts_as_small(part):
     """The curvature term A w²/8 is below 1e-15 of a link length."""
     d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
     d.model.size = 3.0

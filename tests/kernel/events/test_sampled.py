@@ -162,7 +162,7 @@ def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
         assert d.touch.event[1] == NONE
 
 
-def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
+def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
     d.touch.impact_speed[1], d.touch.event[:] = 0.37, 7
@@ -269,7 +269,7 @@ def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
     assert (d.touch.event[other], d.touch.event[c]) == ((END, NONE) if stays else (NONE, RELEASE))
 
 
-def test_what_no_stage_has_shown_is_not_looked_for():
+def test_events_that_no_stage_shows_are_not_searched():
     d, _ = released(least=-0.5 * sampled.PULL_ROUND_OFF)
     evaluations = d.statistics.rhs_evaluations
     assert sampled.find_release(d, -1.0) == -1.0

@@ -86,7 +86,7 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
 
 
 @pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
-def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
+def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joints):
     rng = np.random.default_rng(3)
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
     found = elements_of(d)
@@ -176,7 +176,7 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
         assert d.element.mode[1] == np.sign(geometry.tangential_rate(d, 1)) != 0.0
 
 
-def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
+def test_notes_of_friction_in_a_step_are_forgotten_with_the_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     found = elements_of(d)
     d.element.margin[:] = -1.0

@@ -122,7 +122,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
-def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
+def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
     d, y, jacobian, response, w = problem(base)
     for k, c in enumerate(d.touch.active_index[:4]):
         press_in(d, c, 1e-9 * (k - 1.5))

@@ -80,7 +80,7 @@ def cart():
 
 
 @pytest.mark.parametrize("order", [0, 1, inputs.DEGREE])
-def test_all_given_inputs_are_used_as_polynomials(order):
+def test_given_inputs_are_used_as_polynomials(order):
     d, rng = cart(), np.random.default_rng(order)
     own, given = d.given.piece, d.given
     own.order, own.middle, own.scale, own.until, own.change_rate = order, 0.4, 2.0, 3.0, 7.0

@@ -92,7 +92,7 @@ def test_larger_angles_are_as_exact():
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_what_is_not_finite_is_refused(bad):
+def test_an_angle_that_is_not_finite_is_refused(bad):
     instance = Instance(ball())
     instance.record["initial"]["angle"] = bad
     assert initialize(instance) == NOT_FINITE

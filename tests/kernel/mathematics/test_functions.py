@@ -67,7 +67,7 @@ def test_whole_powers_of_whole_numbers_are_exact():
     ]
 
 
-def test_logarithms_and_exponentials_rise_across_the_joints_of_their_tables():
+def test_logarithms_and_exponentials_rise_where_table_entries_meet():
     patterns = [
         logarithms.FIRST + (i << logarithms.WIDTH_BITS) for i in range(logarithms.MANTISSA_INTERVALS + 1)
     ]

@@ -52,7 +52,7 @@ def test_a_step_of_the_solver_keeps_the_energy_balance():
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
 @pytest.mark.parametrize("entry", [ANGLE, *RATES, dissipated_at(4)])
-def test_a_step_that_changes_the_energy_balance_or_is_not_finite_is_refused(entry, theta):
+def test_a_step_that_changes_the_energy_or_is_not_finite_is_refused(entry, theta):
     d = after_a_step()
     before = float(d["balance"]["at_end"])
     for off in (1e-5, np.nan):

@@ -71,7 +71,7 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("where", ["one", "other", "result"])
-def test_what_is_not_finite_is_infinitely_wrong(bad, where):
+def test_a_state_that_is_not_finite_has_an_infinite_error(bad, where):
     _, d, _, _ = deep()
     for j in range(dissipated_at(LINKS) + 1):
         d.work.error[:] = 0.0

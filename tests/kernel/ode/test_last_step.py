@@ -160,7 +160,7 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
 
 
 @pytest.mark.parametrize("how", ["mark_jump", "roll_back", "truncate_step", "reset_step"])
-def test_what_is_known_of_clearances_does_not_outlive_the_step(how):
+def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
     exclusion.remember_clearances(d, exclusion.WITH_CURVES)
     assert exclusion.known_clearances(d) == exclusion.WITH_CURVES

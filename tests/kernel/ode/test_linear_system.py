@@ -85,7 +85,7 @@ def solutions(d, size, h):
 @pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
 @pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])
 @pytest.mark.parametrize("turn", [0.0, 0.7])
-def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
+def test_linear_systems_are_solved_as_assembled(turn, stiffness, damping, h):
     """The solution fulfils (1 − s A) x = r."""
     d = linearized(turn, stiffness, damping)
     matrix = jacobian(d, turn)

@@ -42,7 +42,7 @@ def test_momentum_balances_at_every_communication_point_under_every_law(law):
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
-def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tolerance):
+def test_points_released_by_a_rigid_wall_have_the_integral_of_their_force(tolerance):
     """A chain on the floor is lifted at its tip: one point after the other leaves the floor."""
     lying = {
         "name": "Drawn",
@@ -108,7 +108,7 @@ def values(d, *names):
     return [d.quadrature[name][:2].tolist() for name in names]
 
 
-def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
+def test_impulses_of_active_contacts_are_integrated_if_they_are_wanted(d):
     dense.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
     touch(d, [2])
@@ -120,7 +120,7 @@ def test_those_of_the_active_contacts_are_integrated_if_they_are_wanted(d):
 
 
 @pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
-def test_those_of_dry_friction_follow(contacts, joints):
+def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     """The integrals of dry friction follow: one for each element, and the friction energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.computed = 1
@@ -177,7 +177,7 @@ def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
         (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # nor have other walls
     ],
 )
-def test_one_that_has_fallen_stays_or_at_a_rigid_wall_the_sum(d, rigid, wall, course, right):
+def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wall, course, right):
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course

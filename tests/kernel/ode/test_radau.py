@@ -31,7 +31,7 @@ def test_the_eigenvectors_are_those_of_its_eigenvalues():
     np.testing.assert_allclose(np.array(radau.LEFT) @ MATRIX @ radau.RIGHT, blocks, rtol=0, atol=1e-15)
 
 
-def test_all_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
+def test_shifts_lie_in_a_sector_in_which_no_pivot_vanishes():
     """Sums of 1, s and s² with factors ≥ 0 do not vanish for |arg s| < 90°."""
     for real, imaginary in radau.COMPLEX_EIGENVALUES:
         assert 0.0 < np.degrees(np.arctan2(imaginary, real)) < 61.0

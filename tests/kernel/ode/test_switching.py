@@ -240,7 +240,7 @@ def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(pressed):
     assert d.step.switch_hysteresis == 2 * MIN_SWITCH_STEPS
 
 
-def test_one_step_that_is_not_stiff_begins_the_count_anew(pressed):
+def test_a_step_that_is_not_stiff_resets_the_count_of_stiff_steps(pressed):
     d, _ = pressed
     choose_method(d)
     d.step.start = d.step.end * (1.0 - 1e-6)
@@ -262,7 +262,7 @@ def test_a_step_of_no_length_does_not_count(pressed):
         assert d.step.stiff_count == count
 
 
-def test_what_resists_nothing_is_explicit_if_the_solver_may_choose(pressed):
+def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
     """Flights without resisting joints.
 
     With rigid walls also for a fixed method, unless another contact has a force.

@@ -120,7 +120,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
 
 
 @CASES
-def test_the_effective_mass_is_what_an_impulse_along_the_normal_has_to_move(case):
+def test_the_effective_mass_is_the_mass_that_an_impulse_moves(case):
     """The effective mass of a stop is the inertia of its joint over the square of the arm."""
     scene, d, angles, rows, _, _ = made(case)
     for c, row in enumerate(rows):

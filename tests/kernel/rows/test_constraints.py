@@ -115,7 +115,7 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
         assert 2 <= d.limits.other_work - before <= 12
 
 
-def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
+def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
     own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
@@ -127,7 +127,7 @@ def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
         assert d.limits.other_work >= before + 4 if iterates else d.limits.other_work == before + 1
 
 
-def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
+def test_a_contact_that_pulls_or_falls_short_is_wrong_beyond_round_off():
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.constraints
     scale = 3.0
@@ -147,7 +147,7 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
     assert holding.least_impulse(d) == 0.0
 
 
-def test_all_that_are_wrong_change_at_once_and_only_the_last_after_stalls(monkeypatch):
+def test_wrong_contacts_change_together_and_after_stalls_one_by_one(monkeypatch):
     """Cases: block pivots; block pivots that do not reduce the wrong contacts; single pivots afterwards."""
     d, *_ = problem()
     wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.constraints

@@ -59,7 +59,7 @@ def difference(run, scene, name, relative=1e-4):
         ("hunt_crossley", {"contact.stiffness": 5e4, "joint[2].torque": 0.5}),
     ],
 )
-def test_what_is_set_while_a_point_is_held(model, changes):
+def test_derivatives_by_a_value_set_while_a_point_is_held_are_right(model, changes):
     script = [(0.0, {"tip.force.y": -40.0}), (0.15, changes), (0.2, {"tip.force.y": -20.0})]
     scene = pressed_arm(model)
     asking = scene.with_values({"outputs.sensitivities": PARAMETERS})
@@ -99,7 +99,7 @@ def through_onset(instance, changes, stop):
 
 @pytest.mark.parametrize("model", ["hunt_crossley", "newton_impact"])
 @pytest.mark.parametrize("changes", [{}, {"restitution": 0.8}, {"stiffness": 3e5}])
-def test_what_is_set_at_an_onset_that_is_due(model, changes):
+def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, changes):
     scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
     compiled = PreparedScene(scene)
     instance = DifferentiatedInstance(compiled, varied_by(compiled, names))

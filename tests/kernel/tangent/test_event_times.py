@@ -63,7 +63,7 @@ def test_a_function_of_the_motion_is_late_by_its_derivatives_over_its_rate(tange
     assert slopes == pytest.approx([-0.25, 1.0], rel=2e-4)
 
 
-def test_what_has_no_rate_is_not_late(tangent):
+def test_an_event_without_a_rate_has_no_delay(tangent):
     after, rate_at_end = event_times.along_motion(lambda t, _c: 0.0 * t.work.y[0] + 1.0)
     assert rate_at_end(tangent, 0) == 0.0
     assert parts(event_times.delay_along_motion(after)(tangent, 0, math.inf))[1] == [0.0, 0.0]

@@ -153,7 +153,7 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
     assert t.trust.share == 0.0
 
 
-def test_what_has_stopped_has_no_speed_left(monkeypatch, t):
+def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
     t.friction.stuck_count, t.element.stuck = 2, [1, 2]
     t.element.before = [friction.STICKS, friction.STICKS, 1]

@@ -64,7 +64,7 @@ def collocated(length, damping):
 @pytest.mark.parametrize("damping", [0.0, 1e4])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
 @pytest.mark.parametrize("length", [50.0, 2.0, 0.8])
-def test_derivatives_solve_the_equations_of_a_step_whatever_the_values_need(length, tolerance, damping):
+def test_derivatives_solve_the_equations_of_an_implicit_step(length, tolerance, damping):
     """The first guess solves the values, but the derivatives need a slow iteration."""
     slopes, instance = slopes_of(hanging(length, tolerance, damping))
     assert instance.statistics["steps"] == instance.statistics["implicit_steps"] == len(slopes)
@@ -173,7 +173,7 @@ def test_a_correction_is_relative_to_the_worst_direction():
         ([(0.0,)] * 2, {(1, 1): (1e-9,)}),  # zero derivatives permit no correction
     ],
 )
-def test_what_is_not_finite_is_far_off(start, parts):
+def test_a_correction_that_is_not_finite_is_far_off(start, parts):
     d, t = slopes(start, [(0.0,)] * 2, parts)
     assert replay.last_correction(d, t, 2) == UNLIMITED_CORRECTION
 

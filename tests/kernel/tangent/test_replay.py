@@ -227,7 +227,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 
 
 @pytest.mark.parametrize("events", [(RELATCH, NONE), (KINK, NONE), (NONE, RELEASE)])
-def test_what_a_jump_brings_about_has_the_time_of_the_jump(calls, events):
+def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
     *t.touch.event, t.step.start, t.drive.event = *events, t.step.end, 1

@@ -93,7 +93,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     assert t.solver.tolerance == d.solver.tolerance
 
 
-def test_what_was_given_holds_with_its_derivatives(both):
+def test_given_values_hold_with_their_derivatives(both):
     d, t = both
     number = CONTACT_LAWS["ye"].number
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
@@ -158,7 +158,7 @@ def twins(monkeypatch):
     return d, t
 
 
-def test_it_starts_as_the_instance_does(twins):
+def test_a_replay_starts_as_the_instance_does(twins):
     d, t = twins
     d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
     d.given.tip_force[:] = 1.0, 2.0
@@ -181,7 +181,7 @@ def test_it_starts_as_the_instance_does(twins):
 
 
 @pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
-def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law, monkeypatch):
+def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law, monkeypatch):
     """Lasting compliant contacts use the new law; contacts at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK

@@ -147,7 +147,7 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
         assert told(t) == ((trust.TRUSTED, 0.0, 9, 9) if reason == trust.TRUSTED else (reason, TIME, 5, 1))
 
 
-def test_of_several_onsets_the_slowest_is_named(monkeypatch):
+def test_the_slowest_of_several_onsets_is_named(monkeypatch):
     """An event that is no onset, or an onset behind the end of trust, changes nothing."""
     for rates, slowest in (((-3.0, -2.0, -4.0), 2), ((-1.0, -2.0, -4.0), 0), ((-3.0, -2.0, -1.0), 3)):
         t = instance([ONSET, END, ONSET, ONSET])
@@ -166,7 +166,7 @@ def test_of_several_onsets_the_slowest_is_named(monkeypatch):
 )
 @pytest.mark.parametrize("jumps", [True, False])
 @pytest.mark.parametrize("at_end", [1, 0])
-def test_where_a_point_turns_the_force_of_a_users_law_may_jump(monkeypatch, rates, turned, jumps, at_end):
+def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rates, turned, jumps, at_end):
     """The stored value is the rate of the penetration: a clearance rate of the same sign is a reversal."""
     asked, located = [], []
     approaching(monkeypatch, 0.0, 0.0, rates[1], 0.0)

@@ -95,7 +95,7 @@ def test_a_force_in_a_joint_needs_a_scene_with_loads():
     )
 
 
-def test_standard_deviations():
+def test_standard_deviations_are_columns_percentages_or_numbers():
     table = MOTION | {"sigma(point[4].x)": [0.1, None, None]}
     found = read(table, {"point[4].x": "10%", "point[4].y": 2e-3})
     assert found.sigma.tolist() == pytest.approx([0.1, 2e-3, 2e-3, 0.3])
@@ -109,7 +109,7 @@ def test_standard_deviations():
     )
 
 
-def test_chosen_columns():
+def test_columns_of_measurements_are_chosen_by_pattern():
     table = MOTION | {"speed of the camera": [1, 2, 3]}
     assert read(table, columns=["point[4].*"]).outputs == ("point[4].x", "point[4].y")
     both = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
@@ -119,7 +119,7 @@ def test_chosen_columns():
     )
 
 
-def test_refusals():
+def test_wrong_measurements_are_refused():
     def said(**changes):
         return refusal(read, {name: cells for name, cells in (MOTION | changes).items() if cells})
 

@@ -66,7 +66,7 @@ def test_forces_in_joints_tell_mass_stiffness_and_restitution():
         assert found.values[name] == pytest.approx(value, rel=1e-5)
 
 
-def test_what_else_it_tells(found):
+def test_a_fit_tells_its_statistics(found):
     assert found.freedom == 397
     assert 0.8 < found.reduced_chi_squared < 1.2
     assert found.chi_squared == pytest.approx(found.deviance)
@@ -355,7 +355,7 @@ def test_measured_impacts_of_a_golf_ball():
     assert "Neighbouring residuals are correlated" in found.notes[0]
 
 
-def test_refusals():
+def test_wrong_arguments_of_a_fit_are_refused():
     columns, _ = motion(0.3, count=5)
     assert refusal(lambda: fit(START, [], FREE)) == "data: must be at least one table"
     assert refusal(lambda: fit(START, columns, FREE, set_each={"initial.y": [1.0, 2.0]})) == (

@@ -77,7 +77,7 @@ def test_a_narrow_page_has_one_column(found):
         found.plot(size=(1.0, 1.0))
 
 
-def test_a_file(found, tmp_path):
+def test_the_picture_of_a_fit_is_written_to_a_file(found, tmp_path):
     found.plot(tmp_path / "fit.svg")
     assert (tmp_path / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
 

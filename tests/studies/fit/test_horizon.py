@@ -26,7 +26,7 @@ FAR = [{"K": 1e8 * factor, "e": 0.7 + off, "w": 1.5 * rate}
 
 @pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("start", FAR)
-def test_it_converges_from_far_through_six_impacts(start):
+def test_a_fit_converges_from_far_through_six_impacts(start):
     columns, result = motion(1.2)
     assert len(result.impacts) == 6
     one = problem(columns, scene(**start), dict.fromkeys(TIP, NOISE))
@@ -78,7 +78,7 @@ def test_data_without_noise_are_met():
     assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=1e-3)
 
 
-def test_impacts_alone():
+def test_a_fit_of_impacts_alone_converges():
     _, result = motion(0.9)
     one = problem(impacts(result, ["onset", "peak_force"], noise=1e-4), scene(K=5e7, e=0.6, w=1.4))
     found = search(one)
@@ -86,7 +86,7 @@ def test_impacts_alone():
     assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.02)
 
 
-def test_refusals():
+def test_wrong_horizons_are_refused():
     columns, _ = motion(0.6, count=10)
     one = {"impact": [1], "peak_force": [2e4]}
     assert refusal(search, problem([columns, one], scene())) == (

@@ -44,14 +44,14 @@ def test_a_straight_line_takes_few_steps():
     np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
 
 
-def test_weights():
+def test_weights_scale_the_residuals():
     sigma = np.array([1.0, 0.1, 1.0, 10.0])
     found, _ = search(line, [0.0, 0.0], sigma=sigma)
     wanted = np.linalg.lstsq(LINE / sigma[:, None], VALUES / sigma)[0]
     np.testing.assert_allclose(found.best.coordinates, wanted, atol=1e-6)
 
 
-def test_rosenbrock():
+def test_the_search_finds_the_minimum_of_rosenbrock():
     found, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
     assert found.converged
     np.testing.assert_allclose(found.best.coordinates, [1.0, 1.0], atol=1e-6)
@@ -102,7 +102,7 @@ def test_rows_without_derivatives_are_not_fitted():
     np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
 
 
-def test_nothing_to_fit_does_not_converge():
+def test_a_search_without_parameters_does_not_converge():
     found, _ = search(lambda place: ([np.nan], [[1.0]]), [0.0])
     assert not found.converged
     found, _ = search(rosenbrock, [-1.2, 1.0], most=3)

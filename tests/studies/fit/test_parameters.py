@@ -31,7 +31,7 @@ def test_positive_parameters_are_sought_as_logarithms():
     assert (damping.low, damping.high, damping.slope(0.0)) == (0.0, math.inf, 1.0)
 
 
-def test_bounds():
+def test_given_bounds_stay_within_the_range_of_the_key():
     (e,) = make(["contact.restitution"], bounds={"contact.restitution": "0.3:2"})
     assert (e.low, e.high) == (0.3, 1.0)
     (x,) = make(["initial.x"], bounds={"initial.x": ":2"})
@@ -48,7 +48,7 @@ def test_parameters_of_each_data_set():
     assert second.label == "initial.vx of data set 2"
 
 
-def test_refusals():
+def test_wrong_parameters_are_refused():
     assert refusal(make, []) == "FourLinkBox: no parameter is free; name at least one"
     assert "contact.stifness is no parameter that can be fitted; the nearest is contact.stiffness" in refusal(
         make, ["contact.stifness"]

@@ -30,7 +30,7 @@ angles = [0.0]
 
 
 @pytest.mark.parametrize("name", model_names())
-def test_what_does_not_change_stays_as_it_is(name):
+def test_unchanged_values_stay_as_they_are_written(name):
     path = scene_path(name)
     text = path.read_text(encoding="utf-8")
     assert updated(text, load_scene(name), str(path)) == text
@@ -60,7 +60,7 @@ def test_only_values_change_and_comments_keep_their_column():
     )
 
 
-def test_what_is_derived_is_not_written():
+def test_derived_values_are_not_written():
     """The inertia of a fitted scene follows from the new mass; the file does not give it."""
     before = TEXT.replace("count = 1\n", "")
     scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})

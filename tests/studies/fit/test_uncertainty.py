@@ -27,13 +27,13 @@ def test_scales_do_not_matter():
     assert errors * scale == pytest.approx(information(SLOPES, SIGMA).errors)
 
 
-def test_what_has_no_effect_has_an_infinite_error_and_others_none():
+def test_a_parameter_without_effect_has_an_infinite_error_others_none():
     known = information(np.column_stack([SLOPES, np.zeros(4)]), SIGMA)
     assert known.errors[:2] == pytest.approx(information(SLOPES, SIGMA).errors)
     assert known.errors[2] == math.inf
 
 
-def test_what_acts_together_only():
+def test_parameters_that_act_only_together_have_infinite_errors():
     twins = np.column_stack([SLOPES, SLOPES[:, 1] * 3.0])
     known = information(twins, SIGMA)
     assert known.errors[1:].tolist() == [math.inf, math.inf]
@@ -41,7 +41,7 @@ def test_what_acts_together_only():
     assert known.with_held(2).errors == pytest.approx(information(SLOPES, SIGMA).errors)
 
 
-def test_quantiles():
+def test_quantiles_are_those_of_scipy():
     wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
     assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)
     assert exceeded(25.0, 10) == pytest.approx(stats.chi2.sf(25.0, 10))

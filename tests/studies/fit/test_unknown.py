@@ -8,7 +8,7 @@ from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, 
 SIGMA = dict.fromkeys(TIP, NOISE)
 
 
-def test_nothing_is_unknown_after_six_impacts():
+def test_six_impacts_determine_all_parameters():
     assert fit(scene(), motion(1.2)[0], FREE, sigma=SIGMA).unknown == ()
 
 
@@ -26,7 +26,7 @@ def test_stiffness_is_unknown_after_one_impact_and_a_peak_force_tells_it():
     assert told.unknown == ()
 
 
-def test_what_has_no_effect():
+def test_a_parameter_without_effect_is_told():
     said = fit(scene(), motion(0.4)[0], FREE, sigma=SIGMA).unknown
     assert said == tuple(f"{name} has no effect on the measured values." for name in FREE[:2])
 

@@ -69,7 +69,7 @@ def scheduler(tmp_path):
     started.end()
 
 
-def test_the_same_rows_as_here(scheduler, tmp_path):
+def test_a_sweep_on_a_cluster_has_the_rows_of_a_local_one(scheduler, tmp_path):
     scheduler.worker()
     scheduler.worker()
     told = []
@@ -95,7 +95,7 @@ def test_a_lost_worker_is_replaced_by_the_others(scheduler):
     assert doomed.poll() is not None
 
 
-def test_no_workers(scheduler):
+def test_a_cluster_without_workers_is_refused(scheduler):
     with pytest.raises(
         SceneError, match=r"scheduler tcp://.*: it has no workers; start some with: dask worker"
     ):

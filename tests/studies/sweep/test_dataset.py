@@ -65,7 +65,7 @@ def test_the_rows_are_those_in_the_memory(name, tmp_path):
     assert (tmp_path / "from_folder.csv").read_bytes() == (tmp_path / "from_memory.csv").read_bytes()
 
 
-def test_others_read_the_folder_in_the_order_of_the_runs(tmp_path, whole):
+def test_other_programs_read_the_folder_in_the_order_of_the_runs(tmp_path, whole):
     import pandas as pd
     from pyarrow import dataset, parquet
 
@@ -98,7 +98,7 @@ def test_the_manifest_says_which_runs_are_in_which_file(tmp_path, whole):
     assert {path.name for path in folder.iterdir()} == {MANIFEST, *manifest["files"]}
 
 
-def test_what_is_done_is_not_done_again(tmp_path, whole, monkeypatch):
+def test_finished_runs_are_not_run_again(tmp_path, whole, monkeypatch):
     folder, spans, real = tmp_path / "runs", [], module.run_in_threads
     stopped(folder)
     files = {path: path.stat().st_mtime_ns for path in folder.glob("*.parquet")}
@@ -209,7 +209,7 @@ def test_a_manifest_that_lists_what_is_no_file_of_the_sweep_is_refused(tmp_path,
         sweep(SCENE, VARY, path=tmp_path / "runs")
 
 
-def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
+def test_a_sweep_that_fails_at_once_leaves_no_files(tmp_path, monkeypatch):
     def broken(*_):
         raise OSError("no kernel")
         yield
@@ -317,7 +317,7 @@ def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, whole):
     assert (tmp_path / "folder.png").read_bytes() == (tmp_path / "memory.png").read_bytes()
 
 
-def test_what_is_not_of_the_sweep_stays_and_what_a_kill_has_left_goes(tmp_path):
+def test_foreign_files_stay_and_those_of_a_killed_sweep_go(tmp_path):
     """A kill during the first manifest leaves a folder; a user's file has a name similar to run files."""
     folder, vary = tmp_path / "runs", {"contact.restitution": [0.2, 0.4]}
     (folder / f".{MANIFEST}-killed").mkdir(parents=True)

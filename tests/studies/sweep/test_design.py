@@ -57,7 +57,7 @@ def test_samples_fill_the_space(sampling, count):
         (MOST_SOBOL + 1, "sobol", 0, f"samples = {MOST_SOBOL + 1} must be a whole number >= 1 and < "),
     ],
 )
-def test_refused(count, sampling, seed, words):
+def test_wrong_designs_are_refused(count, sampling, seed, words):
     with pytest.raises(SceneError, match=f"^s: .*{words}"):
         sampled(variations_of(SCENE, INTERVALS), "s", count=count, sampling=sampling, seed=seed)
 

@@ -40,7 +40,7 @@ from chain_impact.studies.sweep.work import Work
         ([(90, 100), (20, 30), (20, 30), (25, 40)], [(0, 20), (40, 90)]),
     ],
 )
-def test_what_is_missing(done, left):
+def test_missing_runs_are_those_between_finished_ones(done, left):
     assert missing(done, 100) == left
 
 
@@ -126,7 +126,7 @@ def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, ow
     assert asked[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if own else None)
 
 
-def test_a_sweep_goes_on_without_a_kernel_of_its_own_where_a_compiler_fails(monkeypatch, caplog):
+def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatch, caplog):
     def kernel_for(scene, *, derivatives, sizes):
         if sizes:
             raise BuildError("could not compile the kernel: zig said no")
@@ -142,7 +142,7 @@ def test_a_sweep_goes_on_without_a_kernel_of_its_own_where_a_compiler_fails(monk
     assert SCENE.name in told
 
 
-def test_who_stops_listening_gets_all_threads_back():
+def test_a_caller_that_stops_listening_gets_all_threads_back():
     before = threading.active_count()
     pieces = run_in_threads(Work(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
     _, rows = next(pieces)

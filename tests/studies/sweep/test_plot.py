@@ -301,7 +301,7 @@ def test_too_many_runs_are_refused(tmp_path, monkeypatch):
         found.plot(tmp_path / "sweep.png")
 
 
-def test_all_forces_have_one_unit():
+def test_forces_of_a_sweep_have_one_unit():
     scene = load_scene("carried_arm").with_values({"simulation.stop_time": 0.6})
     found = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
     units = {quantity.column: quantity.unit for quantity in results_of(found).every}

@@ -158,7 +158,7 @@ def test_a_fault_is_a_row_and_the_others_go_on():
     "seed",
     [first + k for first in (0, random_scenes.STOPPED, random_scenes.RUBBED) for k in range(8)],
 )
-def test_random_scenes(seed):
+def test_runs_of_random_scenes_are_those_of_simulate(seed):
     scene = random_scenes.scene(seed)
     scene = with_values(scene, {("simulation", "stop_time"): min(scene.simulation.stop_time, 0.3)})
     mass = scene.chain.links[0].mass

@@ -24,7 +24,7 @@ def found():
     return sweep(SCENE, VARY, outputs=["point[4].x", "impact.last_wall"])
 
 
-def test_columns(found):
+def test_columns_of_a_sweep_are_found_by_name(found):
     assert repr(found) == "FourLinkBox  4 runs: 3 ok, 1 restitution_not_allowed"
     assert found.varied == ("contact.restitution", "contact.model")
     assert len(found) == 4
@@ -75,7 +75,7 @@ def test_long_tables_are_written_in_chunks(tmp_path):
     assert (parquet.read_table(tmp_path / "out.parquet")["initial.x"].to_numpy() == found["initial.x"]).all()
 
 
-def test_data_frame(found):
+def test_a_data_frame_has_the_columns_of_the_sweep(found):
     frame = found.to_dataframe()
     assert list(frame.columns) == list(found.names)
     assert frame.groupby("contact.model")["solver.steps"].max()["flores"] == found["solver.steps"][2]
@@ -128,7 +128,7 @@ def test_a_folder_that_can_only_be_read_is_said_before_any_run(tmp_path, monkeyp
         ({"outputs.solver": False}, None, "outputs.solver = false must be true"),
     ],
 )
-def test_what_has_no_table_is_refused_before_any_run(changes, path, words):
+def test_a_table_that_cannot_be_written_is_refused_before_any_run(changes, path, words):
     scene = load_scene("four_link_box").with_values(changes)
     with pytest.raises(SceneError, match=words):
         sweep(scene, {"contact.restitution": [0.2]}, path=path, outputs="point[4].x")

@@ -29,7 +29,7 @@ def one(name, values):
         (0.3, [0.3]),
     ],
 )
-def test_values(text, values):
+def test_texts_and_numbers_give_the_values_of_a_variation(text, values):
     variation = one("contact.restitution", text)
     assert not variation.interval
     assert variation.values == pytest.approx(values, rel=1e-15)
@@ -43,7 +43,7 @@ def test_choices_by_name_and_by_number():
         assert variation.shown(variation.values).tolist() == ["flores", "hertz"]
 
 
-def test_intervals():
+def test_an_interval_gives_values_at_fractions():
     parts = np.array([0.0, 0.5, 1.0 - 1e-16])
     assert one("contact.restitution", "0.2:0.4").at(parts) == pytest.approx([0.2, 0.3, 0.4])
     assert one("contact.stiffness", "1e6:1e8:log").at(parts) == pytest.approx([1e6, 1e7, 1e8])
@@ -79,19 +79,19 @@ def test_intervals():
         ("simulation.stop_time", "0,1", "= 0 must be a finite number > 0"),
     ],
 )
-def test_refused(name, values, words):
+def test_wrong_variations_are_refused(name, values, words):
     with pytest.raises(
         SceneError, match=f"^FourLinkBox: {name.replace('[', '.').replace(']', '.')}.*{words}"
     ):
         one(name, values)
 
 
-def test_nothing_is_varied():
+def test_a_sweep_that_varies_nothing_is_refused():
     with pytest.raises(SceneError, match="nothing is varied"):
         variations_of(SCENE, {})
 
 
-def test_all_parameters_and_the_stop_time_can_be_varied():
+def test_each_parameter_and_the_stop_time_can_be_varied():
     known = sweepable(SCENE)
     assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= known.keys()
     assert "simulation.stop_time" in known
