@@ -7,6 +7,7 @@ libraries round sines differently.
 # Tests: pages/drawn.py, pages/shared.py, pictures/arrow_scale.py, pictures/film_figure.py, scene/bodies.py
 
 import re
+from dataclasses import replace
 from functools import cache, partial
 from types import SimpleNamespace
 
@@ -26,7 +27,7 @@ from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.bodies import outlines_of, rail_of
+from chain_impact.scene.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.similar_names import proposed
 from chain_impact.scene.unit_text import of_power, unit_text
@@ -141,8 +142,9 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
     """Walls, outlines of bodies, the line of a slider, and ranges of joints."""
     scene = load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
     bases = np.array(scene.initial.position) + np.zeros((3, 1)) * [1.0, 1.0]
-    rail = rail_of(scene, 2.0)
+    rail = rail_from(bases[None, :1], None, scene.values)
     if rail is not None:
+        rail = replace(rail, size=2.0)
         bases = rail.origin + np.array([[0.0], [0.3], [-0.2]]) * rail.direction
     found = script.evaluate(SHAPES, [page_contents(scene), bases.tolist(), 2.0])
     walls = free_sides(scene.half_planes)
@@ -150,7 +152,7 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
     for name, wall in walls.items():
         close(found["walls"][name]["normal"], wall["normal"])
         close(found["walls"][name]["offset"], wall["offset"], size=10.0)
-    bodies = outlines_of(scene)
+    bodies = outlines_from(scene.values, scene.contact.points)
     assert [link for link, _ in found["bodies"]] == list(bodies)
     for link, corners in found["bodies"]:
         close(corners, bodies[link])

@@ -10,7 +10,7 @@ from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.view import size_of
-from chain_impact.scene.bodies import outline, outlines_of, placed
+from chain_impact.scene.bodies import outline, outlines_from, placed
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes import bodies
 from tests.tiers import needs_interop
@@ -61,7 +61,7 @@ def test_an_outline_is_the_convex_hull_of_discs():
 
 def test_an_outline_goes_with_its_link():
     scene = scene_from_dict(BRICK, "Brick")
-    (corners,) = outlines_of(scene).values()
+    (corners,) = outlines_from(scene.values, scene.contact.points).values()
     there = placed(corners, np.array([1.0, 2.0]), np.array([1.0, 2.5]))
     assert there.min(axis=0) == pytest.approx([1.0 - 0.12, 2.0 - 0.02])
     assert there.max(axis=0) == pytest.approx([1.0 + 0.12, 2.5 + 0.02])

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inertia import DERIVED
+from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.ode.sundman import NO_CONTACT
@@ -33,6 +33,7 @@ from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import NUMBERS
+from chain_impact.scene.signals import TARGET_RATE
 from chain_impact.variables import indices
 
 FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
@@ -74,12 +75,16 @@ def shared() -> dict[str, Any]:
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
         "rules": {"FILE": RULES, "SIGNAL": SIGNAL_RULES},
-        "file": {"CORNERS": chain_tables.CORNERS, "SHOWN": reading.SHOWN},
+        "file": {
+            "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.CORNERS + 1)],
+            "SHOWN": reading.SHOWN,
+        },
         "signals": {
             "AT_REST": AT_REST,
             "FORMS": list(FORMS),
             "SHAPES": SHAPES,
             "NUMBERS": NUMBERS,
+            "TARGET_RATE": TARGET_RATE,
             "REQUIRED": {name: form.required for name, form in FORMS.items()},
             "OTHER": {name: form.optional for name, form in FORMS.items()},
             "KNOTS": {name: form.knots for name, form in FORMS.items() if form.knots}

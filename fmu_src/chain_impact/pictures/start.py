@@ -21,7 +21,7 @@ from chain_impact.pictures.motion import draw_chain
 from chain_impact.pictures.room import draw_pin, draw_room
 from chain_impact.pictures.style import BLUE, COLOURS, INK, STYLE, VERMILLION
 from chain_impact.recording.view import pin_mark
-from chain_impact.scene.bodies import outlines_of, placed, rail_of
+from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
@@ -110,8 +110,9 @@ def _chain(
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
     draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
-    bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines_of(scene).items()]
-    if rail := rail_of(scene, float(np.ptp(points, axis=0).max())):
+    outlines = outlines_from(scene.values, scene.contact.points)
+    bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines.items()]
+    if rail := rail_from(points[None], None, scene.values):
         lines = rail.lines(joints[:1])
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.2, zorder=2.5))
         bodies.append(rail.carriage(joints[0]))

@@ -13,7 +13,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from chain_impact.recording.bodies import outlines_from, rail_from, site_radii
+from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, is_stop, touching_place
@@ -21,7 +21,7 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, Touch
 from chain_impact.recording.tables import save_impacts
 from chain_impact.recording.text import plural, toucher_name
-from chain_impact.scene.bodies import Rail
+from chain_impact.scene.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 from chain_impact.scene.reading import names_matching

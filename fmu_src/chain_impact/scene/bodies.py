@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import count, takewhile
+from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.contents import Contents
+from chain_impact.kernel.chain.inertia import corner_of_box
+from chain_impact.scene.chain_tables import CORNERS
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
@@ -49,28 +52,38 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
     return hull[:-1]
 
 
-def outlines_of(scene: Contents) -> dict[int, np.ndarray]:
-    """Return the outline of each link that has points: number of the link → corners in the link's axes."""
-    radius, touching = scene.contact.radius, scene.contact.points
-    links = [(n, link) for n, link in enumerate(scene.chain.links, 1) if link.points]
-    sites = {n: [(site.x, site.y, site.radius or 0.0) for site in link.points] for n, link in links}
-    return {n: link_outline(n, link.length, sites[n], radius, touching) for n, link in links}
+def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
+    """Return number of a link → its points beside its ends, as discs, for each link that has such points.
+
+    The discs are in the link's axes, in the order of the points' numbers: the corners of a box come first.
+    """
+    discs_of: dict[int, list[Disc]] = {}
+    for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
+        discs: list[Disc] = []
+        if (height := values.get(f"link[{link}].height")) is not None:
+            places = (corner_of_box(n, values[f"link[{link}].length"], height) for n in range(1, CORNERS + 1))
+            discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in places]
+        names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
+        for of in takewhile(lambda site: f"{site}.x" in values, names):
+            x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))
+            discs.append((x, y, radius))
+        if discs:
+            discs_of[link] = discs
+    return discs_of
 
 
-def link_outline(
-    n: int, length: float, sites: Iterable[Disc], radius: float, touching: Container[int]
-) -> np.ndarray:
-    """Return the outline of a link in the link's axes, shape (C, 2) [m].
+def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[int, np.ndarray]:
+    """Return number of a link → its outline in the link's axes, shape (C, 2) [m], for each link with points.
 
     Args:
-        n: the number of the link, from 1.
-        length: the length of the link [m].
-        sites: the points of the link beside its ends.
-        radius: the radius of an end that can touch [m]; the radius of another end is 0.
-        touching: the numbers of the points that can touch.
+        values: name of a parameter → value.
+        touching: the points that can touch; an end of a link that cannot touch has the radius 0.
     """
-    near, far = (radius if end in touching else 0.0 for end in (n - 1, n))
-    return outline([(0.0, 0.0, near), (length, 0.0, far), *sites])
+    radius, outlines = values.get("contact.radius", 0.0), {}
+    for n, discs in discs_of_links(values).items():
+        near, far = (radius if end in touching else 0.0 for end in (n - 1, n))
+        outlines[n] = outline([(0.0, 0.0, near), (float(values[f"link[{n}].length"]), 0.0, far), *discs])
+    return outlines
 
 
 def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -157,12 +170,25 @@ class Rail:
         return np.asarray(base + self.half * CARRIAGE @ [along, across])
 
 
-def rail_of(scene: Contents, size: float) -> Rail | None:
-    """Return the line along which the base of a scene slides; None if the base does not slide.
+def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
+    """Return the line of a slider; None if the base does not slide, or if nothing tells the line.
 
-    ``size``: the size of the drawing [m].
+    Args:
+        points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
+        positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
+        values: name of a parameter → value.
     """
-    slider = scene.chain.slider
-    if slider is None:
+    bases = points[:, 0]
+    if "slider.angle" in values:
+        angle = float(values["slider.angle"])
+    # without parameters, the line leads from the base at the least position to the base at the largest
+    # position
+    elif positions is not None:
+        x, y = bases[positions.argmax()] - bases[positions.argmin()]
+        angle = math.atan2(y, x)
+    else:
         return None
-    return Rail.between(np.array(scene.initial.position), slider.angle, slider.min, slider.max, size)
+    along = np.array([math.cos(angle), math.sin(angle)])
+    first = 0.0 if positions is None else float(positions[0])
+    origin, size = bases[0] - first * along, float(np.ptp(points, axis=(0, 1)).max())
+    return Rail.between(origin, angle, values.get("slider.min"), values.get("slider.max"), size)

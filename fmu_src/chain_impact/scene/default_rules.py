@@ -1,34 +1,29 @@
 """The defaults of scene keys that follow from other values."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import MISSING
 from itertools import accumulate
+from typing import Any
 
-from chain_impact.kernel.chain.inertia import inertia_of_box
 from chain_impact.scene.key_rules import Derived
 
 
-def _product(text: str, *factors: str, divisor: int) -> Derived:
-    """Return the rule for a default that is a product of values of the same table, divided by a number."""
-    return Derived(
-        text, lambda tables: math.prod(tables[key] for key in factors) / divisor, (factors,), divisor
-    )
+def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
+    """Return the rule for a default that is a sum of products of values of one table, divided by a number."""
+
+    def value(table: Mapping[str, Any]) -> float:
+        if of_box and table["height"]:
+            return float(of_box.value(table))
+        return math.fsum(math.prod(table[key] for key in term) / divisor for term in terms)
+
+    return Derived(text, value, terms, divisor, of_box=of_box)
 
 
-MIDDLE = _product("length / 2", "length", divisor=2)
-_RECTANGLE = Derived(
-    "mass * (length^2 + height^2) / 12",
-    lambda known: inertia_of_box(known["mass"], known["length"], known["height"]),
-    (("mass", "length", "length"), ("mass", "height", "height")),
-    12,
-)
-ROD = Derived(
-    "mass * length^2 / 12",
-    lambda known: inertia_of_box(known["mass"], known["length"], known["height"] or 0.0),
-    (("mass", "length", "length"),),
-    12,
-    of_box=_RECTANGLE,
-)
+MIDDLE = _quotient("length / 2", ("length",), divisor=2)
+_ALONG, _ACROSS = ("mass", "length", "length"), ("mass", "height", "height")
+_RECTANGLE = _quotient("mass * (length^2 + height^2) / 12", _ALONG, _ACROSS, divisor=12)
+ROD = _quotient("mass * length^2 / 12", _ALONG, divisor=12, of_box=_RECTANGLE)
 MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
 FROM_JOINTS = Derived(
     "the sums of joint_angles",

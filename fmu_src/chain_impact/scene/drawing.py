@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
-from chain_impact.scene.bodies import outlines_of, placed, rail_of
+from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
@@ -16,14 +19,18 @@ MARGIN, NEAR = 0.15, 1.0
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
-def svg(scene: Contents) -> str:
-    """Return the drawing as SVG, in the colours of the page that shows it."""
+def svg(scene: Contents, values: Mapping[str, Any]) -> str:
+    """Return the drawing as SVG, in the colours of the page that shows it.
+
+    ``values`` are the values of the scene by their names.
+    """
     positions = np.array([point[:2] for point in scene.start.values()])
     points = positions[: len(scene.chain.links) + 1]
     size = max(np.ptp(positions, axis=0).max(), scene.contact.radius, 1e-6)
-    rail = rail_of(scene, size)
+    rail = rail_from(positions[None], None, values)
     lines = rail.lines(points[:1]) if rail else []
-    bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines_of(scene).items()]
+    outlines = outlines_from(values, scene.contact.points)
+    bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines.items()]
     bodies += [rail.carriage(points[0])] if rail else []
     nearest = [
         (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))

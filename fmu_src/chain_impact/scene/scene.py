@@ -84,7 +84,7 @@ class Scene(Contents):
 
     def _repr_html_(self) -> str:
         """Return the description for a notebook, with a small drawing of the chain in its initial state."""
-        return f"<div>{drawing.svg(self)}<pre>{escape(repr(self))}</pre></div>"
+        return f"<div>{drawing.svg(self, self.values)}<pre>{escape(repr(self))}</pre></div>"
 
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:

@@ -21,6 +21,8 @@ from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
+TARGET_RATE = ".target_velocity"
+"""The end of the name of an input that comes after all others, because it replaces the rate of a target."""
 
 
 class Driven(NamedTuple):
@@ -48,7 +50,7 @@ class Driven(NamedTuple):
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return the inputs that signals drive; target velocities come last, after all targets."""
+    """Return the inputs that signals drive; target velocities come last."""
     if not scene.signals:
         return ()
     driven = [
@@ -56,7 +58,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
         for name, signal in scene.signals.items()
         for input_name in signal.input
     ]
-    return tuple(sorted(driven, key=lambda each: each.input.endswith("target_velocity")))
+    return tuple(sorted(driven, key=lambda each: each.input.endswith(TARGET_RATE)))
 
 
 def family(name: str) -> tuple[str, ...]:
@@ -72,7 +74,7 @@ def family(name: str) -> tuple[str, ...]:
     if last == "belt_speed":
         return "", name  # the integral of a belt's speed is no input
     if last in ("target_angle", "target_position"):
-        return name, f"{head}.target_velocity"
+        return name, head + TARGET_RATE
     return (name,)
 
 

@@ -1,9 +1,8 @@
 // The changes of a scene file that the dialog of the page makes: links, points, walls and stops.
 
-import { pointsOf, STOPS } from "./geometry.js";
+import { CORNERS, pointsOf, STOPS } from "./geometry.js"; // a scene file leaves the corners of a box out
 import { movablePoints, stopsOf } from "./scene_file.js";
 
-const { CORNERS } = SHARED.file; // number of corners of a box, which a scene file leaves out
 const BELOW = 0.5; // distance of a new wall below the chain, relative to the length of the longest link
 
 export function setOrRemove(table, key, value) {
@@ -20,11 +19,11 @@ export function setOfLink(file, k, key, value) {
 
 /** Return a point of a link by its index among the points; the first points are the corners of a box. */
 export function ownPoint({ chain: { links } }, link, entry) {
-  return links[link].points[entry - (links[link].shape ? CORNERS : 0)];
+  return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];
 }
 
 export function removePoint({ chain: { links } }, link, entry) {
-  links[link].points.splice(entry - (links[link].shape ? CORNERS : 0), 1);
+  links[link].points.splice(entry - (links[link].shape ? CORNERS.length : 0), 1);
 }
 
 export function moveToLink(file, link, entry, number) {

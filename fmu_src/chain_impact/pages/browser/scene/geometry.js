@@ -7,6 +7,14 @@
 export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
 /** The names of the walls of the box, in the order of their numbers. */
 export const BOX_WALLS = Object.keys(NORMALS);
+/** The corners of a box, in the order of their numbers, along the link relative to its length, and to its left, to its height. */
+export const { CORNERS } = SHARED.file;
+
+/** Return the coordinates [m] of a corner of a box by its number, from 1: along the link, and to its left. */
+export function cornerOf(number, length, height) {
+  const [along, left] = CORNERS[number - 1];
+  return [along * length, left * height];
+}
 
 /**
  * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box are
@@ -15,8 +23,7 @@ export const BOX_WALLS = Object.keys(NORMALS);
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;
   if (!corner) return ["x", "y", "radius"].map((key) => valueOf(`${of}.point[${entry + 1}].${key}`));
-  const [length, half] = [valueOf(`${of}.length`), valueOf(`${of}.height`) / 2];
-  return [corner % 2 ? 0 : length, corner > 2 ? half : -half, valueOf("contact.radius")];
+  return [...cornerOf(corner, valueOf(`${of}.length`), valueOf(`${of}.height`)), valueOf("contact.radius")];
 }
 
 /** Return a derived value: the sum of products of some values, divided by a number. */

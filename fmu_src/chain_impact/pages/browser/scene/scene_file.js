@@ -3,7 +3,7 @@
 
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
-import { BOX_WALLS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
+import { BOX_WALLS, cornerOf, CORNERS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
@@ -205,8 +205,10 @@ function setBodies({ chain }, data) {
       refuse(`chain.links[${k + 1}]`, "shape", { has, lacks });
     }
     if (shape === undefined) return;
-    const positions = [-height / 2, height / 2].flatMap((y) => [0, length].map((x) => ({ x, y })));
-    const corners = positions.map((position, index) => ({ ...position, name: "", corner: index + 1 }));
+    const corners = CORNERS.map((_, index) => {
+      const [x, y] = cornerOf(index + 1, length, height);
+      return { x, y, name: "", corner: index + 1 };
+    });
     link.points = [...corners, ...link.points];
     delete link.shape;
   });

@@ -65,8 +65,7 @@ export function drivenBy({ signals }, tables) {
   }[form] ?? (() => SIGNALS.KNOTS[shape === "trapezoid" ? shape : form]))();
   const rows = Object.entries(signals).flatMap(([name, signal]) =>
     signal.input.map((input) => ({ name, input, signal, knots: count(name, input, signal) })));
-  // a target velocity comes after the target whose rate it replaces
-  const [late, early] = [true, false].map((wanted) => rows.filter(({ input }) => input.endsWith("target_velocity") === wanted));
+  const [late, early] = [true, false].map((wanted) => rows.filter(({ input }) => input.endsWith(SIGNALS.TARGET_RATE) === wanted));
   let first = 0;
   return [...early, ...late].map((row) => {
     first += row.knots;
