@@ -9,7 +9,6 @@ from chain_impact.pictures.over_time import point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.recording.view import size_of
 from chain_impact.scene.bodies import outline, outlines_from, placed
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes import bodies
@@ -74,11 +73,11 @@ def test_points_of_links_touch_with_their_own_radii():
     assert run.touching == dict.fromkeys((2, 3, 4, 5), 0.02)
 
 
-def test_an_impact_at_a_stop_of_a_slider_is_where_the_base_was(cart):
+def test_an_impact_at_a_sliders_stop_is_where_its_carriage_ends(cart):
     first, second = (cart.spot(impact) for impact in cart.impacts[:2])
-    along = np.array([np.cos(0.3), np.sin(0.3)])
-    assert first == pytest.approx([1.0, 2.0] + 0.4 * along, abs=1e-6)
-    assert second == pytest.approx([1.0, 2.0] - 0.2 * along, abs=1e-6)
+    along, half = np.array([np.cos(0.3), np.sin(0.3)]), cart.rail.half
+    assert first == pytest.approx([1.0, 2.0] + (0.4 + half) * along, abs=1e-6)
+    assert second == pytest.approx([1.0, 2.0] - (0.2 + half) * along, abs=1e-6)
 
 
 def test_a_table_of_a_cart_shows_its_line_with_and_without_the_scene(cart, tmp_path):
@@ -144,7 +143,7 @@ def test_numbers_at_a_sliders_stops_are_beyond_their_marks():
     """A short pendulum on the cart leaves room for the numbers."""
     cart = simulate(bodies.cart().with_values({"link[1].length": 0.1}), stop_time=2.0, output_step=0.01)
     axes = cart.plot(panels=["motion"]).axes[0]
-    marks = [line[1:] for line in (cart.rail.lines(cart.points[:, 0], size_of(cart))[1:])]
+    marks = [line[1:] for line in cart.rail.lines(cart.points[:, 0])[1:]]
     numbers = [text for text in axes.texts if text.get_text()[:1].isdigit()]
     assert len(numbers) == 2
     for text in numbers:
