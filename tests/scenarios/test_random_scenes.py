@@ -19,6 +19,7 @@ from tests.helpers.campaigns.folds import faults
 from tests.helpers.campaigns.oracle import account, judge
 from tests.helpers.campaigns.random_scenes import (
     DRIVEN,
+    EQUAL,
     FOLDED,
     LENGTH,
     LONG,
@@ -40,7 +41,7 @@ BLOCK = 150  # seeds
 BLOCKS = [range(50), range(50, BLOCK)]  # the first one is in the quick tier
 BLOCKS += [range(first, first + BLOCK) for first in range(BLOCK, 6 * BLOCK, BLOCK)]
 BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN)]
-BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN, SIGNALLED)]
+BLOCKS += [range(first, first + BLOCK) for first in (RUBBED, DRIVEN, SIGNALLED, EQUAL)]
 BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 

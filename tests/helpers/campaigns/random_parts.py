@@ -97,6 +97,34 @@ def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float =
     return scene_from_dict(table, f"seed {seed}")
 
 
+def equal(seed: int) -> Scene:
+    """Return equal links, a zigzag or at any angles, that fall and fold between a floor and two sides."""
+    draw = Draw(seed, 12)
+    count, base, length = draw.whole(2, 6), draw.one(("free", "pinned")), draw.one((0.3, 0.5))
+    contact = contact_of(draw, count, base, rigid=0.6) | {"radius": 0.0}
+    bends = [draw.real(0.8, 1.5) * (-1.0) ** i for i in range(count)]
+    angles = bends if base == "pinned" else [draw.real(0.2, 2.9) for _ in range(count)]
+    height = length * draw.one((0.0, 1.0, 1.2)) if base == "pinned" else 2.5 * length
+    reach, side = 1.05 * count * length, length * float(np.cumsum(np.cos(angles)).max())
+    lowest = height + length * float(np.cumsum(np.sin(angles)).min())
+    solver = {"method": draw.one(SOLVER_METHODS, (0.6, 0.2, 0.2)), "tolerance": draw.power(1e-12, 1e-3)}
+    stop = draw.power(0.3, 3.0)
+    if hard(solver, contact):
+        stop = min(stop, 1.0)
+        solver["work_limit"] = HARD_WORK / stop
+    links = [{"length": length, "mass": 1.0, "joint_damping": 0.01 * draw.chance(0.3)}] * count
+    table = {
+        "name": f"Equal{seed}",
+        "chain": {"base": base, "links": links},
+        "box": {"x_min": -reach, "x_max": max(reach * draw.one((0.5, 1.0)), side), "y_min": min(0.0, lowest)},
+        "contact": contact,
+        "initial": {"position": [0.0, height], "angles": angles},
+        "solver": solver,
+        "simulation": {"stop_time": stop, "step_size": stop / 50},
+    }
+    return scene_from_dict(table, f"seed {seed}")
+
+
 def hard(solver: dict[str, Any], contact: dict[str, Any]) -> bool:
     """Return whether the work for a scene has no useful bound.
 
@@ -219,6 +247,23 @@ def _box(
         else:
             box[name] = float(places[:, axis].min()) - radius - margin
     return box
+
+
+def slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
+    """Return a wall near the points that may touch it, as far away as the walls of a box."""
+    angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
+    margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
+    along, normal = (
+        np.array([math.cos(angle), math.sin(angle)]),
+        np.array([-math.sin(angle), math.cos(angle)]),
+    )
+    lengths = np.array([link.length for link in scene.chain.links])[:, None]
+    angles = np.array(scene.initial.angles)
+    steps = lengths * np.transpose([np.cos(angles), np.sin(angles)])
+    points = np.array(scene.initial.position) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
+    nearest = (points[list(scene.contact.points)] @ normal).min()
+    place = (nearest - scene.contact.radius - margin) * normal + draw.real(-5.0, 5.0) * along
+    return {"name": f"slope_{number}", "point": place.tolist(), "angle": angle}
 
 
 def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[str, list[float]]:

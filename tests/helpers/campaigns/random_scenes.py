@@ -26,7 +26,9 @@ from tests.helpers.campaigns.random_parts import (
     Draw,
     Shapes,
     contact_of,
+    equal,
     hard,
+    slope,
     upright,
 )
 from tests.helpers.scenes.problems import GRAVITY, build
@@ -46,6 +48,7 @@ RUBBED = 9 * 10**6  # scenes with dry friction at walls and in joints, and often
 # scenes with drives in joints (armatures, servos, limits of torque), and dry friction or stops
 DRIVEN = 10 * 10**6
 SIGNALLED = 11 * 10**6  # scenes with drives, and with signals that drive torques and targets
+EQUAL = 12 * 10**6  # scenes with equal links, which fold between walls
 DRY_WORK = 2e5  # work limit, in evaluations, of a scene with dry friction that does not need much work
 
 # length [m] of the links of folds, which have 1 kg, and tolerance of folds
@@ -135,26 +138,9 @@ def slanted(scene: Scene, draw: Draw) -> Scene:
     """Return the scene with some walls at any angle around its points, or rotated as a whole, or both."""
     turns, cuts = draw.one(((True, False), (False, True), (True, True)))
     angle = draw.real(-math.pi, math.pi)
-    walls = [_slope(draw, scene, w) for w in range(draw.whole(1, 3))] if cuts else []
+    walls = [slope(draw, scene, w) for w in range(draw.whole(1, 3))] if cuts else []
     scene = with_values(scene, {("walls",): walls})
     return turned(scene, angle) if turns else scene
-
-
-def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
-    """Return a wall near the points that may touch it, as far away as the walls of ``_box``."""
-    angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
-    margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
-    along, normal = (
-        np.array([math.cos(angle), math.sin(angle)]),
-        np.array([-math.sin(angle), math.cos(angle)]),
-    )
-    lengths = np.array([link.length for link in scene.chain.links])[:, None]
-    angles = np.array(scene.initial.angles)
-    steps = lengths * np.transpose([np.cos(angles), np.sin(angles)])
-    points = np.array(scene.initial.position) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-    nearest = (points[list(scene.contact.points)] @ normal).min()
-    place = (nearest - scene.contact.radius - margin) * normal + draw.real(-5.0, 5.0) * along
-    return {"name": f"slope_{number}", "point": place.tolist(), "angle": angle}
 
 
 def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -396,4 +382,5 @@ _KINDS: dict[int, Callable[[int], Scene]] = {
     RUBBED: rubbed_of,
     DRIVEN: driven_of,
     SIGNALLED: signalled_of,
+    EQUAL: equal,
 }
