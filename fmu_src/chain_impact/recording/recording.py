@@ -303,7 +303,8 @@ class Recording:
     def spot(self, impact: np.void) -> np.ndarray:
         """Return the place [m] of an impact on its wall, which is a radius away from the point.
 
-        An impact at a stop of a joint is where the link crosses the arc of the joint's range.
+        An impact at a stop of a joint is where the link crosses the arc of the joint's range. An impact at a
+        stop of a slider is half a carriage beyond the base, as they are drawn.
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
