@@ -143,7 +143,7 @@ def let_push(d: Plain, c: int, force: Iterable[float]) -> None:
     angle = d.step.state[2]
     normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
     lever = d.model.length[0] * np.array([-np.sin(angle), np.cos(angle)]) @ normal
-    powers = d.inputs.piece.joint_torque
+    powers = d.inputs.piece.motor
     powers[:, 0] = 0.0
     for m, part in enumerate(force):
         # F · lever = −u

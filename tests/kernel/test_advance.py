@@ -211,7 +211,7 @@ def test_a_change_that_jumps_is_applied_at_the_communication_point(
     monkeypatch, status, given, goes_on, right
 ):
     d = at_end_of_a_step()
-    d.statistics.status, (d.given.joint_torque[0], d.given.changed) = status, given
+    d.statistics.status, (d.given.motor[0], d.given.changed) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
     monkeypatch.setattr(loop, "reinit", lambda _: 77)
     assert loop.reinit_if_changed(d, 0.0) == d.statistics.status == right

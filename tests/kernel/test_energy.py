@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import equations
-from chain_impact.kernel.chain import joints, kinematics
+from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, stored_energy
 from chain_impact.kernel.forces import contact, contact_force
 from tests.helpers.kernel.plain import make_rigid
@@ -28,7 +28,7 @@ def prepared(base, count, **more):
             contact.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     contact.set_kink_sides(d)
-    d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
+    d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     return scene, d, y, candidates
 
 
@@ -55,17 +55,17 @@ def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, cou
 @BASES
 def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     _, d, y, (first, _second) = prepared(base, count)
-    assert d.model.has_joint_springs == (count > 1 or base == "pinned")
-    springs = joints.spring_energy(d, y)
+    assert d.model.has_springs == (count > 1 or base == "pinned")
+    springs = drives.spring_energy(d, y)
     contacts = [contact_force.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
     press_in(d, first, -1e-3)  # the point has left its wall, and the end of its contact is not located yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
-    d.model.has_joint_springs = 0
+    d.model.has_springs = 0
     assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
     make_rigid(d)
     assert stored_energy(d, y) == 0.0
-    d.model.has_joint_springs = 1
+    d.model.has_springs = 1
     make_rigid(d, 0)
     touch(d, [])
     assert stored_energy(d, y) == springs

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics, state
-from chain_impact.kernel.chain.joints import spring_energy
+from chain_impact.kernel.chain.drives import spring_energy
 from chain_impact.kernel.forces import contact, holding
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import generalized_force, mass_matrix, point_jacobian, set_vectors
@@ -30,7 +30,7 @@ def prepared(base, count, touching=(), **more):
     options = {"springs": True, "dampers": True, "inputs": True} | more
     scene, d = chain(rng, count, base, **options)
     y = struck(rng, d, touching)
-    d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
+    d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     d.work.moment[:] = 9.0  # moments of another state
     joints = relative_motion(count)[:, 2:]
     if base == "free":
@@ -65,7 +65,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
-    d.model.has_joint_springs = sprung
+    d.model.has_springs = sprung
     dissipated, supplied = equations.joint_moments(d, y)
     found = d.work.moment.copy()
     if sprung:
@@ -74,11 +74,11 @@ def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
         found -= d.work.moment
     damping = np.array([link.joint_damping for link in scene.chain.links])
     relative = joints @ omega_of(d, y)
-    expected = joints.T @ (d.inputs.joint_torque - damping * relative)
+    expected = joints.T @ (d.inputs.motor[:-1] - damping * relative)
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-12)
     assert dissipated == pytest.approx(damping @ relative**2, rel=1e-12, abs=1e-300)
     tip = point_jacobian(scene, y[2 : count + 2], count) @ y[count + 2 : 2 * count + 4]
-    power = d.inputs.joint_torque @ relative + d.inputs.tip_force @ tip
+    power = d.inputs.motor[:-1] @ relative + d.inputs.tip_force @ tip
     assert supplied == pytest.approx(power, rel=1e-11)
 
 
@@ -185,7 +185,7 @@ def test_in_free_flight_no_point_is_located():
 def test_the_inputs_are_those_at_the_time_of_the_state():
     _, d, y, _ = prepared("pinned", 1)
     d.inputs.piece.order, d.inputs.piece.scale, d.step.clock = 1, 1.0, 0.5
-    d.inputs.piece.joint_torque[:2, 0] = 1.0, 2.0
+    d.inputs.piece.motor[:2, 0] = 1.0, 2.0
     y[state.time_at(1)] = 0.25
     equations.rate_from_points(d, y, np.zeros(len(y)))
-    assert d.inputs.joint_torque[0] == 1.0 + 2.0 * 0.75
+    assert d.inputs.motor[0] == 1.0 + 2.0 * 0.75

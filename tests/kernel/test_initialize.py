@@ -78,11 +78,11 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
 def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
-        d.model.has_joint_springs = d.model.has_springs_or_dampers = 7
+        d.model.has_springs = d.model.has_springs_or_dampers = 7
         derive_resistance(d)
         joints = count > 1 or base == "pinned"
         expected = springs and joints, (dampers or springs) and joints
-        assert (d.model.has_joint_springs, d.model.has_springs_or_dampers) == expected
+        assert (d.model.has_springs, d.model.has_springs_or_dampers) == expected
         assert (d.model.joint_rate_bound > 0.0) == expected[1]
 
 
@@ -157,7 +157,7 @@ def test_the_initial_values_are_the_state():
 def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     """Implicit steps have no such limit, because they are stable for any damper."""
     _, d = prepared(springs=True, dampers=True)
-    d.given.joint_damping[:] = 1e4
+    d.given.drive_damping[:] = 1e4
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
     assert initialize(d, 0.0) == OK
     size = in_flight(d, d.step.state, d.work.rate_start)
@@ -169,9 +169,9 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
 POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact", "minimum_impact_speed")]
 POSITIVE += [("contact", "exponent"), ("model", "length"), ("model", "mass")]
 NOT_NEGATIVE = [("model", "inertia"), ("model", "joint_armature")]
-NOT_NEGATIVE += [("given", name) for name in ("joint_damping", "joint_stiffness")]
+NOT_NEGATIVE += [("given", name) for name in ("drive_damping", "drive_stiffness")]
 NOT_NEGATIVE += [("contact", "radius")]
-FINITE = [("given", "joint_target_angle"), ("model", "center_of_mass"), ("model", "wall")]
+FINITE = [("given", "target"), ("model", "center_of_mass"), ("model", "wall")]
 FINITE += [("walls", name) for name in ("x", "y", "angle")]
 
 
@@ -256,7 +256,7 @@ def test_a_start_that_is_not_finite_also_in_its_energy_is_refused(place, value):
 def test_a_spring_that_stores_no_finite_energy_is_refused():
     _, d = prepared(springs=True)
     assert check_start(d) == OK
-    d.inputs.joint_stiffness[1], d.inputs.joint_target_angle[1] = 1e300, 1e10
+    d.inputs.drive_stiffness[1], d.inputs.target[1] = 1e300, 1e10
     assert check_start(d) == NOT_FINITE
 
 
@@ -275,8 +275,8 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
 @pytest.mark.parametrize("limits", [(0.5, 0.5), (0.5, 0.4), (math.nan, 1.0), (0.0, math.nan)])
 def test_the_limits_of_a_joint_are_in_order(joint, limits):
     _, d = stopped_chain(2)
-    d.model.joint_min[joint], d.model.joint_max[joint] = limits
+    d.drive.min[joint], d.drive.max[joint] = limits
     assert check_parameters(d) == STOPS_REVERSED
     assert d.fault.part == 1 + d.candidates + joint
-    d.model.joint_min[joint], d.model.joint_max[joint] = 0.4, 0.5
+    d.drive.min[joint], d.drive.max[joint] = 0.4, 0.5
     assert check_parameters(d) == OK

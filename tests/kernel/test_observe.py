@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.joints import spring_energy
+from chain_impact.kernel.chain.drives import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.forces.contact import latch_onset, set_kink_sides
@@ -264,7 +264,7 @@ def stopped():
     set_step(d, motion, SIZE)
     y, n = motion.at(0.0), d.links
     angle, rate = y[3] - y[2], y[n + 5] - y[n + 4]
-    d.model.joint_min[1], d.model.joint_max[1] = angle - 1.0, angle - 0.02
+    d.drive.min[1], d.drive.max[1] = angle - 1.0, angle - 0.02
     place_walls(d)
     d.candidate.offset[:low] = -1e9
     touch(d, [high])

@@ -210,7 +210,7 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
     instance = Instance(scene)
     inputs = instance.record["given"]
     for k in range(20000):
-        inputs["joint_torque"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
+        inputs["motor"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
         assert instance.advance(1e-5 * (k + 1)) == OK
     record = instance.record["balance"]
     assert abs(record["at_end"] - record["reference"]) < 5.0 * record["least_allowed"]

@@ -157,7 +157,7 @@ def test_springs_that_are_taken_away_leave_nothing_behind():
     without = with_values(with_springs, {("chain", "links", i, "joint_stiffness"): 0.0 for i in range(2)})
     used, fresh = Instance(with_springs), Instance(without)
     used.advance(0.1)
-    used.record["given"]["joint_stiffness"] = 0.0
+    used.record["given"]["drive_stiffness"] = 0.0
     used.initialize()
     for chain in (used, fresh):
         chain.advance(0.2)

@@ -171,7 +171,7 @@ def test_torques_that_switch_every_millisecond_keep_the_energy_balance(law):
     record = instance.record
     out = np.zeros(2000, record.dtype["output"])
     for k in range(2000):
-        record["given"]["joint_torque"] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
+        record["given"]["motor"][:2] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
         record["given"]["changed"] = 1
         record["contact_log"]["collected"] = record["contact_log"]["count"]
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1

@@ -144,8 +144,8 @@ def test_stops_and_materials_stand_in_the_record():
     scene = with_values(load_scene("four_link_box"), {"link[3].joint_min": -2.5, "link[3].joint_max": 2.0})
     materials = {"wall.y_max.stiffness": 1e6, "wall.x_min.restitution": 0.25}
     d = PreparedScene(scene.with_values({"link[4].joint_max": 1.5, **materials})).new_instance()[0]
-    assert d["model"]["joint_min"].tolist() == [-np.inf, -np.inf, -2.5, -np.inf]
-    assert d["model"]["joint_max"].tolist() == [np.inf, np.inf, 2.0, 1.5]
+    assert d["drive"]["min"][:-1].tolist() == [-np.inf, -np.inf, -2.5, -np.inf]
+    assert d["drive"]["max"][:-1].tolist() == [np.inf, np.inf, 2.0, 1.5]
     assert d["candidate"]["stop"].tolist() == [0] * 20 + [1, -1, -1]
     assert d["candidate"]["point"][20:].tolist() == [3, 3, 4]
     assert d["candidate"]["wall"][20:].tolist() == [4, 5, 5]

@@ -18,7 +18,6 @@ from chain_impact.kernel.record.ranges import (
     most_bound,
 )
 from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
-from chain_impact.scene.names import STOPS
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.variables.parameters import PARAMETERS
 from tests.helpers.kernel.plain import Plain
@@ -35,8 +34,7 @@ KINDS = {
 OTHER_CHECKS = {
     ("model", "gravity"),  # the state and its energy at the start are finite
     *(("initial", name) for name in ("position", "velocity", "angle", "angular_velocity")),
-    *(("model", stop) for stop in STOPS),  # one stop is below the other
-    *(("slider", stop) for stop in ("min", "max")),
+    *(("drive", stop) for stop in ("min", "max")),  # one stop is below the other
     *(("given", name) for name in ("stiffness", "restitution", "friction", "static_friction")),  # by the law
     *(("given", "stop_stiffness"), ("stops", "restitution")),
     # the knots of a signal are finite and in order

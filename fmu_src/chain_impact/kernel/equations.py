@@ -11,25 +11,19 @@ rate is without the forces of constraints:
     free_rate_from_loads        the link vectors, the inputs and the loads at all places
 """
 
-from chain_impact.kernel.chain.elimination import accelerations
-from chain_impact.kernel.chain.joints import (
+from chain_impact.kernel.chain.drives import (
+    drive_power,
     elastic_stiffness,
     first_joint,
-    is_drive,
-    joint_armature,
-    joint_torque,
     mode_margin,
     spring_energy,
     stretch,
 )
+from chain_impact.kernel.chain.elimination import accelerations
+from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.sites import carry_sites, joint_place
-from chain_impact.kernel.chain.slider import (
-    carriage_energy,
-    slider_force,
-    slider_power,
-    slider_spring_energy,
-)
+from chain_impact.kernel.chain.slider import carriage_energy
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
@@ -67,10 +61,8 @@ def other_energy(d, y):
 
 
 def stored_energy(d, y):
-    """Return the elastic energy [J] of active contacts, for located points, and of springs in no drive."""
-    energy = spring_energy(d, y) if d.model.has_joint_springs else 0.0
-    if d.slides:
-        energy += slider_spring_energy(d, y)
+    """Return the elastic energy [J] of active contacts, at located points, and of passive drives' springs."""
+    energy = spring_energy(d, y) if d.model.has_springs else 0.0
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
@@ -171,8 +163,8 @@ def free_rate_from_loads(d, y, dissipated, rate):
         damped, supplied = joint_moments(d, y)
         dissipated += damped
     if d.slides:
-        d.work.thrust = slider_force(d, y)
-        damped, of_drive = slider_power(d, y)
+        force, damped, of_drive = drive_power(d, y, n)
+        d.work.thrust = force - elastic_stiffness(d, n) * stretch(d, y, n)
         dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
@@ -200,9 +192,8 @@ def clear_stage_notes(d):
 def joint_moments(d, y):
     """Set the net joint moment on each link; return the dissipated and the supplied power [W].
 
-    The proximal joint of link i carries the torque τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i of motor, damper
-    and spring: +τ_i on link i, −τ_i on link i − 1. A free base has no joint to carry τ_1. In a drive all
-    power of τ_i is supplied.
+    The proximal joint of link i carries the torque τ_i of its drive: +τ_i on link i, −τ_i on link i − 1. A
+    free base has no joint to carry τ_1.
     """
     dissipated, supplied = 0.0, 0.0
     # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
@@ -212,21 +203,14 @@ def joint_moments(d, y):
     for i in range(d.links):
         torque = 0.0
         if i >= first_joint(d):
-            rate = relative(y, omega_at(d.links), i)
-            if is_drive(d, i):
-                torque = joint_torque(d, y, i)
-                supplied += torque * rate
-            else:
-                damping = d.inputs.joint_damping[i] * rate
-                torque = d.inputs.joint_torque[i] - damping
-                dissipated += damping * rate
-                supplied += d.inputs.joint_torque[i] * rate
+            torque, damped, of_drive = drive_power(d, y, i)
+            dissipated, supplied = dissipated + damped, supplied + of_drive
         d.work.moment[i] = torque
         if i > 0:
             d.work.moment[i - 1] -= torque
     if d.model.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
-    if d.model.has_joint_springs:
+    if d.model.has_springs:
         add_spring_moments(d, y)
     if d.model.has_joint_places:
         add_place_moments(d)
@@ -240,9 +224,8 @@ def add_place_moments(d):
 
 
 def add_spring_moments(d, y):
-    """Add the moments of springs that belong to no drive: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
+    """Add the moments of the springs of passive drives in the joints."""
     for i in range(d.links):
-        # torque of a spring with the stiffness k and the rest angle φ₀: −k (θ_i − θ_{i−1} − φ₀)
         add_joint_moment(d, i, -elastic_stiffness(d, i) * stretch(d, y, i))
 
 

@@ -3,18 +3,11 @@
 import math
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.drives import drive_count, drive_damping, drive_stiffness, first_joint
 from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_box, loose_links, middle
-from chain_impact.kernel.chain.joints import (
-    first_joint,
-    joint_armature,
-    joint_damping,
-    joint_rate_bound,
-    resists,
-    spring_stiffness,
-)
+from chain_impact.kernel.chain.joints import joint_armature, joint_rate_bound, resists
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
-from chain_impact.kernel.chain.slider import slider_damping, slider_stiffness
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base import check_base
@@ -63,6 +56,7 @@ from chain_impact.kernel.status import (
     UNKNOWN_METHOD,
     begin_windows,
     refuse_candidate,
+    refuse_drive,
     refuse_link,
     set_status,
 )
@@ -181,25 +175,20 @@ def derive_chain(d):
     model.energy_scale = total * model.size * model.size + armatures
     model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
-    model.has_stops, model.has_joint_friction, model.has_drive_limits = 0, 0, 0
-    for i in range(first_joint(d), d.links):
-        if model.joint_friction[i] > 0.0:
-            model.has_joint_friction = 1
-        if model.joint_torque_limit[i] < math.inf:
-            model.has_drive_limits = 1
+    model.has_stops = 0
     for c in range(d.candidates):
         if at_joint(d, c):
             model.has_stops = 1
+    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_stops, 0, 0
+    for i in range(first_joint(d), drive_count(d)):
+        if d.drive.friction[i] > 0.0:
+            model.has_drive_friction = 1
+            if i < d.links:
+                model.has_joint_places = 1
+        if d.drive.limit[i] < math.inf:
+            model.has_drive_limits = 1
     if d.slides:
-        derive_slider(d)
-    model.has_joint_places = max(model.has_stops, model.has_joint_friction)
-
-
-def derive_slider(d):
-    """Derive the direction of the slider's line, and whether the slider's drive has a limit."""
-    d.slider.ux, d.slider.uy = direction(d.slider.angle)
-    if d.slider.force_limit < math.inf:
-        d.model.has_drive_limits = 1
+        d.slider.ux, d.slider.uy = direction(d.slider.angle)
 
 
 def derive_sites(d):
@@ -227,14 +216,12 @@ def derive_resistance(d):
     """
     clear_saturation(d)
     model = d.model
-    model.has_joint_springs, model.has_springs_or_dampers = 0, 0
-    for i in range(d.links):
-        if resists(joint_damping(d, i)):
+    model.has_springs, model.has_springs_or_dampers = 0, 0
+    for i in range(drive_count(d)):
+        if resists(drive_damping(d, i)):
             model.has_springs_or_dampers = 1
-        if resists(spring_stiffness(d, i)):
-            model.has_joint_springs, model.has_springs_or_dampers = 1, 1
-    if d.slides and (resists(slider_damping(d)) or resists(slider_stiffness(d))):
-        model.has_springs_or_dampers = 1
+        if resists(drive_stiffness(d, i)):
+            model.has_springs, model.has_springs_or_dampers = 1, 1
     model.joint_rate_bound = joint_rate_bound(d)
 
 
@@ -246,14 +233,14 @@ def check_parameters(d):
     status = check_ranges(d)
     if status != OK:
         return status
-    if (d.slides and not d.slider.min < d.slider.max) or (d.signals > 0 and not signals_are_valid(d)):
+    if d.signals > 0 and not signals_are_valid(d):
         return PARAMETER_OUT_OF_RANGE
     first, _ = loose_links(d.model, d.slides and d.slider.mass == 0.0)
     if first >= 0:
         return refuse_link(d, first, MASS_MATRIX_SINGULAR)
-    for i in range(d.links if d.model.has_stops else 0):
-        if not d.model.joint_min[i] < d.model.joint_max[i]:
-            return refuse_link(d, i, STOPS_REVERSED)
+    for i in range(drive_count(d)):
+        if not d.drive.min[i] < d.drive.max[i]:
+            return refuse_drive(d, i, STOPS_REVERSED)
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
@@ -274,7 +261,7 @@ def check_ranges(d):
 def refuse_value(d, k, i):
     """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link as the reason."""
     if RANGE_OWNERS[k] == OF_LINKS:
-        return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
+        return refuse_drive(d, i, PARAMETER_OUT_OF_RANGE)
     if RANGE_OWNERS[k] == OF_SITES:
         return refuse_link(d, d.site.link[i], PARAMETER_OUT_OF_RANGE)
     return PARAMETER_OUT_OF_RANGE

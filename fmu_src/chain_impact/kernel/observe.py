@@ -5,6 +5,7 @@ the state and of integrals, such as impulses, stay unchanged until the next step
 """
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.drives import lever_arm
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
@@ -153,9 +154,7 @@ def fill_friction(d):
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
             k = joint_or_slider(d, e)
-            # friction on a slider is a force, so the lever arm is 1
-            arm = d.model.size if k < d.links else 1.0
-            out.joint_or_slider_friction[k] = arm * d.element.force[e]
+            out.joint_or_slider_friction[k] = lever_arm(d, k) * d.element.force[e]
             out.joint_or_slider_sticking[k] = sticks
         else:
             out.sticking[e] = sticks

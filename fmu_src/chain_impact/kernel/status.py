@@ -70,7 +70,7 @@ STATUS_TEXT = {
     "and all sticking elements together: change the initial state or solver.tolerance a little",
     STATIC_BELOW_SLIDING: "static_friction is below friction: it must be at least friction, or 0, which "
     "means equal to friction",
-    STOPS_REVERSED: "joint_min is not below joint_max",
+    STOPS_REVERSED: "joint_min is not below joint_max, or a slider.min not below its max",
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
@@ -106,6 +106,11 @@ def refuse_link(d, i, status):
     """Record that link i, counted from 0, or its joint is the reason for ``status``; return this status."""
     d.fault.part = 1 + d.candidates + i
     return status
+
+
+def refuse_drive(d, i, status):
+    """Record link i as the reason for ``status``; for i = N, the slider, no part. Return this status."""
+    return refuse_link(d, i, status) if i < d.links else status
 
 
 UNLIMITED = 1 << 62  # a number of evaluations that means: no limit

@@ -315,9 +315,11 @@ def _words_of(
     layout, words, there = layout_of(*sizes), [], []
     for kind, reader in _tables()[table]:
         given = kind.given if not kind.given_if or kind.given_if in met else None
-        count = number_of(OWNERS[kind.owner_kind].over, known)
+        owners = OWNERS[kind.owner_kind]
+        count, index = number_of(owners.over, known), owners.numbers.get("at", "order")
+        places = [{"at": number_of(index, {**known, "order": i})} for i in range(count)]
         for path in filter(None, (kind.record_path, given)):
-            words += [word_index(layout, filled(path, {"at": i})) for i in range(count)]
+            words += [word_index(layout, filled(path, place)) for place in places]
         if count:
             there.append(reader)
     return np.array(words, int), there

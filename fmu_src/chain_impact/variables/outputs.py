@@ -89,7 +89,7 @@ INPUTS = (
         part="given",
         owner_kind="joint",
         prefix="joint[{n}]",
-        rows="torque on link {n} from {before} | field=joint_torque",
+        rows="torque on link {n} from {before} | field=motor",
         names=INPUTS_OF["joint_torques"],
         when=("inputs.joint_torques",),
         causality="input",
@@ -99,8 +99,8 @@ INPUTS = (
         owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        angle that the spring of joint {n} follows            | field=joint_target_angle
-        angular velocity that the damper of joint {n} follows | field=joint_target_velocity
+        angle that the spring of joint {n} follows            | field=target
+        angular velocity that the damper of joint {n} follows | field=target_velocity
         """,
         names=INPUTS_OF["joint_targets"],
         when=("inputs.joint_targets",),
@@ -110,7 +110,7 @@ INPUTS = (
         part="given",
         owner_kind="slider",
         prefix="slider",
-        rows="force on the carriage, along the line | field=slider_force.0",
+        rows="force on the carriage, along the line | field=motor.{at}",
         names=INPUTS_OF["slider_force"],
         heading=SLIDER,
         when=("inputs.slider_force",),
@@ -121,8 +121,8 @@ INPUTS = (
         owner_kind="slider",
         prefix="slider",
         rows="""
-        position that the spring of the slider follows | field=slider_target_position.0
-        velocity that the damper of the slider follows | field=slider_target_velocity.0
+        position that the spring of the slider follows | field=target.{at}
+        velocity that the damper of the slider follows | field=target_velocity.{at}
         """,
         names=INPUTS_OF["joint_targets"],
         heading=SLIDER,

@@ -179,9 +179,9 @@ def started(scene: Scene, seed: int) -> Instance:
     instance = Instance(scene)
     if scene.inputs.any:
         given = instance.record["given"]
-        given["joint_torque"], given["tip_force"] = drive(scene, seed)
+        given["motor"][:-1], given["tip_force"] = drive(scene, seed)
         if scene.inputs.joint_targets:
-            given["joint_target_angle"], given["joint_target_velocity"] = targets(scene, seed)
+            given["target"][:-1], given["target_velocity"][:-1] = targets(scene, seed)
         given["changed"] = 1
     return instance
 

@@ -1,18 +1,18 @@
 """Springs and dampers of joints: which joints have them, stored energy, and rates of their motions."""
 
+# Tests: kernel/chain/joints.py, kernel/chain/drives.py
+
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.joints import (
-    joint_damping,
-    joint_rate_bound,
-    joint_resistance,
-    largest_joint_rate,
-    resists,
+from chain_impact.kernel.chain.drives import (
+    drive_damping,
+    drive_resistance,
+    drive_stiffness,
     spring_energy,
-    spring_stiffness,
     stretch,
 )
+from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate, resists
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.damped import prepared, random_chain
@@ -35,9 +35,9 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     own = [
         (link.joint_stiffness * one, link.joint_damping * one) for link, one in zip(links, held, strict=True)
     ]
-    assert [(spring_stiffness(d, i), joint_damping(d, i)) for i in range(d.links)] == own
+    assert [(drive_stiffness(d, i), drive_damping(d, i)) for i in range(d.links)] == own
     # in an implicit step of the length s, a spring k resists like a damper s k
-    assert [joint_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for k, c in own]
+    assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for k, c in own]
     assert [resists(k) for k, _ in own] == [one > 0.0 for one in held]
 
 
@@ -105,7 +105,7 @@ def test_the_bound_on_joint_rates_is_near_the_largest_eigenvalue(count, base):
         d = prepared(sprung, angles)
         assert 0.63 * exact <= largest_joint_rate(d, y) <= 1.0001 * exact
         assert joint_rate_bound(d) >= exact * (1.0 - 1e-12)
-        d.inputs.joint_damping[:] = damping
+        d.inputs.drive_damping[:-1] = damping
         upper = np.eye(count, 2 * count, k=count)
         companion = np.vstack([upper, np.hstack([-mobility * stiffness, -mobility * damping])])
         assert joint_rate_bound(d) >= np.abs(np.linalg.eigvals(companion)).max() * (1.0 - 1e-9)

@@ -25,7 +25,7 @@ def test_accelerations_are_lagranges(count, base):
     scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True)
     y, torques, loads = random_state(rng, d), rng.uniform(-5.0, 5.0, count), np.zeros((count + 1, 2))
     loads[count] = rng.uniform(-5.0, 5.0, 2)
-    d.inputs.joint_torque[:], d.inputs.tip_force[:] = torques, loads[count]
+    d.inputs.motor[:-1], d.inputs.tip_force[:] = torques, loads[count]
     rate, half = np.full(len(y), np.nan), count + 2
     rate_from_state(d, y, rate)
     expected = lagrange_accelerations(scene, y[2:half], y[half : 2 * half], torques, loads)

@@ -17,10 +17,10 @@ def driven(order=2):
     """Return the arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
     block = PreparedScene(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
-    given["joint_torque"] = 1.0, 4.0
+    given["motor"][:2] = 1.0, 4.0
     piece = given["piece"]
     piece["order"], piece["middle"], piece["scale"], piece["until"] = order, 1.0, 1.0, 2.0
-    piece["joint_torque"][1:3, 0] = 2.0, 3.0
+    piece["motor"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
     inputs.apply_inputs(d)
@@ -58,11 +58,11 @@ def test_a_state_sees_the_inputs_at_its_time():
     y = d.step.state.copy()
     d.step.clock, y[time_at(d.links)] = 1.25, 0.5
     inputs.ensure_inputs(d, y)
-    assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
+    assert list(d.inputs.motor[:2]) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
     d = driven(order=0)
-    d.inputs.joint_torque[0] = 77.0
+    d.inputs.motor[0] = 77.0
     inputs.ensure_inputs(d, y)
-    assert d.inputs.joint_torque[0] == 77.0
+    assert d.inputs.motor[0] == 77.0
 
 
 CART = {
@@ -97,7 +97,7 @@ def test_given_inputs_are_used_as_polynomials(order):
         np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", [*FIELDS, "joint_damping", "joint_stiffness"])
+@pytest.mark.parametrize("name", [*FIELDS, "drive_damping", "drive_stiffness"])
 def test_inputs_are_not_in_use_if_one_differs(name):
     d = cart()
     inputs.apply_inputs(d)

@@ -121,7 +121,7 @@ def test_the_available_energy_of_a_dropped_step_is_dropped():
     instance = Instance(load_scene("pinned_arm"))
     d, available = instance.record, []
     for end, torque in ((1e-4, 1e3), (2e-4, 0.0)):
-        d["given"]["joint_torque"][0], d["given"]["changed"] = torque, 1
+        d["given"]["motor"][0], d["given"]["changed"] = torque, 1
         instance.advance(end)
         available.append(float(d["balance"]["available"]))
     assert available[0] > 100.0 * available[1]
@@ -207,11 +207,11 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
     scale = (math.sqrt(2.0 * kinetic) + own.unit_motion) ** 2 + own.unit_scale + others
     known = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
-    turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.inputs.joint_target_angle
-    moments = springs * d.inputs.joint_stiffness * abs(turns)
+    turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.inputs.target[:-1]
+    moments = springs * d.inputs.drive_stiffness[:-1] * abs(turns)
     moments[0] = 0.0  # a free base has no joint
     scale += sum(moments)
-    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.inputs.joint_target_angle))
+    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.inputs.target[:-1]))
     assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
     allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * known
     assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)

@@ -145,7 +145,7 @@ def stiff_joint(damping, tolerance=1e-8):
     ∂v̇/∂v = −d M⁻¹ g gᵀ has the one eigenvalue ρ = d gᵀ M⁻¹ g, and M⁻¹ g is its vector.
     """
     scene, d = at_start(tolerance)
-    d.inputs.joint_damping[:] = 0.0, damping, 0.0
+    d.inputs.drive_damping[:-1] = 0.0, damping, 0.0
     d.model.has_springs_or_dampers, d.implicit.listing = 1, STALE
     equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
     across = np.zeros(N + 2)

@@ -147,7 +147,8 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     for row in (ONE, OTHER):
         turns = np.diff(d.work.error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
-        moments = d.inputs.joint_stiffness * abs(turns) + d.inputs.joint_damping * abs(spins)
+        stiffness, damping = d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1]
+        moments = stiffness * abs(turns) + damping * abs(spins)
         assert control.moment_error(d, row) == pytest.approx(max(moments) / unit, rel=1e-12)
 
 
@@ -155,7 +156,7 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True, model="newton_impact")
     d.solver.tolerance = TOLERANCE
-    d.inputs.joint_stiffness[:] = 1e9
+    d.inputs.drive_stiffness[:] = 1e9
     y = random_state(rng, d)
     locate_points(d, y)
     d.trial.state[:], d.work.error[:] = y, 0.0

@@ -28,9 +28,9 @@ def linearized(turn, stiffness, damping):
     d = Plain(instance.record)
     # two joints get springs, and one of them loses its damper
     if stiffness > 0.0:
-        d.inputs.joint_stiffness[1:3] = stiffness, 0.3 * stiffness
-        d.inputs.joint_damping[1] = 0.0
-        d.model.has_joint_springs = d.model.has_springs_or_dampers = 1
+        d.inputs.drive_stiffness[1:3] = stiffness, 0.3 * stiffness
+        d.inputs.drive_damping[1] = 0.0
+        d.model.has_springs = d.model.has_springs_or_dampers = 1
     assert int(d.touch.active_count) > 0
     kinematics.locate_points(d, d.step.state_end)
     extended.extend_start(d)
@@ -52,8 +52,8 @@ def jacobian(d, turn):
     rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
     forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
     forces[:, rate] = -normals.T * d.implicit.damping[:count]
-    forces[:, v] = -across.T @ np.diag(d.inputs.joint_damping) @ across
-    forces[:, : N + 2] = -across.T @ np.diag(d.inputs.joint_stiffness) @ across
+    forces[:, v] = -across.T @ np.diag(d.inputs.drive_damping[:-1]) @ across
+    forces[:, : N + 2] = -across.T @ np.diag(d.inputs.drive_stiffness[:-1]) @ across
     matrix = np.zeros((size, size))
     matrix[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
     matrix[rate] = normals @ matrix[v]
@@ -104,15 +104,15 @@ def held(base, stiffness, damping):
     """
     rng = np.random.default_rng([len(base), 1])
     scene, d = chain(rng, N, base, springs=True, dampers=True, model="newton_impact")
-    d.inputs.joint_stiffness[:], d.inputs.joint_damping[:] = (
+    d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1] = (
         stiffness * rng.uniform(0.5, 1.0, N),
         damping * rng.uniform(0.5, 1.0, N),
     )
     if base == "free":
-        d.inputs.joint_stiffness[0] = d.inputs.joint_damping[0] = 0.0
+        d.inputs.drive_stiffness[0] = d.inputs.drive_damping[0] = 0.0
     candidates = [6, 16] if base == "free" else [5, 15]
     d.step.state_end[:] = struck(rng, d, candidates, 0.0)
-    d.model.has_springs_or_dampers = d.model.has_joint_springs = 1
+    d.model.has_springs_or_dampers = d.model.has_springs = 1
     extended.extend_start(d)
     extended.extended_slopes(d, d.implicit.start)
     angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)
@@ -122,8 +122,8 @@ def held(base, stiffness, damping):
     inverse -= response @ np.linalg.solve(normals @ response, response.T)
     across, matrix = relative_motion(N), np.zeros((state.sundman_u_at(N), state.sundman_u_at(N)))
     v, q = np.arange(N + 2, 2 * N + 4)[free], np.arange(N + 2)
-    matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.inputs.joint_damping) @ across)[free, free]
-    springs = across.T @ np.diag(d.inputs.joint_stiffness) @ across
+    matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.inputs.drive_damping[:-1]) @ across)[free, free]
+    springs = across.T @ np.diag(d.inputs.drive_stiffness[:-1]) @ across
     matrix[np.ix_(v, q[free])] = -inverse @ springs[free, free]
     matrix[q, q + N + 2] = 1.0
     return d, matrix

@@ -142,7 +142,7 @@ def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
     assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
     for c in stops_of(d):
         joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
-        limit = (d.model.joint_min if side > 0 else d.model.joint_max)[joint]
+        limit = (d.drive.min if side > 0 else d.drive.max)[joint]
         assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
         assert lever(d, c) == size
         assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)

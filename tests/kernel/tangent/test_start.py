@@ -41,14 +41,15 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
 PARAMETERS = {
     "model": (
         *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
-        *("joint_friction", "joint_armature"),
+        "joint_armature",
     ),
+    "drive": ("friction", "limit"),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact": ("exponent", "radius"),
 }
-GIVEN = ("stiffness", "restitution", "friction", "static_friction", "joint_torque", "tip_force")
-GIVEN += ("joint_damping", "joint_stiffness", "joint_target_angle", "joint_target_velocity")
+GIVEN = ("stiffness", "restitution", "friction", "static_friction", "motor", "tip_force")
+GIVEN += ("drive_damping", "drive_stiffness", "target", "target_velocity")
 
 
 @pytest.fixture
@@ -98,7 +99,7 @@ def test_given_values_hold_with_their_derivatives(both):
     number = CONTACT_LAWS["ye"].number
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
     d.given.friction, d.given.static_friction = 0.25, 0.5
-    d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
+    d.given.motor[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     d.given.piece.order, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert contact_law.update_laws(d) == OK

@@ -1,12 +1,24 @@
-"""The law of a drive, in a joint or of a slider: a motor, a damper and a spring along one coordinate q.
+"""Drives: a motor, a damper and a spring along one coordinate q, the angle of a joint or the slider's place.
+
+Drive i acts in the proximal joint of link i, counted from 0. If the chain has a slider, drive N acts along
+the slider's line. It has lengths, forces and masses in place of angles, torques and moments of inertia. The
+force or torque of a drive is
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
-u is the force or the torque of the motor, c the damping and k the stiffness. With targets q_t, q̇_t a drive
-is a servo. F may have a limit. A drive with a limit has a mode, which only events change
-(events/saturation.py): 0 while |F| is below the limit, 1 or −1 while F is at the positive or the negative
-limit.
+u is the force or torque of the motor, c the damping and k the stiffness. With targets q_t, q̇_t a drive is a
+servo; otherwise q_t is the rest position of the spring, and q̇_t is 0. F may have a limit. A drive with a
+limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1
+while F is at the positive or the negative limit.
+
+The angles of links include full turns, and so do those of joints. The base of a pinned chain has the angle 0.
+A free base has no joint and no drive.
 """
+
+import math
+
+from chain_impact.kernel.chain.slider import slide_along, slider_position
+from chain_impact.kernel.chain.state import ANGLES, relative, velocity_at
 
 # the largest excess of the force F above the limit of a drive that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
@@ -15,22 +27,113 @@ DRIVE_EXCESS = 1e-12
 SPRING_ROUND_OFF = 1e-14
 
 
-def wanted_drive(motor, damping, rate, stiffness, stretch):
-    """Return the force of motor, damper and spring without a limit: F = u − c (q̇ − q̇_t) − k (q − q_t).
+def first_joint(d):
+    """Return the index of the first joint, and so of the first drive: 0, or 1 if the base is free."""
+    return 0 if d.model.has_base_joint else 1
 
-    ``rate`` is q̇ − q̇_t, the velocity minus its target, and ``stretch`` is q − q_t, the position minus its
-    target.
+
+def drive_count(d):
+    """Return the number of rows of drives: one for each link, and one for the slider, if there is one."""
+    return d.links + d.slides
+
+
+def along_drive(d, values, first, i):
+    """Return the component along the coordinate of drive i of ``values``, a state or changes of coordinates.
+
+    The values of the base begin at index ``first``: 0 for coordinates, and velocity_at(N) for their rates.
     """
-    return motor - damping * rate - stiffness * stretch
+    if d.slides and i == d.links:
+        return slide_along(d, values[first], values[first + 1])
+    return relative(values, first + ANGLES, i)
 
 
-def limited_drive(wanted, limit, mode):
-    """Return the force F of a drive: the force ``wanted`` in mode 0, ± the limit in mode ±1.
+def stretch(d, y, i):
+    """Return q − q_t [rad or m], how far drive i is from the rest or target position of its spring."""
+    if d.slides and i == d.links:
+        return slider_position(d, y) - d.inputs.target[i]
+    return relative(y, ANGLES, i) - d.inputs.target[i]
+
+
+def coordinates_of_drive(d, y, i):
+    """Return the sum [rad or m] of the sizes of the coordinates whose round-off enters q of drive i."""
+    if d.slides and i == d.links:
+        return abs(y[0]) + abs(y[1])
+    return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
+
+
+def lever_arm(d, i):
+    """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
+    return 1.0 if d.slides and i == d.links else d.model.size
+
+
+def drive_damping(d, i):
+    """Return the damping c of drive i [N·m·s/rad or N·s/m]; 0 at a limit, and without a joint."""
+    return d.inputs.drive_damping[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
+
+
+def drive_stiffness(d, i):
+    """Return the stiffness k of drive i [N·m/rad or N/m]; 0 at a limit, and without a joint."""
+    return d.inputs.drive_stiffness[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
+
+
+def drive_resistance(d, i, time):
+    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i; ``time`` is s [s]."""
+    return time * (drive_damping(d, i) + time * drive_stiffness(d, i))
+
+
+def is_active(d, i):
+    """Return whether drive i is active: a servo, or with a limit; the others are passive.
+
+    The whole work of an active drive counts as supplied energy. The spring of a passive drive stores energy,
+    the damper dissipates, and only the motor supplies.
+    """
+    return d.model.has_servos != 0 or d.drive.limit[i] < math.inf
+
+
+def elastic_stiffness(d, i):
+    """Return the stiffness k of drive i [N·m/rad or N/m] if its spring stores energy; 0 if it is active."""
+    return 0.0 if is_active(d, i) else drive_stiffness(d, i)
+
+
+def spring_energy(d, y):
+    """Return the energy [J] stored in the springs of all passive drives."""
+    energy = 0.0
+    for i in range(drive_count(d)):
+        bent = stretch(d, y, i)
+        energy += 0.5 * elastic_stiffness(d, i) * bent * bent
+    return energy
+
+
+def wanted_force(d, y, i):
+    """Return the force or torque F of drive i without its limit [N·m or N]; 0 without a joint."""
+    if i < first_joint(d):
+        return 0.0
+    inputs = d.inputs
+    rate = along_drive(d, y, velocity_at(d.links), i) - inputs.target_velocity[i]
+    return inputs.motor[i] - inputs.drive_damping[i] * rate - inputs.drive_stiffness[i] * stretch(d, y, i)
+
+
+def drive_force(d, y, i):
+    """Return the force or torque F of drive i [N·m or N]: ``wanted_force`` in mode 0, ± the limit in mode ±1.
 
     The mode stays the same until an event ends the step. So a force in mode 0 may exceed the limit within a
     step, and F is smooth in every step.
     """
-    return wanted if mode == 0 else float(mode) * limit
+    mode = d.drive.mode[i]
+    return wanted_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
+
+
+def drive_power(d, y, i):
+    """Return the force or torque [N·m or N] of drive i, the power [W] it dissipates, and that it supplies.
+
+    The force of a passive drive is returned without the force of its spring.
+    """
+    rate = along_drive(d, y, velocity_at(d.links), i)
+    if is_active(d, i):
+        force = drive_force(d, y, i)
+        return force, 0.0, force * rate
+    motor, damping = d.inputs.motor[i], d.inputs.drive_damping[i] * rate
+    return motor - damping, damping * rate, motor * rate
 
 
 def drive_mode(wanted, limit):
@@ -40,11 +143,26 @@ def drive_mode(wanted, limit):
     return 0
 
 
-def mode_excess(wanted, limit, mode, stiffness, size):
-    """Return how far a drive's force is from the end of the drive's mode, plus an allowance for round-off.
+def mode_margin(d, y):
+    """Return the least distance [N·m] of a drive with a limit > 0 from the end of its mode, plus round-off.
 
-    The result is negative where the mode has ended. ``size`` is |q| + |q_t|, the sum of the sizes of the
-    position and of its target: both have round-off.
+    The distance is negative where a mode has ended, and ∞ if there is no such drive. The forces of a slider
+    are multiplied by the longest link, to compare them with torques.
     """
-    margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
-    return margin + (DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size)
+    least = math.inf
+    for i in range(drive_count(d)):
+        mode, limit = d.drive.mode[i], d.drive.limit[i]
+        if 0.0 < limit < math.inf:
+            wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
+            margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
+            margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
+            least = min(least, margin * (d.model.size / lever_arm(d, i)))
+    return least
+
+
+def load_drive(d, load, i, force):
+    """Set the load along the coordinate of drive i to a ``force`` or a torque [N·m or N]."""
+    if d.slides and i == d.links:
+        load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy
+    else:
+        load.joint[i] = force

@@ -16,7 +16,7 @@ position, velocity and acceleration always agree. The integrals of a sine are in
 
 import math
 
-from chain_impact.kernel.chain.inputs import CHANNEL, is_joint_input, is_slider_input
+from chain_impact.kernel.chain.inputs import CHANNEL, is_of_drive
 from chain_impact.kernel.chain.sines import TAU, integral, phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
@@ -143,10 +143,7 @@ def rate_of_drives(d):
 
 def acts_in_limited_drive(d, j):
     """Return whether signal j is a motor's torque or force, or a target, of a drive with a limit."""
-    driven = d.signal.input[j]
-    if is_joint_input(driven):
-        return d.model.joint_torque_limit[d.signal.index[j]] < math.inf
-    return is_slider_input(driven) and d.slider.force_limit < math.inf
+    return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
 def sway_of_signals(d):

@@ -26,7 +26,7 @@ after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ
 without bound.
 """
 
-from chain_impact.kernel.chain.joints import mode_margin
+from chain_impact.kernel.chain.drives import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at

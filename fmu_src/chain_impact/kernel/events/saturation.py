@@ -1,8 +1,6 @@
-"""The limits of drives in joints and of a slider: their modes, which change at events (sampled.py)."""
+"""The limits of drives: their modes, which change at events (sampled.py)."""
 
-from chain_impact.kernel.chain.drives import drive_mode
-from chain_impact.kernel.chain.joints import wanted_torque
-from chain_impact.kernel.chain.slider import wanted_force
+from chain_impact.kernel.chain.drives import drive_count, drive_mode, wanted_force
 from chain_impact.kernel.events.marks import mark_saturation
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.functions import has_dual_rule
@@ -13,9 +11,8 @@ def clear_saturation(d):
 
     The modes in ``chosen``, which a tangent instance takes from the primal run, stay.
     """
-    for i in range(d.links):
+    for i in range(drive_count(d)):
         d.drive.mode[i] = 0
-    d.slider.mode = 0
     mark_saturation(d, 0)
 
 
@@ -25,9 +22,6 @@ def choose_saturation(d):
     if not d.model.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)
-    for i in range(d.links):
-        torque = wanted_torque(d, d.step.state_end, i)
-        d.drive.mode[i] = drive_mode(torque, d.model.joint_torque_limit[i])
-    if d.slides:
-        d.slider.mode = drive_mode(wanted_force(d, d.step.state_end), d.slider.force_limit)
+    for i in range(drive_count(d)):
+        d.drive.mode[i] = drive_mode(wanted_force(d, d.step.state_end, i), d.drive.limit[i])
     mark_saturation(d, 0)

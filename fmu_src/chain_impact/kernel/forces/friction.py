@@ -22,7 +22,7 @@ modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody 
 Contacts.
 """
 
-from chain_impact.kernel.chain.joints import first_joint
+from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_arm
 from chain_impact.kernel.rows.geometry import (
     add_along,
     farthest,
@@ -54,9 +54,7 @@ def joint_number(d, e):
 
 def set_friction_used(d):
     """Record whether any wall, joint or slider has dry friction, in a record with room for friction."""
-    rubs = max(d.contact.any_friction, d.model.has_joint_friction)
-    if d.slides and d.slider.friction > 0.0:
-        rubs = 1
+    rubs = max(d.contact.any_friction, d.model.has_drive_friction)
     d.friction.used = rubs if d.elements > 0 else 0
 
 
@@ -93,17 +91,12 @@ def list_friction(d):
             d.element.index[friction.count] = d.touch.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
-    for i in range(first_joint(d), d.links if d.model.has_joint_friction else 0):
-        if d.model.joint_friction[i] > 0.0:
+    for i in range(first_joint(d), drive_count(d) if d.model.has_drive_friction else 0):
+        if d.drive.friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e
-            d.element.limit[e] = d.model.joint_friction[i] / d.model.size
+            d.element.limit[e] = d.drive.friction[i] / lever_arm(d, i)
             friction.count += 1
-    if d.slides and d.slider.friction > 0.0:
-        e = d.candidates + d.links
-        d.element.index[friction.count] = e
-        d.element.limit[e] = d.slider.friction
-        friction.count += 1
     list_sticking(d)
 
 

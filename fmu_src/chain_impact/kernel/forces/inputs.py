@@ -51,9 +51,9 @@ def apply_inputs(d):
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
     used.middle, used.scale = piece.middle, piece.scale
-    for i in range(d.links):
-        d.inputs.joint_damping[i] = given.joint_damping[i]
-        d.inputs.joint_stiffness[i] = given.joint_stiffness[i]
+    for i in range(len(given.drive_damping)):
+        d.inputs.drive_damping[i] = given.drive_damping[i]
+        d.inputs.drive_stiffness[i] = given.drive_stiffness[i]
     for k in range(CHANNEL):
         values, powers = input_field(d.inputs, k), input_field(used, k)
         given_values, given_powers = input_field(given, k), input_field(piece, k)
@@ -81,10 +81,10 @@ def inputs_in_use(d):
     for j in range(d.channels):
         if d.motion.piece[0, j] != d.moved.piece[0, j]:
             return False
-    for i in range(d.links):
+    for i in range(len(given.drive_damping)):
         if (
-            given.joint_damping[i] != inputs.joint_damping[i]
-            or given.joint_stiffness[i] != inputs.joint_stiffness[i]
+            given.drive_damping[i] != inputs.drive_damping[i]
+            or given.drive_stiffness[i] != inputs.drive_stiffness[i]
         ):
             return False
     for k in range(CHANNEL):

@@ -32,7 +32,8 @@ tolerance.
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_armature, spring_stiffness, stretch
+from chain_impact.kernel.chain.drives import drive_stiffness, stretch
+from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
@@ -293,11 +294,11 @@ def scales(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
-    if d.model.has_joint_springs:
+    if d.model.has_springs:
         for i in range(d.links):
-            moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
+            moment = drive_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
-            summed += moment * (abs(y[ANGLES + i]) + abs(d.inputs.joint_target_angle[i]))
+            summed += moment * (abs(y[ANGLES + i]) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)

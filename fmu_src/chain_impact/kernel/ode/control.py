@@ -15,7 +15,7 @@ tolerance refers.
 
 import math
 
-from chain_impact.kernel.chain.joints import joint_damping, spring_stiffness
+from chain_impact.kernel.chain.drives import drive_damping, drive_stiffness
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
     ANGLES,
@@ -304,8 +304,8 @@ def moment_error(d, row):
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0
     for i in range(d.links):
-        moment = spring_stiffness(d, i) * abs(error[ANGLES + i] - turn)
-        moment += joint_damping(d, i) * abs(error[first + i] - spin)
+        moment = drive_stiffness(d, i) * abs(error[ANGLES + i] - turn)
+        moment += drive_damping(d, i) * abs(error[first + i] - spin)
         worst = max(worst, moment)
         turn, spin = error[ANGLES + i], error[first + i]
     return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.size))

@@ -39,15 +39,17 @@ between both would act as an impact on a stiff wall. The difference before the p
 of the step.
 """
 
-from chain_impact.kernel.chain.joints import joint_resistance, spring_stiffness
+from chain_impact.kernel.chain.drives import (
+    along_drive,
+    drive_count,
+    drive_resistance,
+    drive_stiffness,
+    load_drive,
+)
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
 from chain_impact.kernel.chain.response import SHIFTED, factorize, no_impedance
-from chain_impact.kernel.chain.slider import slide_along, slider_resistance, slider_stiffness
 from chain_impact.kernel.chain.state import (
-    ANGLES,
     coordinate_count,
-    omega_at,
-    relative,
     sundman_u_at,
     supplied_at,
     velocity_at,
@@ -192,17 +194,11 @@ def solve_shift(d, s, space, row, x):
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.has_springs_or_dampers:
-        for i in range(n):
-            # angular impulse of damper and spring of joint i: its part of K r_v + s S r_q
-            turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
-            moment = joint_resistance(d, i, s) * turning + s * spring_stiffness(d, i) * turned
-            space.load.joint[i] = moment
-    if d.slides:
-        # impulse of the slider's damper and spring along its direction u, with the resistance κ and the
-        # stiffness k: κ u·r_v + s k u·r_q
-        sliding, slid = slide_along(d, x[velocity_at(n)], x[velocity_at(n) + 1]), slide_along(d, x[0], x[1])
-        force = slider_resistance(d, s) * sliding + s * slider_stiffness(d) * slid
-        add_along((0, d.slider.ux, d.slider.uy), space.load, force)
+        for i in range(drive_count(d)):
+            # impulse of damper and spring of drive i: its part of K r_v + s S r_q
+            rate, change_of_place = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
+            impulse = drive_resistance(d, i, s) * rate + s * drive_stiffness(d, i) * change_of_place
+            load_drive(d, space.load, i, impulse)
     for k in range(compliant(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]

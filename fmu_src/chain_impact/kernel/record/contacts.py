@@ -126,21 +126,6 @@ def touch_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
-def drive_dtype(links: int) -> np.dtype:
-    """Return the layout of the modes of drives with limits in joints; `slider` has the slider's mode.
-
-    kernel/chain/drives.py describes the modes.
-    """
-    return record(
-        ("mode", INTEGER, (links,)),  # ±1: the torque is ± the limit; 0: the torque is below the limit
-        ("chosen", INTEGER, (links,)),  # in a tangent instance: the mode that the primal instance has chosen
-        ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
-        # N·m, the least result of `mode_margin` in the tried step; 0 if no mode has ended
-        ("margin", REAL),
-    )
-
-
 @written_by("forces/contact.py")
 def impact_dtype() -> np.dtype:
     """Return the layout of the counts of impacts and of the data of the latest onset."""

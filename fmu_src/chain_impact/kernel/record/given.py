@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import EACH_JOINT, FIELDS, is_target
+from chain_impact.kernel.chain.inputs import EACH_DRIVE, FIELDS, is_target
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.fields import (
@@ -38,13 +38,8 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
         # m, distance of the centre of mass to the left of the link's line
         ("center_of_mass_offset", FINITE, (links,)),
-        ("joint_friction", NOT_NEGATIVE, (links,)),  # N·m, dry friction at the proximal joint
         # kg·m², inertia of the drive's rotor, which acts on the relative rotation in the joint
         ("joint_armature", NOT_NEGATIVE, (links,)),
-        # N·m, limit of motor, spring and damper together; ∞: no limit
-        ("joint_torque_limit", LIMIT, (links,)),
-        ("joint_min", REAL, (links,)),  # rad, lower stop of the joint's own angle; −∞: no stop
-        ("joint_max", REAL, (links,)),  # rad, upper stop of the joint's own angle; ∞: no stop
         ("wall", FINITE, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
@@ -55,14 +50,14 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         # ---- derived at initialization
         ("center_of_mass", FINITE, (links,)),  # m from the proximal joint
         ("inertia", NOT_NEGATIVE, (links,)),  # kg·m² about the centre of mass
-        ("has_joint_springs", INTEGER),  # 1: some joint has a spring
-        ("has_springs_or_dampers", INTEGER),  # 1: some joint, or the slider, has damping or a spring
+        ("has_springs", INTEGER),  # 1: some drive has a spring
+        ("has_springs_or_dampers", INTEGER),  # 1: some drive has damping or a spring
         ("has_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
-        ("has_joint_friction", INTEGER),  # 1: some joint has dry friction
+        ("has_drive_friction", INTEGER),  # 1: some joint, or the slider, has dry friction
         ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
         ("has_armatures", INTEGER),  # 1: some joint has an armature
-        ("has_drive_limits", INTEGER),  # 1: the torque of a joint, or the force of the slider, has a limit
-        # 1/s, upper bound on the rates of the motions that dampers and springs of joints and slider cause
+        ("has_drive_limits", INTEGER),  # 1: some drive has a limit
+        # 1/s, upper bound on the rates of the motions that dampers and springs cause
         ("joint_rate_bound", REAL),
         # distance of the centre of mass from the proximal joint, divided by the length
         ("center_of_mass_ratio", REAL, (links,)),
@@ -116,23 +111,37 @@ def stops_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("initialize.py", mode="events/saturation.py")
+@written_by("initialize.py")
 def slider_dtype() -> np.dtype:
     """Return the layout of the slider: the line of the base and the carriage, see kernel/chain/slider.py."""
     return record(
         ("angle", FINITE),  # rad, direction of the line from +x
         ("mass", NOT_NEGATIVE),  # kg, mass of the carriage
-        ("damping", NOT_NEGATIVE),  # N·s/m
-        ("stiffness", NOT_NEGATIVE),  # N/m
-        ("friction", NOT_NEGATIVE),  # N, dry friction
-        ("min", REAL),  # m, lower stop; −∞: no stop
-        ("max", REAL),  # m, upper stop; ∞: no stop
-        ("force_limit", LIMIT),  # N, limit of motor, spring and damper together; ∞: no limit
         # ---- derived at initialization
         ("ux", REAL),  # x of u, the unit vector along the line
         ("uy", REAL),
-        ("mode", INTEGER),  # mode of the slider's drive, as `drive.mode`
-        ("chosen", INTEGER),  # in a tangent instance: the mode of the slider's drive in the primal run
+    )
+
+
+@settable(AT_START)
+@written_by("events/saturation.py", event="events/marks.py", margin="equations.py")
+def drive_dtype(links: int) -> np.dtype:
+    """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
+
+    The row of a slider has N and m in place of N·m and rad.
+    """
+    rows = (links + 1,)
+    return record(
+        ("friction", NOT_NEGATIVE, rows),  # N·m, dry friction
+        ("limit", LIMIT, rows),  # N·m, limit of motor, spring and damper together; ∞: no limit
+        ("min", REAL, rows),  # rad, lower stop of the joint's own angle; −∞: no stop
+        ("max", REAL, rows),  # rad, upper stop of the joint's own angle; ∞: no stop
+        # ---- set during the run
+        ("mode", INTEGER, rows),  # ±1: the torque is ± the limit; 0: the torque is below the limit
+        ("chosen", INTEGER, rows),  # in a tangent instance: the mode that the primal instance has chosen
+        ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
+        # N·m, the least result of `mode_margin` in the tried step; 0 if no mode has ended
+        ("margin", REAL),
     )
 
 
@@ -167,7 +176,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
     ``target`` is the type of the targets of springs.
     """
     return [
-        (name, target if is_target(k) else REAL, (*rows, links if size == EACH_JOINT else size))
+        (name, target if is_target(k) else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
         for k, (name, size) in enumerate(FIELDS.items())
     ]
 
@@ -206,8 +215,8 @@ def given_dtype(links: int) -> np.dtype:
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
-        ("joint_damping", NOT_NEGATIVE, (links,)),  # N·m·s/rad, as in `inputs`
-        ("joint_stiffness", NOT_NEGATIVE, (links,)),
+        ("drive_damping", NOT_NEGATIVE, (links + 1,)),  # N·m·s/rad or N·s/m
+        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),  # N·m/rad or N/m
         *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
     )
@@ -215,10 +224,10 @@ def given_dtype(links: int) -> np.dtype:
 
 @written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """Return the layout of the inputs in use, and of joint values that can be set at any time, in use."""
+    """Return the layout of the inputs in use, and of values of drives that can be set at any time, in use."""
     return record(
-        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
-        ("joint_stiffness", REAL, (links,)),  # N·m/rad at the proximal joint
+        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad or N·s/m
+        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad or N/m
         *input_fields(links),
         ("piece", piece_dtype(links)),
     )

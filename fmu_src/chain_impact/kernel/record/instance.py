@@ -21,7 +21,6 @@ from chain_impact.kernel.record.contacts import (
     changes_dtype,
     constraints_dtype,
     contact_log_dtype,
-    drive_dtype,
     element_dtype,
     friction_dtype,
     impact_dtype,
@@ -36,6 +35,7 @@ from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.given import (
     contact_dtype,
+    drive_dtype,
     given_dtype,
     initial_dtype,
     inputs_dtype,
@@ -188,6 +188,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("contact", contact_dtype()),
         ("stops", stops_dtype()),
         ("slider", slider_dtype()),
+        ("drive", drive_dtype(links)),
         ("initial", initial_dtype(links)),
         ("solver", solver_dtype()),
         ("given", given_dtype(links)),
@@ -202,7 +203,6 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
         ("work", work_dtype(links, sites)),
-        ("drive", drive_dtype(links)),
         ("friction", friction_dtype(elements)),
         ("touch", touch_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),

@@ -167,7 +167,7 @@ def elimination_dtype(links: int) -> np.dtype:
     y="events/crossing.py",
     rate_start="advance.py",
     error="ode/collocation.py",
-    load=("forces/contact.py", "chain/joints.py", "rows/compliance.py"),
+    load=("forces/contact.py", "rows/compliance.py"),
     motion="rows/compliance.py",
     impedance="chain/joints.py",
     factors="chain/response.py",

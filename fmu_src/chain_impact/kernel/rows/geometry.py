@@ -22,12 +22,12 @@ speeds, forces and masses of stops have the same units and scales as at walls, a
 F.
 """
 
-from chain_impact.kernel.chain.joints import joint_armature, joint_resistance
+from chain_impact.kernel.chain.drives import coordinates_of_drive, drive_resistance, lever_arm
+from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
-from chain_impact.kernel.chain.slider import slide_along, slider_resistance
-from chain_impact.kernel.chain.state import ANGLES
+from chain_impact.kernel.chain.slider import slide_along
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
@@ -53,10 +53,8 @@ def place_walls(d):
         if point > d.links:
             s = site_of_point(d, point)
             d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
-        if at_joint(d, c):
-            place_joint_stop(d, c)
-        elif at_stop(d, c):
-            place_slider_stop(d, c)
+        if at_stop(d, c):
+            place_stop(d, c)
         elif wall < len(WALLS):
             place_box_wall(d, c, wall)
         else:
@@ -84,22 +82,19 @@ def place_sloped_wall(d, c, w):
     candidate.offset[c] = candidate.normal_x[c] * walls.x[w] + candidate.normal_y[c] * walls.y[w]
 
 
-def place_joint_stop(d, c):
-    """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
-    candidate, joint = d.candidate, d.candidate.point[c]
-    candidate.place[c] = joint_place(d, joint - 1)
-    candidate.normal_x[c], candidate.normal_y[c] = side(d, c), 0.0
-    limit = d.model.joint_min[joint - 1] if candidate.stop[c] == JOINT_MIN else d.model.joint_max[joint - 1]
-    candidate.offset[c], candidate.radius[c] = candidate.normal_x[c] * d.model.size * limit, 0.0
+def place_stop(d, c):
+    """Set the row, the offset and the radius of candidate c, a stop of a joint or of the slider.
 
-
-def place_slider_stop(d, c):
-    """Set the normal and the offset of candidate c, an end of the slider's line, which the base touches."""
-    candidate, slider, origin = d.candidate, d.slider, d.initial.position
-    sign, limit = side(d, c), slider.min if candidate.stop[c] == SLIDER_MIN else slider.max
-    candidate.normal_x[c], candidate.normal_y[c] = sign * slider.ux, sign * slider.uy
-    candidate.radius[c] = 0.0
-    candidate.offset[c] = sign * (slide_along(d, origin[0], origin[1]) + limit)
+    The base touches the slider's stops. A joint's stop is at the place of the joint.
+    """
+    candidate, sign, i = d.candidate, side(d, c), d.candidate.point[c] - 1 if at_joint(d, c) else d.links
+    candidate.place[c], x, y = row_of_drive(d, i)
+    # a sum with 0.0 is never −0.0, which outputs would show
+    candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
+    limit = lever_arm(d, i) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
+    if not at_joint(d, c):
+        limit += slide_along(d, d.initial.position[0], d.initial.position[1])
+    candidate.offset[c], candidate.radius[c] = sign * limit, 0.0
 
 
 def at_wall(d, c):
@@ -165,15 +160,22 @@ def normal(d, c):
 def tangent(d, e):
     """Return the row of element e in the direction t, along which dry friction acts.
 
-    At a wall t = (n_y, −n_x). An element after the candidates is a joint: friction acts on the joint's angle,
-    the x of its place. A force F at this place is a moment s F, with the lever arm s of a stop. In a chain
-    with a slider the last element is the slider, and t is the slider's line.
+    At a wall t = (n_y, −n_x). The elements after the candidates are the joints and the slider.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
-    if d.slides and e == d.candidates + d.links:
+    return row_of_drive(d, e - d.candidates)
+
+
+def row_of_drive(d, i):
+    """Return the row along the coordinate of drive i: the base along the slider's line, or a joint's place.
+
+    The x of this place is the joint's angle times the longest link s. A force F at this place is a moment
+    s F.
+    """
+    if d.slides and i == d.links:
         return 0, d.slider.ux, d.slider.uy
-    return joint_place(d, e - d.candidates), 1.0, 0.0
+    return joint_place(d, i), 1.0, 0.0
 
 
 def constraint_rows(d):
@@ -277,11 +279,11 @@ def join(d, impedance, time):
     if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
         square = d.model.size * d.model.size
         for i in range(d.links):
-            impedance.joint[i] = joint_armature(d, i) + joint_resistance(d, i, time)
+            impedance.joint[i] = joint_armature(d, i) + drive_resistance(d, i, time)
             if d.model.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
     if d.slides:
-        add_impedance((0, d.slider.ux, d.slider.uy), impedance, slider_resistance(d, time))
+        add_impedance(row_of_drive(d, d.links), impedance, drive_resistance(d, d.links, time))
 
 
 def clear_loads_of(d, load):
@@ -331,8 +333,7 @@ def coordinates_size(d, c, y):
     """Return the sum [m] of the sizes of the coordinates whose round-off enters g of candidate c."""
     point = d.candidate.point[c]
     if at_joint(d, c):
-        before = abs(y[ANGLES + point - 2]) if point > 1 else 0.0
-        return d.model.size * (abs(y[ANGLES + point - 1]) + before)
+        return d.model.size * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.work.position.x[place]) + abs(d.work.position.y[place])
 

@@ -7,7 +7,7 @@ differences along the motion.
 
 import math
 
-from chain_impact.kernel.chain.joints import mode_margin
+from chain_impact.kernel.chain.drives import mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import segment_end
 from chain_impact.kernel.equations import rate_from_points

@@ -15,7 +15,7 @@ derivatives of the speed to zero at once, and ``trust.share`` is the sum of thes
 
 import math
 
-from chain_impact.kernel.chain.joints import first_joint
+from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import rate_from_points
@@ -315,11 +315,9 @@ def check_coefficients(t):
     for c in range(t.candidates):
         if t.touch.active[c] and cannot_be_less(t.law.static_friction[c]):
             end_at(t, NO_LESS, c)
-    for i in range(first_joint(t), t.links):
-        if cannot_be_less(t.model.joint_friction[i]):
+    for i in range(first_joint(t), drive_count(t)):
+        if cannot_be_less(t.drive.friction[i]):
             end_at(t, NO_LESS, t.candidates + i)
-    if t.slides and cannot_be_less(t.slider.friction):
-        end_at(t, NO_LESS, t.candidates + t.links)
 
 
 def is_open(t, e):

@@ -27,6 +27,7 @@ Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Ap
 import math
 
 from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
+from chain_impact.kernel.chain.drives import drive_count
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
 from chain_impact.kernel.chain.state import dissipated_at, velocity_at
@@ -148,9 +149,8 @@ def copy_modes(d, t):
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
     if d.model.has_drive_limits:
-        for i in range(d.links):
+        for i in range(drive_count(d)):
             t.drive.chosen[i] = d.drive.mode[i]
-        t.slider.chosen = d.slider.mode
 
 
 # The largest last correction with which the iteration ends, relative to the derivatives times the tolerance.

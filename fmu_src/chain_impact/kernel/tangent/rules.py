@@ -4,7 +4,7 @@ Each function has the name of the function that it replaces, and is called inste
 derivatives. The returned value is the same up to round-off.
 """
 
-from chain_impact.kernel.chain import joints, kinematics
+from chain_impact.kernel.chain import drives, joints, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import contact_force, holding, user_law
@@ -96,9 +96,8 @@ def resists(constant):
 
 def choose_saturation(t):
     """Take the modes of drives from the primal instance, in place of a choice."""
-    for i in range(t.links):
+    for i in range(drives.drive_count(t)):
         t.drive.mode[i] = t.drive.chosen[i]
-    t.slider.mode = t.slider.chosen
 
 
 def shift_start(t, delay):
