@@ -18,11 +18,11 @@ from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headli
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.simulate import simulate
+from chain_impact.studies.law_change import EXACT_LAW
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)
-EXACT_LAW = "zhang_sharf"
 NAMED = {
     "hunt_crossley": "much used",
     "lankarani_nikravesh": "much used",

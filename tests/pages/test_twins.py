@@ -165,7 +165,7 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
         assert found["rail"]["stops"].keys() == stops.keys()
         for name, stop in stops.items():
             close(found["rail"]["stops"][name]["offset"], stop["offset"], size=10.0)
-    ranges = ranges_of(scene)
+    ranges = ranges_of(scene.values)
     assert [limits["joint"] for limits in found["ranges"]] == list(ranges)
     for limits in found["ranges"]:
         close(limits["arc"], ranges[limits["joint"]].arc)

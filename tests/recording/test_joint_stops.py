@@ -20,7 +20,6 @@ from chain_impact.recording.joint_stops import (
     ARC,
     JointRange,
     range_lines,
-    ranges_from,
     ranges_of,
     touching_place,
 )
@@ -36,10 +35,10 @@ def swung(up=False):
 def test_ranges_are_those_of_the_scene():
     scene = knee(**{"link[1].joint_max": 3.0})
     expected = {1: JointRange(-math.inf, 3.0, 0.5), 2: JointRange(0.0, 2.0, 0.5)}
-    assert ranges_of(scene) == expected
+    assert ranges_of(scene.values) == expected
     values = {f"link[{i}].length": 0.5 for i in (1, 2)} | {"link[1].joint_max": 3.0}
-    assert ranges_from(values | {"link[2].joint_min": 0.0, "link[2].joint_max": 2.0}) == expected
-    assert ranges_from({"link[1].length": 1.0, "contact.radius": 0.0}) == {}
+    assert ranges_of(values | {"link[2].joint_min": 0.0, "link[2].joint_max": 2.0}) == expected
+    assert ranges_of({"link[1].length": 1.0, "contact.radius": 0.0}) == {}
 
 
 def test_an_arc_goes_from_stop_to_stop_or_a_right_angle_from_the_only_one():

@@ -18,7 +18,7 @@ from chain_impact.fmu.inputs import driven_rows
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import impacts_shown
-from chain_impact.recording.joint_stops import ranges_from
+from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
@@ -134,7 +134,7 @@ def _settings(
 
 def _recording(description: Any, facts: Facts, values: Mapping[str, float], rows: np.ndarray) -> Recording:
     """Return the recording of a run, from the values of the parameters and the rows of outputs over time."""
-    walls, stops = _walls(values), ranges_from(values)
+    walls, stops = _walls(values), ranges_of(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = (*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends)
     parameters = {name: _named(variable, values[name]) for name, variable in _parameters(description).items()}

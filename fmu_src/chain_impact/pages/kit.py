@@ -75,13 +75,14 @@ def kit(scene: Scene) -> dict[str, Any]:
         "record": {name: [written.number, written.over] for name, written in RECORD.items()},
         "lawFile": scene.contact.law_file,
         "laws": scene.law_names,
-        "parameters": [_group(block, partial(_parameter, choices)) for block in PARAMETERS],
-        "inputs": [_group(block, lambda kind: _parameter(choices, kind) | _driven(kind)) for block in inputs],
-        "still": [_group(block, _driven) for block in INPUTS if block not in inputs],
+        "parameters": [_group(block, partial(_setting_row, choices)) for block in PARAMETERS],
+        "inputs": [_group(block, partial(_input_row, choices)) for block in inputs],
+        "motions": [_group(block, _driven_row) for block in INPUTS if block not in inputs],
         "times": [
-            _parameter(choices, kind) | {"high": LONGEST, "word": None, "given": None} for kind in EXPERIMENT
+            _setting_row(choices, kind) | {"high": LONGEST, "word": None, "given": None}
+            for kind in EXPERIMENT
         ],
-        "outputs": [_group(block, _output) for block in OUTPUTS],
+        "outputs": [_group(block, _output_row) for block in OUTPUTS],
         "tables": tables_of(scene),
         "driven": [word_terms(("output", "signal", AT, order)) for order in range(3)],
         "fields": {name: {"word": word_terms(path), "real": _is_real(path)} for name, path in PATHS.items()},
@@ -150,19 +151,23 @@ def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any
     return {"ownerKind": block.owner_kind, "rows": [row(kind) for kind in block.kinds]}
 
 
-def _named(kind: Kind) -> dict[str, Any]:
+def _name_and_condition(kind: Kind) -> dict[str, Any]:
     """Return the name of a variable, and the conditions under which it exists."""
     return {"name": kind.name, "when": kind.when}
 
 
-def _driven(kind: Kind) -> dict[str, Any]:
+def _driven_row(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
     drives = {"family": family(kind.name), "alone": driven_alone(kind.name)}
-    return _named(kind) | drives | {"unit": kind.unit, "acts": acting(kind.record_path)}
+    return _name_and_condition(kind) | drives | {"unit": kind.unit, "acts": acting(kind.record_path)}
 
 
-def _output(kind: Kind) -> dict[str, Any]:
-    return _named(kind) | {
+def _input_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
+    return _setting_row(choices, kind) | _driven_row(kind)
+
+
+def _output_row(kind: Kind) -> dict[str, Any]:
+    return _name_and_condition(kind) | {
         "unit": kind.unit,
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
@@ -170,13 +175,13 @@ def _output(kind: Kind) -> dict[str, Any]:
     }
 
 
-def _parameter(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
+def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
     """Return the data of a parameter or an input: its words, its range and its meaning."""
     items, rule = choices.get(kind.choices, ()), kind.derived
     variable = Variable.of(kind, Owner(), IN_TEMPLATES, items=tuple(items))
     _, _, _, _, low, high, _, _ = variable_row(variable, 0, 0)
     table = kind.name.rpartition(".")[0]
-    return _named(kind) | {
+    return _name_and_condition(kind) | {
         "unit": kind.unit,
         "path": kind.path or (),
         "type": variable.type,

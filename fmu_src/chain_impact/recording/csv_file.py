@@ -48,16 +48,15 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
             f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
         )
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
-    stops = ranges_of(scene) if scene else {}
-    body_values = {name: value for name, value in scene.values.items() if is_of_body(name)} if scene else {}
+    values = scene.values if scene else {}
     bare = StoredRecording(
         path.stem,
         time,
         columns,
         walls=walls,
         wall_names=names,
-        parameters=body_values,
-        stops=stops,
+        parameters={name: value for name, value in values.items() if is_of_body(name)},
+        stops=ranges_of(values),
         point_names=scene.point_names if scene else {},
     )
     for touch in bare.touches:

@@ -85,6 +85,13 @@ def _numbers(table: np.ndarray) -> np.ndarray:
     return np.ndarray((len(table), table.itemsize // 8), np.float64, table)
 
 
+def common_count(first: np.ndarray, second: np.ndarray) -> int:
+    """Return how many impacts two tables have in common: from the first on, with equal points and walls."""
+    pairs = [[(row["point"], row["wall"]) for row in table] for table in (first, second)]
+    different = (k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other)
+    return next(different, min(map(len, pairs)))
+
+
 def lasts(impacts: np.ndarray | np.void) -> Any:
     """Return for each contact whether it lasts to the end of the simulation.
 

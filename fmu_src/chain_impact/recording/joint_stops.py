@@ -40,16 +40,8 @@ class JointRange:
         return low, min(high, low + math.tau)
 
 
-def ranges_of(scene: Scene) -> dict[int, JointRange]:
-    """Return joint → its range, for the joints of a scene that have stops."""
-    links = scene.chain.links
-    return {
-        joint: JointRange(*ends, links[joint - 1].length) for joint, ends in scene.chain.joint_ranges.items()
-    }
-
-
-def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
-    """Return joint → its range, for the joints that have stops, from the values of an FMU's parameters."""
+def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
+    """Return joint → its range, for the joints that have stops, from values of a scene or an FMU."""
     ranges = {}
     for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)

@@ -27,9 +27,11 @@ from chain_impact.scene.names import SLIDER_STOPS
 from chain_impact.scene.reading import names_matching
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
+from chain_impact.variables.outputs import OUTPUTS
 
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
-_NAME = re.compile(r"(point|link|contact|joint|slider|energy)(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
+_OWNERS = sorted({re.split(r"[.[]", kind.name)[0] for block in OUTPUTS for kind in block.kinds})
+_NAME = re.compile(rf"({'|'.join(_OWNERS)})(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
 """The parts of an output's name in the FMU: owner; number; wall, or ``force`` in a joint; and quantity."""
 
 
@@ -90,7 +92,7 @@ class Recording:
                 quantities.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
         return quantities
 
-    def _of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
+    def _columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }
@@ -101,7 +103,7 @@ class Recording:
 
         If no name has such a number, all points count as ends of links, and N is one less than their number.
         """
-        numbers = [n for owner in ("link", "joint") for n, _ in self._of(owner)]
+        numbers = [n for owner in ("link", "joint") for n, _ in self._columns_of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
 
     @property
@@ -117,7 +119,7 @@ class Recording:
     @cached_property
     def all_points(self) -> np.ndarray:
         """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
-        points = self._of("point")
+        points = self._columns_of("point")
         complete = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in complete]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
@@ -155,7 +157,7 @@ class Recording:
 
         If no column belongs to a joint, a base that does not move counts as pinned.
         """
-        joints, bases = self._of("joint"), self.points[:, :1]
+        joints, bases = self._columns_of("joint"), self.points[:, :1]
         if self.rail is not None:
             return False
         return (1, "") in joints if joints else len(bases) > 1 and bool((bases == bases[0]).all())
@@ -189,16 +191,15 @@ class Recording:
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
         """The known energies: kinetic, potential, … → shape (T,) [J]."""
-        return self._of("energy").get((0, ""), {})
+        return self._columns_of("energy").get((0, ""), {})
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
         """The force on the link at each joint, shape (T, 2) [N]; empty if the forces are not known."""
-        forces = {joint: parts for (joint, kind), parts in self._of("joint").items() if kind == "force"}
         return {
             joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
-            for joint, parts in forces.items()
-            if parts.keys() >= {"x", "y"}
+            for (joint, kind), parts in self._columns_of("joint").items()
+            if kind == "force" and parts.keys() >= {"x", "y"}
         }
 
     @cached_property
@@ -214,16 +215,16 @@ class Recording:
                 *at,
                 *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
             )
-            for at, values in self._of("contact").items()
+            for at, values in self._columns_of("contact").items()
             if "force" in values
         ]
-        for (joint, _), values in self._of("joint").items():
+        for (joint, _), values in self._columns_of("joint").items():
             if "stop_moment" in values:
                 touches += Touch.of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
                 touches.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
-        slider = self._of("slider").get((0, ""), {})
+        slider = self._columns_of("slider").get((0, ""), {})
         if "sticking" in slider:
             force = slider.get("friction_force")
             touches.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))

@@ -172,7 +172,7 @@ class Result(Pictured):
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
         """The joints with stops, and their ranges."""
-        return ranges_of(self.scene)
+        return ranges_of(self.parameters)
 
     @property
     def impact_count(self) -> int:

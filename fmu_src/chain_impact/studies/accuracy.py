@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from chain_impact.recording.impacts import common_count
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
@@ -46,9 +47,7 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
-    pairs = [[(row["point"], row["wall"]) for row in side.impacts] for side in (run, tighter)]
-    same = next((k for k, (first, second) in enumerate(zip(*pairs, strict=False)) if first != second), None)
-    same = min(map(len, pairs)) if same is None else same
+    same = common_count(run.impacts, tighter.impacts)
     onsets = [side.impacts["onset"] for side in (run, tighter)]
     later = [float(times[same]) for times in onsets if len(times) > same]
     parted = bool(later) and min(later) <= end

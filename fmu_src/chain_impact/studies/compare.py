@@ -16,6 +16,7 @@ from chain_impact.extras import require
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.course import course_of
+from chain_impact.recording.impacts import common_count
 from chain_impact.recording.text import as_html, as_text
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
@@ -275,13 +276,11 @@ def _against(expected: Result, run: LawRun) -> LawRun:
     """Return the run with number and time of the first impact that differs from the reference, if any."""
     if run.result is None:
         return run
-    rows = run.result.impacts, expected.impacts
-    ours, theirs = ([(row["point"], row["wall"]) for row in impacts] for impacts in rows)
-    common = next((k for k, (a, b) in enumerate(zip(ours, theirs, strict=False)) if a != b), None)
-    if common is None:
+    ours, theirs = run.result.impacts, expected.impacts
+    common = common_count(ours, theirs)
+    if common == min(len(ours), len(theirs)):
         stopped = run.result.time[-1] < expected.time[-1]
         if len(ours) == len(theirs) or (stopped and len(ours) < len(theirs)):
             return run
-        common = min(len(ours), len(theirs))
-    time = (rows[0] if common < len(ours) else rows[1])["onset"][common]
+    time = (ours if common < len(ours) else theirs)["onset"][common]
     return replace(run, divergence=common + 1, divergence_time=float(time))

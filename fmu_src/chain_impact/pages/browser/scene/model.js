@@ -81,7 +81,7 @@ export function describe(kit, file, command) {
   const { stops, wallNames, existingWalls, known, sites } = structure;
   const pointNames = sites.flatMap(({ name }, s) => (name ? [[known.links + 1 + s, name]] : []));
   const all = (groups) => rowsOfOwners(groups, structure).filter(({ has }) => has);
-  const [motions, settable] = [all(kit.still), all(kit.inputs)];
+  const [motions, settable] = [all(kit.motions), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) =>
     [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));

@@ -27,8 +27,8 @@ function refuseMissing(path, key, { meaning }) {
 }
 
 class ContentsReader {
-  constructor({ keys, laws, lawFile, inputs, still }) {
-    const units = [...inputs, ...still].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
+  constructor({ keys, laws, lawFile, inputs, motions }) {
+    const units = [...inputs, ...motions].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
     Object.assign(this, { keys, lawFile, laws, units: new Map(units) });
   }
 
