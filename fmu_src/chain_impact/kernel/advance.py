@@ -87,8 +87,8 @@ from chain_impact.kernel.status import (
 
 # [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
 LONGEST_STEP = 1.0
-# [s] The shortest step, far below the resolution of floating-point time except at t = 0. A run ends if it
-# needs a shorter step.
+# [s] The shortest step, far below the resolution of floating-point time except near t = 0. A run that needs
+# a shorter step ends with a fault.
 SHORTEST_STEP = 1e-18
 
 
@@ -96,10 +96,10 @@ def advance(d, time, log_capacity, work):
     """Advance the instance to ``time`` [s], which must not be before the instance's present time.
 
     Returns:
-        A status. After a fault the instance stays at the last time it reached. LOG_FULL: the log has no room
-        for more than ``log_capacity`` finished contacts, or for more changes of dry friction; the run can
-        continue after the caller has collected them. PAUSED: the work since the start exceeds ``work``
-        evaluations; the run can continue.
+        A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
+        finished contacts are not collected, or the log of dry friction has no room for another step; the run
+        can continue after the caller has collected them. PAUSED: the work since the start of the run exceeds
+        ``work`` evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
@@ -114,17 +114,17 @@ def advance(d, time, log_capacity, work):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts are not collected, or a step could overfill `changes`."""
+    """Return whether ≥ ``capacity`` ended contacts wait, or a step could overfill a limited `changes`."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
 
 def advance_to_onset(d, time):
-    """Advance as ``advance`` does, but without limits on log and work, and only to the first onset.
+    """Advance as ``advance`` does, without limits on log and work, but at most to the first onset.
 
-    The onset is not applied yet. An onset at the present time counts if no earlier call has returned it, for
-    example at the start of a run with a point at a wall.
+    The onset is not applied yet. An onset at the present time counts if no earlier call has stopped at it,
+    for example at the start of a run with a point at a wall.
 
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
@@ -160,7 +160,7 @@ def onset_due(d):
 
 
 def reinit_if_changed(d, time):
-    """Update moving base and walls up to ``time`` [s]; re-initialize if an input or parameter has changed.
+    """Set prescribed motions until ``time`` [s]; re-initialize if an input or parameter has changed.
 
     Returns a status.
     """
@@ -174,8 +174,8 @@ def reinit_if_changed(d, time):
 def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
-    A value that was set and then set back has not changed. If the next piece of the inputs continues without
-    a jump at the end of the last step, the next step applies this piece, and the solver goes on.
+    A value that was set and then set back has not changed. A new piece of the inputs is no change if it
+    continues the present piece at the end of the last step without a jump: the next step then applies it.
     """
     if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -194,7 +194,7 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Set the communication point to ``time`` [s] in the last step; the work of a call counts from there."""
+    """Set the communication point to ``time`` [s] in the last step; count the work of a call from now on."""
     set_own_output_time(d, time)
     begin_call(d)
 
@@ -215,11 +215,12 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Apply the given inputs and parameters, and update the active set. Invalid parameters change nothing.
+    """Apply the given inputs and laws, and update the active set.
 
     Returns:
-        A status. It is a fault if a law with penetration would become rigid while a point touches a wall, or
-        if no forces are found for the new values; in the second case the new values are in use nevertheless.
+        A status. It is a fault if a law is invalid, or would become rigid while a point touches a wall: then
+        the laws stay, but the new inputs are in use. It is also a fault if no forces are found for the new
+        values: then all new values are in use.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -231,7 +232,7 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Fix again the values of active contacts that are fixed at the onset; laws may have changed."""
+    """Set the values that active contacts keep from their onset again, as laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
@@ -275,7 +276,7 @@ def find_step(d):
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        # `prepare` may lengthen a step to pass the end of a contact, but not the end of the inputs' piece
+        # `prepare` may lengthen a step past the end of a contact; no step may pass the end of a piece
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
@@ -317,13 +318,13 @@ def try_step(d, h):
 
 
 def must_land(d, theta):
-    """Return whether the last step must be repeated to end at the event at the fraction θ, if θ is not −1.
+    """Return whether the last step must be repeated to end at its event at the fraction θ; −1: no event.
 
     The force of a contact is not smooth at its end and at its kink, so the interpolant of a step across this
     point is less accurate than the step. The interpolant of an implicit step is less accurate everywhere
-    except at its ends, so an implicit step is repeated for every event. This includes events near the start
-    of the step: otherwise a point that bounces lower and lower would fall faster than it has risen, and
-    bounce without end.
+    except at its ends, so an implicit step is repeated for every event, even near its start. Otherwise the
+    error would let a point that bounces lower and lower fall faster than it has risen, and bounce without
+    end.
     """
     return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
@@ -331,7 +332,7 @@ def must_land(d, theta):
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ.
 
-    Returns the fraction of the repeated step at which contacts begin, or −1 for its end (``onset_fraction``).
+    Returns the fraction of the repeated step at which contacts begin; −1: its end, or the step is refused.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -360,7 +361,7 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
-        choose_method(d)  # after a kink the size of the last step shows no stiffness
+        choose_method(d)  # not after a kink, where the size of the last step does not show the stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events

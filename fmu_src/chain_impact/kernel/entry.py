@@ -2,7 +2,7 @@
 
 ``sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with: it
 checks every number that the kernel uses as an index or as the number of iterations of a loop. Any other wrong
-number leads to a fault status, never to an access outside the record.
+number leads to a fault or to wrong results, never to an access outside the record.
 """
 
 from chain_impact.kernel import hooks
@@ -69,14 +69,14 @@ def relations_hold(d):
 
 
 def signals_fit(d):
-    """Return whether the knots and the driven values of all signals are in the record."""
+    """Return whether the indices of all signals, of knots and of driven values, are within the record."""
     signal = d.signal
     for j in range(d.signals):
         driven, first, last = signal.input[j], signal.first[j], signal.last[j]
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
-        given = signal.first[signal.source[j]]  # the first of the given knots, of which there are as many
+        given = signal.first[signal.source[j]]  # the first of as many given knots as from first to last
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
             return False
@@ -84,7 +84,7 @@ def signals_fit(d):
 
 
 def friction_counts_fit(d):
-    """Return whether the counts of dry friction fit together."""
+    """Return whether each count of elements with dry friction is at most the count that contains it."""
     friction = d.friction
     fits = within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
     fits = fits and within(friction.contact_count, 0, min(friction.count, d.candidates))
@@ -93,7 +93,7 @@ def friction_counts_fit(d):
 
 
 def least_law(d):
-    """Return the least valid number of a law: 0 before the start of a run and after a start that failed."""
+    """Return the least valid number of a law: 1 in a run without a fault or with active contacts, else 0."""
     started = d.model.size != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
@@ -119,13 +119,12 @@ def advance_awhile(d, time):
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
-    If new values wait that the run does not use yet, the function computes the outputs with these values. The
-    instance must therefore be a copy of the running instance, so that a read of outputs does not change the
-    run.
+    If new values have been set that the run does not use yet, the function applies them first. The instance
+    must therefore be a copy of the running instance, so that a read of outputs does not change the run.
 
     Returns:
         The status of the run, or the fault status that the new values cause. In the second case the outputs
-        do not change, and other values may still be set before the next step.
+        are those without the new values, and other values may still be set before the next step.
     """
     observe(d)
     status = d.statistics.status
@@ -141,7 +140,7 @@ def observe_trial(d):
     keep_state(d)
     status = reinit(d)
     if status == OK:
-        # a rigid wall corrects the state at the start of a step, so return to the state before the correction
+        # rigid walls correct the state at the start of a step; the outputs show the state before that
         return_to_kept_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)
@@ -159,8 +158,8 @@ def trajectory(d, words, times, spans, rows, of_state):
         times: shape (T,), increasing [s].
         spans: first index and length of each span of wanted numbers, shape (S, 2); W numbers in all.
         rows: result, shape (T, W).
-        of_state: 1 if all wanted numbers are outputs of STATE_OUTPUTS (record/instance.py) of this instance:
-            then the other outputs, and the derivatives, are not computed.
+        of_state: 1 if all wanted numbers are values of STATE_OUTPUTS (record/instance.py), without
+            derivatives: then the other outputs, and all derivatives, are not computed.
 
     Returns:
         The number of rows filled. It is smaller than the number of times after a fault, when the log of
@@ -198,8 +197,8 @@ def run_each(d, words, indices, values, stops, output_indices, rows, continuing)
         values: the values of these words in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
-        rows: result, shape (R, L): the requested words. After a fault, outputs among the words do not belong
-            to the end of the run.
+        rows: result, shape (R, L): the requested words. After a fault, outputs among the words have no
+            meaning.
         continuing: 1 if an earlier call has begun the first run, which this call continues.
 
     Returns:

@@ -1,10 +1,10 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
-chain/state.py describes y. Six functions set ẏ. The end of a name says what must be known already; a "free"
-rate is without the forces of constraints:
+chain/state.py describes y. Six functions set ẏ. They need y and what their names end with; a "free" rate is
+without the forces of constraints:
 
-    rate_from_state             y; the points are located only if forces act on them
-    rate_and_points_from_state  y; the points are located
+    rate_from_state             y alone; locates the points only if forces act on them
+    rate_and_points_from_state  y alone; locates the points
     rate_from_points            the located points
     true_rate_from_inputs       the located points and the inputs; no force continues beyond its kink
     free_rate_from_inputs       the located points and the inputs
@@ -131,7 +131,7 @@ def rate_from_points(d, y, rate):
 def true_rate_from_inputs(d, y, rate):
     """Set rate = f(y) with the true forces of contacts, which do not continue beyond a kink.
 
-    The dissipated power in ẏ does not contain the contacts' part.
+    The dissipated power in ẏ lacks the parts of contacts and of sliding friction.
     """
     apply_true_contacts(d)
     free_rate_from_loads(d, y, 0.0, rate)
@@ -139,7 +139,7 @@ def true_rate_from_inputs(d, y, rate):
 
 
 def constrain(d, y, rate):
-    """Add to a rate ẏ the effects of constraints, and the power of moving base, walls and belts."""
+    """Add to a rate ẏ accelerations and power of constraints, and power of moving base, walls and belts."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
         rate[dissipated_at(d.links)] += static_power(d)
@@ -181,7 +181,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Clear what the stages of a step record: crossed kinks, missing or least forces, margins of modes."""
+    """Clear what the stages of a step record: failed solutions, crossed kinks, least forces, margins."""
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
@@ -196,7 +196,7 @@ def joint_moments(d, y):
     free base has no joint to carry τ_1.
     """
     dissipated, supplied = 0.0, 0.0
-    # without inputs the tip has no force; its velocity, which is not computed in flight, is then not read
+    # without inputs the tip has no force, and its velocity, which is unknown in flight, is not read
     if d.model.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]

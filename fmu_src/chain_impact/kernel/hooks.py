@@ -1,10 +1,10 @@
 """The hooks: functions that a run calls at fixed points, for work in addition to the plain run.
 
 The functions of this module do nothing. A kernel that carries derivatives is linked with the functions of
-HOOKS in kernel/tangent/entry.py instead. Two more tables replace functions when a kernel is compiled: RULES
-in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py, for complex ones;
-``has_dual_rule`` and ``has_complex_rule`` mark these functions. A user's contact law
-(kernel/forces/user_law.py) is linked in the same way as the hooks: see EXTERNAL in compilation/functions.py.
+HOOKS in kernel/tangent/entry.py instead. A user's contact law (kernel/forces/user_law.py) is linked in the
+same way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a kernel is
+compiled: RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py,
+for complex ones; ``has_dual_rule`` and ``has_complex_rule`` mark these functions.
 """
 
 
@@ -31,7 +31,7 @@ def on_observe_trial(_d):
 def on_truncate(_d):
     """Do nothing.
 
-    Called when the contacts have been updated to the communication point, where the last step ends.
+    Called when the last step ends at the communication point and active contacts are logged up to it.
     """
 
 

@@ -115,9 +115,9 @@ def set_initial_state(d, y):
 
 
 def clear_run(d, time):
-    """Clear the data of an earlier run, for a run that starts at ``time`` [s].
+    """Clear the data of an earlier run that would affect a run from ``time`` [s] on.
 
-    Large parts of the record are not cleared, because this would take a twentieth of the time of a short run.
+    The other large parts of the record stay: to clear them would take a twentieth of the time of a short run.
     """
     clear(d.step)
     clear(d.trial)
@@ -143,7 +143,7 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive parameters that are not given, constants of the recursion, scales, and features of joints."""
+    """Derive parameters that are not given, constants of the recursion, scales, and flags like has_stops."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
@@ -192,7 +192,7 @@ def derive_chain(d):
 
 
 def derive_sites(d):
-    """Derive the first site of each link, and the sites' arms and reach."""
+    """Derive the first site of each link, the sites' radii and relative positions, and the chain's reach."""
     before, s, model = 0.0, 0, d.model
     for i in range(d.links):
         model.first_site[i] = s
@@ -210,9 +210,9 @@ def derive_sites(d):
 
 
 def derive_resistance(d):
-    """Derive from the values in use which springs and dampers there are, and a bound on their rates.
+    """Derive from the values in use whether springs and dampers act, and a bound [1/s] on their rates.
 
-    The function assumes that no drive is at its limit.
+    The modes of all drives are first set to "below the limit".
     """
     clear_saturation(d)
     model = d.model
@@ -226,9 +226,9 @@ def derive_resistance(d):
 
 
 def check_parameters(d):
-    """Check the values that enter divisions and loops, because an importer may set any value.
+    """Check ranges, signals, limits of joints and slider, the mass matrix and the method; return a status.
 
-    Returns a status.
+    An importer may set any value.
     """
     status = check_ranges(d)
     if status != OK:
@@ -259,7 +259,7 @@ def check_ranges(d):
 
 
 def refuse_value(d, k, i):
-    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link as the reason."""
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link, if any, as reason."""
     if RANGE_OWNERS[k] == OF_LINKS:
         return refuse_drive(d, i, PARAMETER_OUT_OF_RANGE)
     if RANGE_OWNERS[k] == OF_SITES:
@@ -276,8 +276,8 @@ def first_size(d):
 def check_start(d):
     """Return a fault status if a run cannot start in this state, else OK.
 
-    The state or its energy is not finite, a point is beyond a wall, a joint or slider beyond a stop, the base
-    beyond a wall, or no forces are found.
+    A run cannot start if the state, its rate or its energy is not finite, if a point or the base is beyond a
+    wall, if a joint or the slider is beyond a stop, or if no forces are found.
     """
     locate_points(d, d.step.state)
     for j in range(len(d.work.y)):

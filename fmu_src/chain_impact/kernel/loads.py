@@ -37,15 +37,15 @@ from chain_impact.kernel.status import counted_work, uncount_work
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-# A parabola through three samples may lie below the peak of the squared force. Where the parabola exceeds the
-# largest square so far times NEAR_PEAK, the peak is searched for. A larger value would miss some peaks.
+# A parabola through three samples may lie below the peak of the squared force. The peak is searched for where
+# the parabola exceeds NEAR_PEAK times the largest square so far. A larger value would miss some peaks.
 NEAR_PEAK = 0.95
 
 
 def start_loads(d, time):
     """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
 
-    The state is the one at the end of the last step.
+    The momenta are those at the end of the last step.
     """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
@@ -84,7 +84,7 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c from the required force of the link on which it acts."""
+    """Subtract the force or impulse of candidate c from the entry of x and y of the link on which it acts."""
     if at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
@@ -93,9 +93,9 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Sum the required forces of the links from the tip on, minus the force ``at_tip`` on the tip.
+    """Change x and y from the forces that the links need to the forces in the joints.
 
-    x and y hold the required forces of the links, and become the forces in the joints.
+    The force in a joint is the sum over all links from there to the tip, minus the force ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -107,7 +107,7 @@ def sum_from_tip(d, at_tip, x, y):
 def wall_force(d, c, along_normal, along_tangent):
     """Return the force [N] or impulse [N·s] of a wall on candidate c's point.
 
-    The arrays have its parts along the normal and along the tangent, one number for each candidate.
+    ``along_normal`` and ``along_tangent`` hold its two components for each candidate.
     """
     _, nx, ny = normal(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
@@ -121,8 +121,8 @@ def wall_force(d, c, along_normal, along_tangent):
 def fill_loads(d, y, rate):
     """Fill the outputs of forces and moments from the forces of the contacts, for the accelerated points.
 
-    The moment of a joint is the whole moment on its outer link: the torque of the drive minus the torque that
-    accelerates the armature. With this definition each link obeys Euler's law.
+    The moment of a joint is the whole moment on its outer link: drive, dry friction and stops, minus the
+    torque that accelerates the armature. With this definition each link obeys Euler's law.
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
@@ -145,7 +145,7 @@ def fill_loads(d, y, rate):
 
 
 def fill_guide(d):
-    """Fill the outputs of the line's force and moment on the slider's carriage, from the loads of joint 1."""
+    """Fill the outputs of force and moment of the line on the carriage, from the loads of joint 1."""
     out, slider, gravity = d.output, d.slider, d.model.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
     # the carriage does not turn
@@ -186,7 +186,8 @@ def fill_load_impulses(d):
 def fill_load_peaks(d):
     """Fill the outputs of the largest forces so far; afterwards the points are located at another time.
 
-    The whole step is searched only once; if it raises no peak, outputs within it need no further search.
+    The whole step is searched only once. Only if it raises a peak, an output within it
+    needs a second search, up to its time.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
@@ -218,7 +219,7 @@ def update_load_peaks(d):
         for i in range(first_joint(d), d.links):
             if transmitted.largest_square[i] > touch.joint_square[c]:
                 set_joint_square(d, c, transmitted.largest_square[i], i + 1)
-    # this call leaves the forces, and the values that follow from them, at the end of the step
+    # after the search: set the forces, and the values that follow from them, to those at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
     uncount_work(d, counted)
@@ -227,8 +228,8 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.largest_square`` to the largest |f|² [N²] in the last step.
 
-    If neither the largest force so far nor the largest force during an active contact rises, the search may
-    end with a smaller value.
+    If that raises neither the largest |f|² so far nor that of an active contact, the result is the least of
+    these.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -259,7 +260,7 @@ def search_peaks(d, time):
 def rises_between(left, top, right, highest):
     """Return whether a value with these three samples may have a maximum above ``highest`` between them."""
     bend = 2.0 * top - left - right
-    # The maximum of a parabola through the samples counts if it lies between the outer samples.
+    # no maximum of the parabola through the samples lies between the outer samples
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
     return top + (right - left) * (right - left) / (8.0 * bend) > NEAR_PEAK * highest

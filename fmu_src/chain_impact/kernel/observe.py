@@ -41,8 +41,8 @@ def observe_state(d):
 def fill_outputs(d):
     """Fill the outputs with the values at ``step.time``.
 
-    The active contacts belong to the step that contains this time: a later impact that the solver has already
-    found is not visible yet.
+    The active contacts are those of the step that contains this time: an event at its end, which the solver
+    has already found, is not visible yet.
     """
     counted, theta = counted_work(d), fraction(d, d.step.time)
     fill_motion(d, theta)
@@ -59,7 +59,7 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill again the outputs that are not integrals over time, at ``step.time``."""
+    """Fill all outputs again except impulses, peaks and friction energy, with the values at ``step.time``."""
     counted = counted_work(d)
     fill_motion(d, fraction(d, d.step.time))
     if d.model.has_stops:
@@ -96,13 +96,13 @@ def fill_points(d, vectors, out):
 
 
 def fill_state(d, theta):
-    """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step; there the points are located."""
+    """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step, and leave the points located."""
     n, out, y = d.links, d.output, d.work.y
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # The interpolant satisfies constraints and prescribed motions only up to its error. Sticking elements
-        # share their load in proportion to the limits of friction in this state.
+        # The interpolant satisfies constraints and prescribed motions only up to its error. In the projection
+        # sticking elements share their load in proportion to the limits of friction in this state.
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
@@ -177,7 +177,7 @@ def fill_quadratures(d, theta):
 
 
 def fill_quadrature(d, i, value):
-    """Fill the output of the quadrature with index i."""
+    """Fill the output of the quadrature with index i; store the impulse of the tip's force."""
     e = i - d.candidates
     if e < 0:
         d.output.impulse[i] = value
@@ -190,7 +190,7 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Convert forces and depths of stops to moments [N·m] and angles [rad], in the entry of the first stop.
+    """Convert forces and depths of stops to moments [N·m] and angles [rad], in the entry of each first stop.
 
     A joint can touch only one of its two stops at a time; moments at joint_max are negative.
     """

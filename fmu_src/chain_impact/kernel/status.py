@@ -115,13 +115,14 @@ def refuse_drive(d, i, status):
 
 UNLIMITED = 1 << 62  # a number of evaluations that means: no limit
 WORK_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the work
-# [s] A communication step of any length may take the work that is allowed for this simulated time.
+# [s] A communication step, even a short one, may take the work that is allowed for this simulated time.
 LONGEST_CALL = 20.0
 # The number of evaluations times links after which a long call returns, so that its caller can stop the run.
 # An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_WORK = 20_000_000
-# The number of contacts that a candidate may begin and end in EVENT_WINDOW [s]. More contacts count as
-# chattering without end: in a bounce of a microsecond the point rises only 1e-12 m.
+# The number of events in EVENT_WINDOW [s], on average for each candidate, and for each joint if there is
+# friction or a drive with a limit. More events count as chattering without end: in a bounce of a microsecond
+# the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
@@ -185,7 +186,7 @@ def begin_call(d):
 
 
 def allow_any_length(d):
-    """Remove the limit on a communication step, for callers that can stop the run between calls."""
+    """Remove the limit on the work of a communication step; the caller can stop the run between calls."""
     d.limits.call_count = UNLIMITED
 
 
@@ -203,7 +204,7 @@ def check_work(d):
 
 
 def check_events(d, events):
-    """Return EVENT_STORM if ``events`` more events exceed the limit of the present EVENT_WINDOW, else OK."""
+    """Count ``events``; return EVENT_STORM if their sum in EVENT_WINDOW exceeds the limit, else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

@@ -1,9 +1,8 @@
 """The end of a run where a wall reaches a pinned base; the scene gives the motions of both.
 
 The clearance g of the base follows from the channels alone (chain/motion.py). As in crossing.py, with a bound
-|g̈| ≤ A over an interval of width w, g falls below its chord by at most A w²/8; an interval in which this
-bound is below zero is halved. So the search also finds a wall that passes the base within a step and comes
-back.
+|g̈| ≤ A over an interval of width w, g falls below its chord by at most A w²/8; an interval in which g may so
+fall to −OVERLAP is halved. So the search also finds a wall that passes the base within a step and comes back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -17,7 +16,7 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, r
 
 
 def end_at_base(d):
-    """End the last step where a wall reaches the base, if one does. The next step then cannot begin."""
+    """End the last step where a wall reaches the base, if one does; ``check_base`` refuses the next step."""
     reached = d.step.end
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
@@ -33,7 +32,7 @@ def check_base(d):
     """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
     move(d, d.step.end)
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
-        # if ``end_at_base`` has ended the step, the clearance is −OVERLAP up to round-off
+        # at the end that ``end_at_base`` gives a step, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
@@ -47,14 +46,14 @@ def room_at(d, c, time):
 
 
 def meeting(d, c, until):
-    """Return the time [s] at which the wall of candidate c meets the base; ``until`` if this is later."""
+    """Return the time [s] at which the wall of candidate c meets the base, ``until`` if not before."""
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = room_at(d, c, a), room_at(d, c, b)
     while at_a >= 0.0 and not work_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
-        # in so short an interval the clearance g falls through zero at most once, up to round-off
+        # in so short an interval the clearance g falls through −OVERLAP at most once, up to round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:
             return passage(d, c, a, b)
@@ -69,7 +68,7 @@ def meeting(d, c, until):
 
 
 def passage(d, c, a, b):
-    """Return the time [s] between a and b at which the base's clearance falls through 0, by bisection."""
+    """Return the time [s] between a and b at which the base's clearance falls to −OVERLAP, by bisection."""
     for _ in range(TRIES):
         middle = 0.5 * (a + b)
         if not a < middle < b:

@@ -48,7 +48,7 @@ def update_peaks(d):
 def update_extremes(d):
     """Update the peak force and the largest penetration of every active contact for the last step.
 
-    The rate at the end of the step must be known. Afterwards the points are located and accelerated there.
+    The rate ẏ at the end of the step must be known. Afterwards the points are located and accelerated there.
     """
     touch = d.touch
     if any_point_held(d):
@@ -68,9 +68,9 @@ def update_extremes(d):
 def peaks(d, c, force_rate, time, reader):
     """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
 
-    The points must be located and accelerated at this time. The third result is true if the function has
-    located the points at another time. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is OUTPUTS or
-    SOLVER, the user of the result.
+    The points must be located and accelerated at ``time``. The third result is true if they are located
+    elsewhere afterwards. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is the user of the peaks,
+    OUTPUTS or SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -92,7 +92,7 @@ def peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether candidate c has its largest penetration, with δ̇ = 0, at the end of the last step."""
+    """Return whether the last step ends at a kink δ̇ = 0 of candidate c, its largest penetration."""
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
@@ -138,8 +138,8 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """End the last step at the communication point, and drop its events; the next step finds these again.
 
-    An onset exactly at the communication point is kept, because its point is already at the wall and cannot
-    arrive a second time. Changes of modes are kept as well.
+    If the step ends at the communication point anyway, onsets and changes of modes are kept: a point that is
+    already at the wall would not be found to arrive in the next step.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -154,7 +154,7 @@ def list_latest(d):
     """Write the latest impacts to ``latest``, from the log and the active contacts.
 
     A contact that still lasts gets its values up to the communication point. The points must be located and
-    accelerated at this point, and the outputs must already hold the impulses.
+    accelerated at this point, and the outputs must already hold the forces and impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.kept == 0 or (d.touch.active_count == 0 and latest.listed == rows):
@@ -190,7 +190,7 @@ def rate_of_force(d, c):
     Callers use only the sign.
     """
     stiffness, damping = contact_slopes(d, c)
-    # the rate of the force F by the penetration δ: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
+    # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
     return -(stiffness * gap_rate + damping * gap_acceleration(d, c))
 
@@ -218,7 +218,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 
 
 def clear_log(d):
-    """Clear the log of contacts at the start of a run."""
+    """Clear the log of contacts and ``latest`` at the start of a run."""
     latest = d.latest
     d.contact_log.count, d.contact_log.collected, latest.listed = 0, 0, 0
     for row in range(len(latest.time)):
@@ -236,8 +236,8 @@ def collect(d):
 def end_contact(d, c, was_rigid):
     """End the contact of candidate c, and log it. In a full log the entry overwrites the oldest one.
 
-    ``was_rigid``: whether a rigid wall held the point until now. The law of the wall may just have changed to
-    a law with a force.
+    ``was_rigid``: whether a rigid wall held the point until now; the present law of the wall may already be
+    another one, with a force.
     """
     _, gap_rate = clearance(d, c)
     # a point that a rigid wall held has no speed, so a negative rate is round-off
@@ -259,7 +259,7 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log a contact with its peaks so far, and update the peaks of all contacts."""
+    """Log a contact with its peaks so far, and update the peaks over all contacts (``d.peaks``)."""
     touch, peaks, arm = d.touch, d.peaks, lever(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
@@ -278,8 +278,8 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         d: the instance.
         c: the candidate.
         row: the number of the row; beyond the end of the log it continues from the log's beginning.
-        end: the time at which the contact ends [s].
-        separation_speed: rate ġ of the clearance at that time [m/s].
+        end: the time at which the contact ends [s]; NaN if it has not ended.
+        separation_speed: rate ġ of the clearance at that time [m/s], or NaN.
         peak_force: the largest force so far [N].
         max_penetration: the largest penetration so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].

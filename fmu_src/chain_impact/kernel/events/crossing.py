@@ -1,8 +1,8 @@
 """The first point in a step where a function of the motion falls through zero, by bounds or by samples.
 
 The zero of a clearance or a penetration φ is located on the dense output, with bounds. φ′ is its rate in the
-integration variable of the step. A suspect is a candidate that the search examines; the test in exclusion.py
-excludes events of all others. θ is a fraction of the step, g a clearance.
+integration variable of the step. A suspect is a candidate that the search examines, because the test in
+exclusion.py does not exclude its events. θ is a fraction of the step, g a clearance.
 
 A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
 bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
@@ -30,10 +30,10 @@ FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
-    """Return a search for the first θ in a step at which a function of (d, c, θ) falls below zero.
+    """Return a search for the first θ in a step at which ``function``, by samples, falls below zero.
 
     Args:
-        function: the value for candidate or element c at the fraction θ of the last step.
+        function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location [s of the step's variable].
 
@@ -92,9 +92,9 @@ def locate_at(d, theta):
 # an interval with a smaller deviation is not halved.
 CROSSING_RESOLUTION = 1e-15
 # A point skims a wall if its clearance φ, and the change of φ in the interval, are less than this, relative
-# to a link length. Points of a link that a wall holds at another point can skim this wall.
+# to a link length. Example: a link lies along a wall that holds another point of it.
 SKIMS = 1e-13
-# The largest interval that is not halved if a point skims a wall in it, as a part of the step.
+# An interval up to this fraction of the step is not halved for a point that skims a wall in it.
 FINE = 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
@@ -128,7 +128,10 @@ def find_crossing(d):
 
 
 def check_interval(d, a, b):
-    """Return QUIET if no suspect can have an event in (a, b], CROSSES if one has an event, else SPLIT."""
+    """Return SPLIT if any suspect needs a shorter interval than (a, b], else CROSSES if any has an event.
+
+    The result is QUIET if no suspect can have an event.
+    """
     verdict = QUIET
     for k in range(d.search.suspect_count):
         outcome = check_candidate(d, d.search.suspect[k], a, b)
@@ -143,24 +146,24 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
-        # u, the root of the penetration δ, does not fall to zero and rise again, because δ̇ would have to
-        # change its sign twice
+        # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
+        # have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # at the end of the step, and for a point in contact, φ < −`harmless` is required: a point that is beyond
-    # zero by less may never go further
+    # at the end of the step, and for a point in contact, only φ < −`harmless` is a fall: a point that is
+    # beyond zero by less may turn back
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # the condition `sag < …` is false if the curvature is NaN, and the interval would be halved without end
+    # `not sag >= …`, because `sag < …` is false for a NaN, and the interval would be halved without end
     if settled or not sag >= CROSSING_RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
-        # At a loose tolerance the interpolant can put a point deep inside a wall although the point does not
-        # move inward; this is an onset. But a point in contact that moves inward has not left, wherever the
-        # interpolant of a stiff step puts it.
+        # An onset: at a loose tolerance the interpolant can put a point deep inside a wall although the
+        # point does not move inward. No end: a point in contact that moves inward has not left, even where
+        # the interpolant of a stiff step puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -173,7 +176,7 @@ def skims(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether the clearance φ of candidate c is linear up to round-off over a ``part`` of the step."""
+    """Return whether the clearance φ of candidate c is linear up to round-off over a fraction of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.size
 
@@ -187,15 +190,15 @@ def locate(d, a, b):
         mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the clearances φ of the other candidates are known at `first`: a candidate with φ ≥ 0 there has its
-        # event later
+        # `first` is the earliest event so far, and φ of all suspects is known there: a candidate with φ ≥ 0
+        # has its event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` keeps its mark: the round-off of the clearance of a slow point may exceed
+        # the candidate `located` always keeps its mark: if its point is slow, round-off alone may put φ above
         # the limit
         if c != located and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
@@ -207,8 +210,8 @@ def find_root(d, c, a, b):
 
     The points must be located at b. The function also sets φ of all suspects at θ.
 
-    Newton's method is safeguarded by a shrinking bracket. If φ is not positive at a either, the event should
-    have been found before: θ is then a if φ falls there, else b.
+    Newton's method is safeguarded by a shrinking bracket. There is no iteration if φ ≤ 0 at a, and φ does not
+    rise there (θ = a), or rises but is linear up to round-off (θ = b).
     """
     if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
@@ -240,12 +243,12 @@ def bound_curvature(d):
     """Set a bound on the second derivative of the clearance of every suspect over the last step.
 
     In time, the bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for
-    a point that rests on a stiff wall. But the implicit step integrates the clearance of such a point, and
-    ``curvatures`` finds a smaller bound from it.
+    a point that rests on a stiff wall. An implicit step integrates the clearances of such points, and
+    ``curvatures`` then sets smaller bounds from these.
     """
     n = d.links
-    # the second derivative of the clearance g in the step's variable s, with p = dt/ds ≤ u and |p′| ≤ |u′|
-    # (sundman.py): d²g/ds² = p d(ġ)/ds + p′ ġ
+    # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
+    # p = dt/ds; `p` and `change` are bounds, by p ≤ u and |p′| ≤ |u′| (sundman.py)
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
         p, change = rate_bounds(d.step, sundman_u_at(n))
@@ -262,8 +265,7 @@ def bound_curvature(d):
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
-            # a channel is a function of time: in the step's variable, ġ has the derivative p times the
-            # channel's acceleration, with p = dt/ds
+            # a channel is a function of time: its part of dġ/ds is p = dt/ds times its acceleration
             v, a = v + speed, a + p * acceleration
         of_links = links_part(d, c) if not at_joint(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -274,7 +276,7 @@ def bound_curvature(d):
 def links_part(d, c):
     """Return the contribution of the links to the curvature bound of candidate c, from ``work.reach``.
 
-    For a site, the contribution of the site's own link is multiplied by |r|/ℓ.
+    For a site at the distance r from the begin of its link, that link's part is multiplied by r/ℓ.
     """
     links, point = d.work.reach, d.candidate.point[c]
     if point <= d.links:
@@ -287,7 +289,7 @@ def links_part(d, c):
 def motion_bounds(d, c, along_x, along_y):
     """Return the base's part in bounds on |ġ| and |dġ/ds|, for the clearance g of candidate c.
 
-    For a stop the bounds are those of the whole motion. s is the step's variable.
+    For a joint's stop the bounds are complete, from the joint's angle alone. s is the step's variable.
 
     ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
@@ -307,7 +309,7 @@ def motion_bounds(d, c, along_x, along_y):
 
 
 def prescribed_bounds(d, c):
-    """Return the part of given motions in bounds on |ġ| and |g̈| in the last step, for candidate c.
+    """Return the contribution of channels to bounds on |ġ| and |g̈| in the last step, for candidate c.
 
     g is the clearance.
     """
@@ -324,7 +326,7 @@ def prescribed_bounds(d, c):
 
 
 def measure(d, theta):
-    """Set the clearance φ and its rate φ′ of every suspect at θ, the end of the interval of the step."""
+    """Set φ and φ′ of every suspect at the fraction θ of the last step, as the end of an interval."""
     locate_at(d, theta)
     measure_located(d)
 

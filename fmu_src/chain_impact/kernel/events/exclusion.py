@@ -1,4 +1,4 @@
-"""Clearances over a step, and a test of the step's two ends that excludes events without a search.
+"""Clearances at the two ends of a step, and a test of these that excludes events without a search.
 
 φ is the clearance of a candidate without contact, the penetration of a candidate in contact, or u of the
 Sundman regularization (ode/sundman.py) for the regularized contact. φ is a function of the integration
@@ -45,7 +45,7 @@ def known_clearances(d):
 def remember_clearances(d, extent):
     """Record which data of the clearances are known at the end of the last step.
 
-    A jump makes them invalid.
+    The record is valid until a break in the sequence of steps (``step.breaks``).
     """
     d.search.known, d.search.known_for = extent, d.step.breaks
 
@@ -57,7 +57,7 @@ def excludes_events(d):
     provide the rate at the end; the points are located and accelerated at the end. If the result is false,
     the clearances φ and their rates φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
-    # an input may change the acceleration between the ends of the step as much as rotation does
+    # an input with this angular frequency may vary the acceleration in the step as a turning link does
     changing = max(d.inputs.piece.change_rate, rate_of_signals(d))
     turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
     if turn < SMALL_TURN and remains_far(d):
@@ -73,8 +73,8 @@ def excludes_events(d):
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
     # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
-    # is ten times the remainder for the tip of a stretched chain in uniform rotation, plus the remainder for
-    # a motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|.
+    # is ten times the remainder for the tip of a stretched chain in uniform rotation or, if larger, for a
+    # motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
     fade = (d.step.end - d.step.start) * d.model.joint_rate_bound
     way = way_per_radian(d)
     if d.channels > 0:
@@ -85,7 +85,8 @@ def excludes_events(d):
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
-        # candidates. The second one lets every contact pass, also a held point, whose clearance is set to ∞.
+        # candidates. The second one lets every contact pass: those with a force are tested below, and held
+        # points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
         # without `leeway`, because errors in a penetration are far smaller than errors in a position
@@ -138,9 +139,9 @@ def leeway(d):
 def way_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    For a point this distance is the length of the stretched chain. The place of a joint with stops moves by
-    its relative angle, at most 2 rad, times the length of the longest link. The second distance is larger if
-    one link is longer than all others together.
+    For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
+    the relative angle, at most 2 rad, times the length of the longest link: larger if this link is longer
+    than all others together.
     """
     if d.model.has_stops and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.size)
@@ -148,7 +149,10 @@ def way_per_radian(d):
 
 
 def remains_far(d):
-    """Return whether no candidate can have touched, and no contact except the regularized one has a force."""
+    """Return whether no candidate can have touched, and no contact with a force can have an event.
+
+    Such a contact must be the regularized one.
+    """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = length_bound(d, d.work.velocity)
@@ -183,10 +187,11 @@ def nearly_fast(d, c):
 
 
 def stays_positive(d, c, error):
-    """Return whether the clearance φ of candidate c exceeds ``error`` in the whole last step after its start.
+    """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the last step.
 
-    For a contact φ is the penetration. The quintic Hermite interpolant of φ, from the value and first two
-    derivatives at the ends of the step, is at least the smallest Bernstein coefficient.
+    φ is the clearance, or the penetration of a contact; its value at the start does not count. The quintic
+    Hermite interpolant of φ, from the value and first two derivatives at the ends of the step, is at least
+    the smallest Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
@@ -204,8 +209,8 @@ def stays_in_contact(d, c, error):
     Its penetration stays above ``error`` (``stays_positive``) or, if it is regularized, u > 0 at the end.
     """
     if c == d.step.regularized:
-        # u, the root of the penetration δ, does not fall to zero and rise again, because δ̇ would have to
-        # change its sign twice
+        # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
+        # have to change its sign twice
         return d.search.clear_end[c] > 0.0
     return stays_positive(d, c, error)
 
@@ -238,8 +243,8 @@ def set_clearances(d, y):
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
-        # first as if all candidates were without contact: a branch in this loop would cost more than to set a
-        # few again
+        # first as if all candidates were without contact: a branch in this loop would cost more than to set
+        # the active contacts again below
         gap, gap_rate = clearance(d, c)
         d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -267,7 +272,7 @@ def set_clearance(d, c, u, slope):
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # a point held at a rigid wall can neither touch nor cross another time
+        # a held point has no crossing: it is already at the wall, and its contact ends by RELEASE
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

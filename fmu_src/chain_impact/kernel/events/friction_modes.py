@@ -9,8 +9,8 @@ they slide so that friction acts against the motion that begins,
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
 the direction of sliding, and t·a the tangential acceleration. The modes are found by pivoting, as in
 ``solve_lcp``: all elements that violate their condition change at once, as long as the number of these
-elements falls. An element keeps a consistent mode. If the pivoting does not end, the modes follow from forces
-within the limits of friction (rows/limits.py); a solution of that problem always exists.
+elements falls; the others keep their modes. If the pivoting does not end, the modes follow from forces within
+the limits of friction (rows/limits.py), which always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
@@ -38,10 +38,10 @@ from chain_impact.kernel.rows.geometry import any_sticking, tangential_accelerat
 from chain_impact.kernel.rows.limits import share_within_limits
 from chain_impact.kernel.status import count_evaluations
 
-# An element at rest with the mode "slides" may have an acceleration against the direction of sliding because
-# of errors, if other forces hold the element. It keeps its mode up to this acceleration, relative to the sum
-# of the largest acceleration, gravity and one link length per second squared. Twice the largest acceleration
-# of a sticking element is allowed in addition.
+# The largest acceleration against the direction of sliding that counts as an error, for an element at rest
+# with the mode "slides" that other forces hold. It is relative to the sum of the largest acceleration,
+# gravity and one link length per second squared; twice the largest acceleration of a sticking element is
+# added.
 AGAINST = 1e-9
 # The largest speed of an element that sticks or has just stopped, relative to a link length per second. Such
 # a speed is an error at a loose tolerance; a faster element slides.
@@ -53,8 +53,8 @@ def update_modes(d, jumped):
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, an element that stuck until now continues to stick:
-            its small speed is an error.
+        jumped: whether speeds may have jumped. If not, the small speed of an element that stuck until now is
+            an error: the element is at rest.
     """
     friction = d.friction
     list_friction(d)
@@ -95,20 +95,19 @@ def reinit_modes(d, jumped):
 
 
 def set_slack(d, e):
-    """Set the speed with which element e may move against its direction of sliding because of errors.
+    """Set the slack of element e: the backward speed [m/s] in the mode "slides" that counts as an error.
 
-    If other forces hold an element whose friction is at its limit, errors decide whether it moves. The speed
-    is then the tolerance times a link length per second; for all other elements it is 0.
+    It is the tolerance times a link length per second for an element at rest with an unchanged or
+    inconsistent mode: other forces may hold it, and errors decide whether it moves. Else it is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = d.solver.tolerance * d.model.size if unchanged and d.element.undecided[e] else 0.0
 
 
 def widen_slack(d, e):
-    """Widen the slack of element e, if necessary, to twice its present backward speed.
+    """Widen the slack of an element e at rest, if necessary, to twice its present backward speed.
 
-    Where sliding begins at rest, the speed should be zero. The speed that is left is the error with which
-    the zero was located.
+    This speed should be zero, and is the error with which its zero was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -116,9 +115,9 @@ def widen_slack(d, e):
 
 
 def first_guess(d, e, jumped):
-    """Return the mode of element e that follows from its motion.
+    """Return the mode of element e that follows from its motion; mark e as undecided if it is at rest.
 
-    An element at rest keeps the mode that it had before, and is marked as undecided.
+    At rest it keeps its mode, unless the mode ends or its contact begins.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
@@ -222,7 +221,7 @@ def is_inconsistent(d, e):
 
 
 def unsure_acceleration(d):
-    """Return the largest acceleration [m/s²] of an element that may be round-off or a constraint residual."""
+    """Return the largest acceleration [m/s²] that may be round-off or a residual of the constraints."""
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))

@@ -3,8 +3,8 @@
 The events ONSET and END, crossings of a clearance, are found with bounds, so that none is missed
 (crossing.py). The other events are found by samples of a step, because a late location of such an event does
 no harm (sampled.py lists them). At an event the points are located. ``handle_impact`` handles all
-simultaneous events at rigid walls together (impacts.py). If a point arrives at a rigid wall, simultaneous
-onsets of contacts with a force begin after the impulses.
+simultaneous events at rigid walls together (impacts.py). If a point arrives at a rigid wall, contacts with a
+force and a simultaneous onset begin after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -46,9 +46,9 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.status import count_evaluations
 
-# The largest time in which a point must be outside of the wall to count as having left, relative to the
-# contact's time scale. To wait longer would cost one more step, a tenth of the work of an impact at a
-# tolerance of 1e-4.
+# The largest time that a point still needs to get out of the wall if it counts as having left, relative to
+# the contact's time scale. To wait for the exit would cost one more step, a tenth of the work of an impact at
+# a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 
@@ -83,8 +83,8 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force may have jumped, because a contact begins or ends, gets a new impact speed, or a mode
-        changes.
+        Whether a force may have jumped: a contact begins, ends, reaches its kink or gets a new impact speed,
+        a rigid wall hits or holds a point, or modes are chosen again.
     """
     touch, onset, jumped = d.touch, -1, False
     goes_on = pending_changes(d) + d.drive.event > 0
@@ -118,7 +118,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            control.resume_flight(d)  # the last proposed size belongs to a contact with a force
+            control.resume_flight(d)  # the proposed size suits the contact with a force that has just ended
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
@@ -155,8 +155,7 @@ def choose_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: the candidate with an onset among the events, the last one in their order; −1 if there is no
-            onset.
+        onset: the last candidate with an onset among the events; −1 if there is no onset.
         goes_on: whether the proposed size remains valid if there is no onset.
     """
     if d.touch.active_count == 0:
@@ -174,7 +173,7 @@ def choose_size(d, onset, goes_on):
 
 
 def bends_force(d):
-    """Return whether a contact's force, as a function of the step's variable, is not smooth at the events."""
+    """Return whether the force of a contact is not smooth at an event: KINK, or END if not regularized."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

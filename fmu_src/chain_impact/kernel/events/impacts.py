@@ -11,10 +11,10 @@ matrix along the normals, and e the restitution, with e = 0 for a held contact a
 slower than ``contact.minimum_impact_speed``, so that a bouncing point comes to rest after finitely many
 impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point
 within TOUCHES of a wall moves away from the wall, u⁻ > 0, an impact could add energy; then the impact is
-computed with e = 0, which adds no energy.)
+computed with e = 0 for all contacts, which adds no energy.)
 
-A contact that separates with a speed above zero ends. Forces F hold the other contacts, which are at rest, as
-long as the forces push:
+A contact that separates with a speed above round-off ends. Forces F hold the other contacts, which are at
+rest, as long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -70,14 +70,14 @@ from chain_impact.kernel.rows.geometry import clearance, farthest, fastest_of_al
 # finite time (Zeno behaviour).
 STICK = 1e-3
 TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, relative to a link length
-# the largest error that counts as round-off: of an energy, relative to Σ p (|u⁻| + |u⁺|) for the impulses p
-# and the speeds u⁻ before and u⁺ after them, or of a speed, relative to the largest speed
+# the largest round-off: of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|) for the impulses p and the
+# speeds u⁻ before and u⁺ after them; of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
 # The clearance given to a point that is released, relative to a link length, and at least relative to the
 # largest coordinate. It is far larger than round-off, so that round-off does not make the point touch again.
 RELEASE_GAP, LEAST_RELEASE = 1e-13, 1e-14
-# The arriving points come to rest if weight and dry friction can stop them within this distance, relative to
-# a link length.
+# Arriving points come to rest if their kinetic energy is at most the work of the weight and of dry friction
+# over this distance, relative to a link length.
 FALL = 10.0 * RELEASE_GAP
 
 
@@ -168,11 +168,11 @@ def join_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities, and count the lost energy as dissipated."""
+    """Apply the impulses of an impact to the velocities; count the energies dissipated and supplied."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # a NEIGHBOUR that moves away from its wall, or a wedged point, causes a gain of energy: the
-        # restitution is then set to 0
+        # energy would be gained, by a NEIGHBOUR that moves away from its wall, or a wedged point cannot
+        # rebound: the restitution of all contacts is then set to 0
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -239,8 +239,8 @@ def end_rebounding_contacts(d):
 def is_gentle(d):
     """Return whether all arriving points are so slow, or have so little energy, that they come to rest.
 
-    In a gentle impact sticking continues. Otherwise a joint would slide because of the small impulses, and
-    its friction would throw up points for the next gentle impact, without end.
+    In a gentle impact sticking continues. If a joint slid because of the small impulses, its friction would
+    lift points, which would arrive gently again, without end.
     """
     slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.size)
     for c in range(d.candidates):
@@ -254,7 +254,7 @@ def is_gentle(d):
 
 
 def bring_to_rest(d, gentle):
-    """Stop the points that do not separate and, in a ``gentle`` impact, sticking joints."""
+    """Stop the points that do not separate and, in a ``gentle`` impact, the sticking elements."""
     if not gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
@@ -292,7 +292,7 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    # the modes of dry friction are chosen later, by other events
+    # the changes of modes of dry friction stay marked: the modes are chosen later
     drop_contact_events(d)
 
 
@@ -317,7 +317,7 @@ def release_contacts(d):
             end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
-        # nothing sticks during this motion, because a joint that sticks at a stop must move away from it
+        # nothing sticks during this motion: otherwise a joint that sticks could not move away from its stop
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

@@ -13,8 +13,8 @@ from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
 from chain_impact.kernel.status import count_other_work
 
-# [s] The time after an onset at which the forces are compared. The forces of several contacts that begin at
-# the same moment grow in the ratio that they have then.
+# [s] The time after an onset at which the forces are compared. For several contacts that begin at the same
+# moment, the ratio of their normal forces is that of this time.
 SOON = 1e-6
 
 

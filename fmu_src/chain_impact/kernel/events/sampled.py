@@ -1,11 +1,11 @@
 """The events that are found by sampling a step. At each event one of these functions falls below zero.
 
-    KINK             δ̇ or the force without the cut at 0; times −1 for a step beyond the kink
+    KINK             δ̇ or the force without the cut at 0; times −1 if the step starts beyond the kink
     RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
     RELEASE          least force with which a rigid wall holds a point
     SLIDING_ENDS     s t·v, the speed in the direction of sliding
     STICKING_ENDS    µ_s F_n − |F_t|, the limit of friction minus the friction force
-    (drives)         least distance of a drive's torque from the end of the mode of the drive
+    (drives)         least margin of a drive's torque or force to the end of the drive's mode
 
 δ is the penetration, v₀ the impact speed of the law, s = ±1 the direction of sliding, t·v the tangential
 speed, F_n the normal force, and F_t the friction force with the coefficient µ_s. The stages of a step, and
@@ -18,8 +18,8 @@ smoothly beyond the kink. If a stage or the end of the step is beyond the kink, 
 the kink, and the next step uses the force of the other side. A point without force that is still inside the
 wall moves as in flight until the point leaves or the wall pushes again.
 
-The torque of a drive has a kink where it reaches its limit or falls below the limit. The mode of the torque
-is kept until the end of the step.
+The torque or force of a drive has a kink where it reaches its limit or falls below the limit. The mode of the
+drive is kept until the end of the step.
 
 RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value in a second impact, or
 after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ̇/v₀ and the force would grow
@@ -59,8 +59,8 @@ from chain_impact.kernel.status import count_evaluations
 # for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
 # stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The turn [rad] of an input is its angular frequency times the length of a step. Up to TURN_OF_STAGES the
-# stages of a step show all events, although they are up to a quarter of the step apart.
+# The largest turn [rad] of an input in a step, its angular frequency times the step's duration, at which the
+# stages show all events, although they are up to a quarter of the step apart.
 TURN_OF_STAGES = 0.5
 SAMPLES_PER_RADIAN = 8.0  # number of samples for each radian of a larger turn
 MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of samples: it bounds the work
@@ -71,7 +71,7 @@ PULL_ROUND_OFF = 1e-11
 LEAST_REFUSED_STEP = 1e-9
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
-# link's weight plus the force that accelerates a link by one link length per second squared.
+# link's mass times (gravity + one link length per s²).
 FRICTION_EXCESS = 1e-10
 
 
@@ -81,7 +81,7 @@ WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 
 def turn_of_inputs(d):
-    """Return by how much [rad] inputs that are functions of time turn in the last step."""
+    """Return the largest turn [rad] of an input in the last step: angular frequency times duration."""
     return (d.step.end - d.step.start) * max(d.inputs.piece.change_rate, rate_of_signals(d))
 
 
@@ -99,15 +99,15 @@ def search_for(
         value: function of (d, c, θ) that falls below zero at the event.
         suspected: function of (d, c): whether c may have an event, by the stages and the located points.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: functions of d and (d, k) that return the number of possible c, and the k-th one.
+        members: two functions: of d, the number of possible c; of (d, k), the k-th one.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location [s], as in ``first_passage``.
 
     Returns:
-        A function of (d, earliest). If an event of this kind happens before the event at ``earliest`` (−1:
-        before the end of the step), the function marks only this event and returns its θ; otherwise it
-        returns ``earliest``. The points must be located at ``earliest``; afterwards the points of contacts
-        are located at the result.
+        A function of (d, earliest), with ``earliest`` the θ of the event found so far, or −1. If an event of
+        this kind happens earlier in the step, the function drops the other marks, marks this event and
+        returns its θ; otherwise it returns ``earliest``. The points must be located at ``earliest`` (−1: at
+        the end); afterwards the points of contacts are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
@@ -196,7 +196,8 @@ find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolutio
 def may_pull(d, _c):
     """Return whether a stage of the last step has shown that a rigid wall pulls.
 
-    If a stage has passed a configuration with infinite forces, the step is refused, and the result is false.
+    If it pulls more than is plausible (``strongest``), the step is refused, unless it is very short, and the
+    result is false.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -239,7 +240,7 @@ def least_force(d, _c, theta):
     The result includes the pull that counts as round-off, so it is negative only if a wall really pulls.
     """
     interpolate(d.step, theta, d.work.y)
-    # without the projection, stiff joints would turn the interpolant's error into a force
+    # without `project_state`, stiff joints would turn the interpolant's error into a force
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
     rate_from_state(d, d.work.y, d.work.rate)
@@ -256,7 +257,7 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Return whether to search the last step for the release of a point, if inputs vary strongly in the step.
+    """Return whether to search a last step with a turn above TURN_OF_STAGES for the release of a point.
 
     A wall may pull between the stages, where ``may_pull`` does not look. So every step is searched, except a
     step that ``may_pull`` has just refused.
@@ -287,7 +288,7 @@ def mark_changes(d, element, theta):
 
 
 def resolution_of(d, e):
-    """Return the round-off: of the speed [m/s] of a sliding element e, of the force [N] of a sticking one."""
+    """Return the error of element e: of its speed [m/s] if it slides, of its force [N] if it sticks."""
     return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -302,9 +303,9 @@ def excess(d, e):
 
 
 def element_margin(d, e, theta):
-    """Return how far [m/s or N] element e is from the end of its mode at the fraction θ, plus round-off.
+    """Return how far [m/s or N] element e is from the end of its mode, plus ``resolution_of``.
 
-    θ is the fraction of the last step.
+    θ is the fraction of the last step at which the element is examined.
     """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
@@ -316,11 +317,10 @@ def element_margin(d, e, theta):
 
 
 def has_come_near(d):
-    """Return whether a mode that ends in the repeated step has really come near its end.
+    """Return whether the repeated step at least halves the margin of a mode that is marked to end.
 
     The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
-    does not have. The margin of the mode must be halved in the repeated step. Otherwise steps with such false
-    ends could follow each other without end.
+    does not have. Without this check, steps with such false ends could follow each other without end.
     """
     near = False
     for i in range(d.friction.count):
@@ -332,7 +332,7 @@ def has_come_near(d):
 
 
 def may_always_change(_d, _e):
-    """Return True: in a step in which inputs turn by much, any mode may end between the stages."""
+    """Return True: in a step with a turn above TURN_OF_STAGES any mode may end between the stages."""
     return True
 
 
@@ -342,7 +342,7 @@ find_mode_change = search_by_inputs(
 )
 
 
-# ---- limits of torques in joints --------------------------------------------------------------------------
+# ---- limits of drives -------------------------------------------------------------------------------------
 
 
 def is_past_limit(d, _c):
@@ -363,7 +363,8 @@ def drive_margin(d, _c, theta):
 def may_pass_limit(d, c):
     """Return whether to search the drives with limits, in a step with a turn above TURN_OF_STAGES.
 
-    It is true if a stage shows that a drive leaves its mode, or if fast inputs act in a drive with a limit.
+    It is true if a stage shows that a drive leaves its mode, if a fast signal acts in a drive with a limit,
+    or, with inputs that are polynomials, if any drive has a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)

@@ -9,7 +9,7 @@ from chain_impact.kernel.functions import has_dual_rule
 def clear_saturation(d):
     """Set the modes of all drives to "below the limit", without marking a change.
 
-    The modes in ``chosen``, which a tangent instance takes from the primal run, stay.
+    ``chosen`` stays: in a tangent instance it holds the modes of the primal run.
     """
     for i in range(drive_count(d)):
         d.drive.mode[i] = 0

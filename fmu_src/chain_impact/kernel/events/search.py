@@ -43,20 +43,19 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
 # The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
-# about 1e-15. A deeper onset is an error of the step: at a stiffness of 1e12 N/m^1.5 it would add 1e-11 J.
+# about 1e-15. A deeper onset is an error of the step that adds energy: 1e-11 J at 1e-9 m and 1e12 N/m^1.5.
 DEEP = 1e-9
-# The first part of a step, in which a crossing must agree with the Taylor polynomial at the start of the
-# step. The polynomial of second order has a relative error of 1e-9 there; the interpolant of a stiff step can
-# have larger errors.
+# The θ up to which a crossing must agree with the Taylor polynomial of second order at the start of the step.
+# The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can have larger errors.
 EARLY = 1e-3
-# The largest distance from an onset to the end of a step that was repeated to end at the onset, relative to
-# the step's size. With a larger distance the step is refused.
+# The largest time between an onset and the end of a step that was repeated to end at the onset, relative to
+# the step's size. With a larger time the step is refused.
 LANDED = 1e-2
-# The largest clearance at an onset that counts as round-off, relative to a link length and the coordinates of
-# the point. A slow point may need a large part of a short step to move as far; this time then counts as 0.
+# The largest clearance at an onset that counts as round-off, relative to a link length plus the coordinates
+# of the point. A slow point may need more than LANDED to move as far; this time then counts as 0.
 ROUND_OFF = 1e-15
-# The shortest step that is refused, relative to the time. It is ten times the resolution of time, because the
-# next try may be a tenth as long.
+# A step is refused only if it is longer than SIMULTANEOUS plus this part of the time. It is ten times the
+# resolution of time, because the next try may be a tenth as long.
 RESOLVED = 4e-15
 
 
@@ -64,9 +63,8 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. ``touch.event`` then
-        holds the kind of event of each candidate. A step that is too inaccurate to locate the event is
-        refused.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. The marks (marks.py)
+        tell the kind of event. A step that is too inaccurate to locate the event is refused.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -89,8 +87,8 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # Without an event the clearances belong to the end of the step; an event breaks the sequence of steps and
-    # makes the clearances invalid.
+    # Without an event the clearances are those at the end of the step. An event breaks the sequence of steps,
+    # so they are then never used.
     remember_clearances(d, VALUES)
     # the error control does not check that time increases in a regularized step
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -133,7 +131,7 @@ def credible(d, theta):
     if theta <= EARLY and starts_clear(d, d.work.y[time_at(d.links)]):
         return False
     if theta == 0.0:
-        # a point that is inside a wall at the start of this step is inside in a shorter step as well
+        # to refuse would not help: a point inside a wall at the start is inside in a shorter step as well
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
@@ -144,10 +142,10 @@ def credible(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event has a clearance φ > 0 ``lasted`` [s] after the start.
+    """Return whether a candidate with an event has over half its clearance φ left at a time in the step.
 
-    The start is that of the last step. φ is extrapolated from the motion there, because the interpolant of a
-    step over a stiff motion may have an error as large as the tolerance near the start.
+    The time is ``lasted`` [s] after the start. φ is extrapolated from the motion at the start, because the
+    interpolant of a step over a stiff motion may have an error as large as the tolerance there.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -167,9 +165,9 @@ def onset_fraction(d):
     """Return the fraction θ of the onsets in the last step, which was repeated to end at its events.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    θ; the result may lie a little beyond the end. The step is refused if points at θ are deep inside a wall
-    or far from an onset. The function returns −1, for the end of the step, if there is no onset, or if the
-    step is not much longer than the resolution of time.
+    θ; the result may lie a little beyond the end. It is −1, for the end of the step, if there is no onset, or
+    if the step is not much longer than the resolution of time. The step is refused if points at θ are deep
+    inside a wall or far from an onset, or if none of the modes marked to end ``has_come_near``.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0

@@ -24,8 +24,8 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# Effect of the end of a segment. NO_JUMP: no driven input jumps. BENDS: an input jumps, and with it the
-# accelerations. JUMPS: the speed of a belt jumps.
+# Effect of the end of a segment. NO_JUMP: none. BENDS: an input or the acceleration of a channel jumps, and
+# with it the accelerations of the chain. JUMPS: the speed of a belt jumps.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
 # The largest difference between the values before and after the end of a segment that counts as round-off. It
 # is relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
@@ -33,7 +33,10 @@ VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, in time, which ends with a segment or leaves no tiny rest of it."""
+    """Return a size ≤ h of the next step, which ends with a segment or leaves no tiny rest of it.
+
+    The size of a step in fictitious time remains h.
+    """
     return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
 
 
@@ -130,9 +133,9 @@ def begin_segment(d, j):
     ensure_inputs(d, y)
     size = d.model.size
     if stores:
-        # the position and velocity of base and walls never jump, nor does any energy with them
+        # a channel adds no energy here: the position and velocity of base and walls never jump
         supply(d, energy_balance(d, y) - energy)
-        # the number of the chain's energy serves as the natural scale of torques, forces and angles
+        # the value of `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
         return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale) else BENDS
     if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
         return JUMPS
@@ -143,5 +146,5 @@ def begin_segment(d, j):
 def shift_start(_d, _delay):
     """Move the start of the next step to the end of a segment, which is a ``delay`` [s] later.
 
-    The delay is only round-off, but may have derivatives.
+    The delay is only round-off, so only its derivatives move the start, of a tangent instance.
     """

@@ -1,6 +1,6 @@
 """Contact of points with walls: onset, forces on the points, and the list of active contacts.
 
-A candidate is a pair of a point and a wall, or a stop. The clearance g of a candidate is positive while point
+A candidate is a stop, or a point paired with a wall. The clearance g of a candidate is positive while point
 and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
 """
 
@@ -20,18 +20,18 @@ from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_o
 
 
 def clear_impacts(d, time):
-    """Forget all impacts at the start of a run, at ``time`` [s]."""
+    """Set the count and the data of impacts to those of a run that starts at ``time`` [s]."""
     clear(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Return the force [N] of an active candidate that outputs and peaks show.
+    """Return the true force [N] of an active candidate, for outputs and peaks.
 
     The arguments are its clearance [m] and the rate of the clearance [m/s].
     """
-    # At the onset the clearance may be positive by round-off. It then counts as 0, because a force that jumps
-    # at the onset acts from the clearance 0 on.
+    # A clearance > 0, by round-off at the onset, counts as 0: a force that jumps at the onset already acts at
+    # the clearance 0.
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
 
@@ -43,18 +43,18 @@ def apply_contact(d, c, gap, gap_rate):
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
     add_along(normal(d, c), d.work.load, force)
-    # the elastic part K δⁿ of the force F stores power, the rest is dissipated: (F − K δⁿ) δ̇ ≥ 0, δ the
-    # penetration
+    # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇ ≥ 0;
+    # δ is the penetration
     return (elastic - force) * gap_rate
 
 
 def keep_force(d, c, force):
-    """Store the force [N] of an active candidate, which was evaluated just now."""
+    """Store the ``force`` [N] of candidate c in ``touch.force``."""
     d.touch.force[c] = force
 
 
 def clear_loads(d):
-    """Set the loads on the points to the input force at the tip alone."""
+    """Clear the loads at all places, except the force at the tip, which is an input."""
     clear_loads_of(d, d.work.load)
     tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
@@ -62,9 +62,9 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads for the located points; return the power [W] that contacts and friction dissipate.
+    """Set the loads: the input at the tip, contact forces and sliding friction, for the located points.
 
-    The friction of sticking elements is found later.
+    Return the power [W] that contact forces and sliding friction dissipate.
     """
     clear_loads(d)
     dissipated = 0.0
@@ -76,7 +76,7 @@ def apply_contacts(d):
 
 
 def apply_true_contacts(d):
-    """Set the loads to the contact forces that outputs show, for the located points; none of these pulls."""
+    """Set the loads as ``apply_contacts`` does, but with the true contact forces, of which none pulls."""
     clear_loads(d)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -99,13 +99,12 @@ def contact_slopes(d, c):
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
-    From then on the speed v₀, the effective mass and the expected depth are fixed.
+    Fix its impact speed v₀, effective mass, expected penetration and damping.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    # a point that moves outward at its onset, because of an integration error or another impact, gets the
-    # speed 0
+    # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_rates(d, c, -gap_rate, 1.0)  # 1: the force rises at the onset
@@ -124,7 +123,7 @@ def latch_onset(d, c):
 
 
 def begin_force_contact(d, c):
-    """Begin the contact of candidate c, which has a force law, with its kink side and friction."""
+    """Begin the contact of candidate c with a force law: latch the onset, set kink side and friction mode."""
     latch_onset(d, c)
     set_kink_side(d, c)
     if d.friction.used and may_rub(d, c):
@@ -132,9 +131,9 @@ def begin_force_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the expected penetration and the damping of candidate c's contact.
+    """Fix the expected penetration and, for a force law, the damping of candidate c's contact.
 
-    They depend on the law, the impact speed and the effective mass.
+    They follow from the law, the impact speed and the effective mass.
     """
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
@@ -142,7 +141,7 @@ def latch(d, c):
 
 
 def relatch(d, c, factor):
-    """Multiply the v₀ that candidate c keeps from its onset by a factor; set again what depends on v₀."""
+    """Multiply the latched v₀ of candidate c by a ``factor``; set depth, damping and kink side for it."""
     d.touch.impact_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)
@@ -167,7 +166,7 @@ def set_rates(d, c, speed, force_rate):
 
 
 def expect_peaks(d):
-    """Request a search of the next step for peaks of all forces, which may rise after a change of modes."""
+    """Have the next step searched for peaks of all contact forces: a change of modes may let them rise."""
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
@@ -178,9 +177,9 @@ def set_extremes(d, c, peak_force, max_penetration):
 
 
 def set_joint_square(d, c, top, joint):
-    """Set the largest square of a force [N²] in any joint during the contact of candidate c.
+    """Set the largest squared joint force ``top`` [N²] so far during the contact of candidate c.
 
-    ``joint`` is the number of the joint, 1…N, or 0 for none.
+    ``joint`` is the number of the joint with this force, 1…N, or 0 for none.
     """
     d.touch.joint_square[c], d.touch.joint[c] = top, joint
 
@@ -216,7 +215,7 @@ def set_kink_sides(d):
 def list_touching(d):
     """List the active contacts in ``touch.active_index``; contacts with a force law come first.
 
-    Also count the stops among them, and list the elements with dry friction.
+    Also count the joints' stops among them, and list the elements with dry friction.
     """
     touch = d.touch
     touch.active_count = 0
@@ -234,7 +233,7 @@ def list_touching(d):
 
 
 def list_kind(d, impulsive):
-    """Append to the packed list the active contacts with impulses (``impulsive``) or with a force law."""
+    """Append the active contacts of rigid walls (``impulsive`` 1) or of force laws (0) to the packed list."""
     touch = d.touch
     for c in range(d.candidates):
         if touch.active[c] and d.law.impulsive[c] == impulsive:

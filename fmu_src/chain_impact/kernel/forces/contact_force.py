@@ -5,9 +5,9 @@ the onset. The laws in laws.py differ only in d and the exponents n and p. A use
 the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
-across a kink would lose its order. So a step continues the force of one side of the kink smoothly until the
-kink has been located (events/sampled.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the
-true force.
+across a kink would lose its order of accuracy. So a step uses the smooth force of one side of the kink, also
+beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` holds the side.
+Outputs and peaks use the true force.
 """
 
 import math
@@ -22,14 +22,14 @@ from chain_impact.kernel.rows.geometry import at_joint, lever
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
 # cube root of round-off: the errors of truncation and of round-off are then equal.
 INCREMENT = 1e-5
-# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative
-# to v₀ √tolerance. A rate of this size changes the impulse by a tenth of the tolerance.
+# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative to
+# v₀ √(tolerance/max(1, damping_share)). The impulse then errs by a tenth of the tolerance at most.
 TURNED = 0.3
 
 
 @has_dual_rule
 def power_of_depth(depth, exponent):
-    """Return δ^exponent for δ ≥ 0; the most usual exponents need roots and products only."""
+    """Return δ^exponent for δ ≥ 0, by roots and products for the exponents 0, ½, 1 and 3/2."""
     if exponent == 1.5:
         return depth * math.sqrt(depth)
     if exponent == 1.0:
@@ -42,7 +42,7 @@ def power_of_depth(depth, exponent):
 
 
 def rare_power(depth, exponent):
-    """Return δ^exponent for δ ≥ 0, with roots and products if they suffice."""
+    """Return δ^exponent for δ ≥ 0, by roots and products for the exponents ¼, 2 and 5/2."""
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
     if exponent == 2.0:
@@ -89,7 +89,7 @@ def set_damping(d, c):
         # λ K/v₀
         touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
-        # the damping by the law's factor f, the stiffness K and the mass m: f K^(1−s) m^s
+        # d = f K^(1−s) m^s, with the law's factor f and exponent s, and the effective mass m
         ratio = touch.effective_mass[c] / stiffness
         share = power(ratio, mass_power)
         touch.damping[c] = factor * stiffness * share * unit_of_damping(d, c, mass_power)
@@ -97,11 +97,11 @@ def set_damping(d, c):
 
 
 def unit_of_damping(d, c, mass_power):
-    """Return the factor that turns the damping f K^(1−s) m^s of a wall into the damping of a stop.
+    """Return the factor by which the damping of a joint's stop differs from f K^(1−s) m^s; 1 for others.
 
-    f and s belong to the law (laws.py), and m is the effective mass. A stop acts on an angle; for the kernel
-    it is a wall at the lever arm r. For the angle, the stiffness is K' = K rⁿ⁺¹, and the mass m' = m r². The
-    law gives d' from K' and m', and d = d'/rᵖ⁺². The factor is 1 if f has no unit.
+    f and s belong to the law (laws.py), and m is the effective mass. The law of a joint's stop holds for the
+    angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
+    kernel's damping at the lever arm r is d = d'/rᵖ⁺². The factor is also 1 if f has no unit.
     """
     if not at_joint(d, c):
         return 1.0
@@ -111,11 +111,11 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """Return the largest |δ̇| [m/s] for which the force of the wrong side has an error within the tolerance.
+    """Return the largest |δ̇| [m/s] up to which a step may use the force of the wrong side of the kink.
 
-    If the rate reaches the value v on the wrong side, the relative error of the impulse is (v/v₀)² times the
-    result of ``damping_share``. For a point at rest the sign of δ̇ changes all the time because of errors, so
-    the result also includes a speed of the size of the tolerance.
+    If |δ̇| reaches the speed v on the wrong side, the relative error of the impulse is (v/v₀)² times the
+    result of ``damping_share``. The result also includes the tolerance times the longest link per second,
+    because for a point at rest errors change the sign of δ̇ all the time.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
@@ -133,7 +133,7 @@ def law_force(d, c, depth, rate):
 
 
 def continued_force(d, c, depth, rate):
-    """Return the values of ``law_force``, but with the force continued smoothly from one side of the kink.
+    """Return the values of ``law_force``, but with the smooth force of one side of the kink on both sides.
 
     ``touch.beyond_kink`` holds this side. A crossing of the kink is recorded.
     """
@@ -145,7 +145,7 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """Return the force [N] of candidate c that outputs and peaks show, which is never a pull.
+    """Return the true force ≥ 0 [N] of candidate c, for outputs and peaks.
 
     For a law that damps on approach only, ``touch.beyond_kink`` tells the side of the kink. The sign of δ̇
     would not do, because at rest δ̇ is 0 up to errors.
@@ -156,7 +156,7 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` is beyond 0 by more than the margin."""
+    """Record that candidate c has crossed its kink, if ``height`` is on the other side by over the margin."""
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
@@ -169,7 +169,10 @@ def clear_crossings(d):
 
 
 def height_over_kink(d, c, depth, rate):
-    """Return δ̇ or the uncut force of candidate c: 0 at the kink of the force, negative beyond the kink."""
+    """Return a value of candidate c that is 0 at the kink of its force, and negative beyond the kink.
+
+    It is δ̇ [m/s] for a law that damps on approach only, else the force [N] before it is cut off at 0.
+    """
     if d.law.approach_only[c]:
         return rate
     force, _ = uncut_force(d, c, depth, rate, False)
@@ -177,7 +180,7 @@ def height_over_kink(d, c, depth, rate):
 
 
 def cut_off(d, c):
-    """Return whether the force of candidate c is cut off at 0, because the law would give a pull."""
+    """Return whether a step uses the force 0 for candidate c, because the law would give a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
@@ -195,9 +198,9 @@ def uncut_force(d, c, depth, rate, leaves):
 
 
 def user_contact_force(d, c, depth, rate):
-    """Return the force of a user's law for candidate c, before it is cut off at 0.
+    """Return the force [N] of a user's law for candidate c, before it is cut off at 0.
 
-    The user's law of a stop takes the angle beyond the stop, and returns a moment.
+    The law of a joint's stop takes the angle beyond the stop and returns a moment; both are converted.
     """
     law, arm = d.law, lever(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
@@ -220,7 +223,10 @@ def may_jump(d, c):
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """Return ∂F/∂δ̇ = d δᵖ [N·s/m], the damping of candidate c without the cut at 0; ``spring`` is δⁿ."""
+    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
+
+    The result is 0 if the point ``leaves`` and the law damps on approach only.
+    """
     law = d.law
     if law.approach_only[c] and leaves:
         return 0.0
@@ -241,17 +247,14 @@ def law_slopes(d, c, depth, rate):
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
-    # slope by the penetration: ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the
-    # kink F may be < 0
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ. For n ≥ p and F ≥ 0 this is at least (n−p) K δⁿ⁻¹, but near the kink F
+    # may be < 0.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
 
 def user_slopes(d, c, depth, rate):
-    """Return the values of ``law_slopes`` for a user's law, by central differences.
-
-    Each value is at least 0.
-    """
+    """Return the values of ``law_slopes`` for a user's law, by central differences; negative ones as 0."""
     step = INCREMENT * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)

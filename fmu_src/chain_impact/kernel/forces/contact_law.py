@@ -1,12 +1,12 @@
-"""The contact law of each candidate: a wall may have another material, and stops may have their own law.
+"""The contact law of each candidate: a wall may have another material, and joints' stops another law.
 
-The law of a stop acts on the angle φ beyond the stop, with a moment M. For the kernel a stop is a contact at
-a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s. With a
-moment M = K φⁿ of the stiffness K, the stiffness of this contact is K/sⁿ⁺¹, and its minimum impact speed in
-m/s is s times the given speed in rad/s.
+The law of a joint's stop acts on the angle φ beyond the stop, with a moment M. For the kernel the stop is a
+contact at a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s.
+So a moment M = K φⁿ gives this contact the stiffness K/sⁿ⁺¹, and its minimum impact speed in m/s is s times
+the given speed in rad/s.
 
-Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel derives
-the damping of the law for the first of these candidates; the others copy it (``law.same_as``).
+Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel sets
+the law of the first of these candidates; the others copy it (``law.same_as``).
 """
 
 import math
@@ -39,9 +39,10 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The largest depth in a wall at which a point still counts as apart, relative to a link length. At this depth
-# a force K δⁿ of 1e-10 N is left out for K = 1e8; round-off of positions is about 1e-15. Without this margin,
-# the solver would search every step of a point that slides along a wall at zero clearance for an onset.
+# The largest depth in a wall at which a point still counts as apart, relative to the longest link; 0 at rigid
+# walls. For K = 1e8, n = 3/2 and links of 1 m this leaves out a force of 1e-10 N; round-off of positions is
+# about 1e-15. Without this margin, the solver would search every step of a point that slides along a wall at
+# zero clearance for an onset.
 HARMLESS = 1e-12
 # origins of laws that are no walls, see ``origin``
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
@@ -51,7 +52,7 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates share a law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        d.law.number[c] = 0  # 0: the law is set again, because any parameter may have changed
+        d.law.number[c] = 0  # 0: ``derive_damping`` derives anew, because any parameter may have changed
         first, source = 0, origin(d, c)
         while origin(d, first) != source:
             first += 1
@@ -76,7 +77,7 @@ def origin(d, c):
 
 
 def update_laws(d):
-    """Set the laws of all candidates to the given values; return a status. Invalid values change nothing."""
+    """Set the laws of all candidates to the given parameters; return a status. Unless OK, change nothing."""
     status = check_laws(d)
     if status != OK:
         return status
@@ -94,7 +95,7 @@ def update_laws(d):
 
 
 def check_laws(d):
-    """Check the given values; return a status. A law with a force cannot become rigid during a contact."""
+    """Check the given laws; return a status: RIGID_WHILE_TOUCHING if a contact would become rigid."""
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
@@ -137,7 +138,7 @@ def given_number(d, c):
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K [N/mⁿ] of candidate c; for a stop, K of the contact at the lever arm."""
+    """Return the given stiffness K [N/mⁿ] of candidate c; for a joint's stop, K at the lever arm."""
     if at_joint(d, c):
         return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
     if at_stop(d, c):
@@ -172,7 +173,7 @@ def exponent(d, c):
 
 
 def check_law(d, c):
-    """Check the given values for the law of candidate c; return a status."""
+    """Check the given law of candidate c and whether the given parameters suit it; return a status."""
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
@@ -203,10 +204,10 @@ def is_derived(d, c):
 
 
 def derive_damping(d, c):
-    """Derive the constants of the given law of candidate c.
+    """Derive the constants of the given law of candidate c, unless they have been derived.
 
-    They are the factor f(e) by the restitution e, the exponent p of the penetration in the damping δᵖ δ̇,
-    whether there is damping in the approach only, and whether the wall is rigid.
+    They are the factor f(e) for the restitution e, the exponent p of the damping d δᵖ δ̇, whether it acts on
+    approach only, and whether the wall is rigid.
     """
     if is_derived(d, c):
         return

@@ -1,17 +1,18 @@
 """Coulomb's dry friction at walls and in joints; a sticking element does not creep.
 
-An element is a candidate, at whose contact the wall also exerts a force along t = (n_y, −n_x), a joint, or
-the slider. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so
-that the equations of motion are smooth within a step:
+An element is a candidate, a joint or the slider. At a candidate the friction force acts along
+t = (n_y, −n_x). Each element with friction has a mode, which changes at events only
+(events/friction_modes.py), so that the equations of motion are smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
 with F_t the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient
 of sliding and µ_s ≥ µ that of static friction. Within a step the sign s is latched (fixed); the sign of the
-tangential speed is not evaluated. In a joint both limits are the friction moment divided by the lever arm of
-its place. The normal force of a law with a force depends on the state alone, so modes and accelerations that
-satisfy these laws exist; for µ_s = µ the accelerations are unique.
+tangential speed is not evaluated. In a joint, µ F_n and µ_s F_n are both the friction moment divided by the
+lever arm of the joint's place, and for the slider its friction force. The normal force of a force law depends
+on the state alone, so modes and accelerations that satisfy these laws exist; for µ_s = µ the accelerations
+are unique.
 
 Where several constraints are dependent, the forces of the sticking elements are not unique. The solver then
 chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
@@ -65,7 +66,7 @@ def clear_friction(d):
 
 
 def against(force):
-    """Return the sign of the direction of sliding that a friction force opposes."""
+    """Return the sign, along t, of the sliding that a friction ``force`` along t opposes."""
     return 1 if force < 0.0 else -1
 
 
@@ -75,7 +76,7 @@ def set_mode(d, e, mode):
 
 
 def set_anchor(d, e):
-    """Set the anchor of element e, the place where it sticks, to its located place."""
+    """Set the anchor of element e, the coordinate along t where it sticks, to its located coordinate."""
     d.element.anchor[e] = tangential_position(d, e)
 
 
@@ -113,7 +114,7 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Let no element stick in an impact on rigid walls: limits of friction do not limit impulses."""
+    """Unlist the sticking elements during an impact on rigid walls: no friction limit holds for impulses."""
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
@@ -125,9 +126,9 @@ def clear_other_forces(d):
 
 
 def begin_friction(d, c):
-    """Set a preliminary mode of a contact that begins at located points; friction_modes.py decides it."""
+    """Set the anchor and, until friction_modes.py decides, the mode of contact c that begins."""
     speed = tangential_rate(d, c)
-    # the state may be projected before the mode is decided: the anchor keeps a sticking element in place
+    # a projection of the state before the decision moves a sticking element to its anchor
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
@@ -135,9 +136,9 @@ def begin_friction(d, c):
 def friction_load(d, c):
     """Return the normal force [N] of candidate c that determines its friction.
 
-    Beyond the kink of the contact force, force and friction are continued smoothly until the kink has been
-    located. A law that damps on approach only may pull there, and friction in proportion to a pull would add
-    energy: for such a law a pull counts as 0.
+    A step continues the contact force, and so the friction, smoothly beyond the kink. The force of a law that
+    damps on approach only may be a pull there. Friction in proportion to a pull would add energy, so for such
+    a law a pull counts as 0.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 
@@ -166,7 +167,7 @@ def apply_friction(d):
 
 
 def slide(d, e, size):
-    """Add friction of a ``size`` [N] for the sliding element e; return the dissipated power [W]."""
+    """Add the friction of ``size`` [N] of the sliding element e to the loads; return its lost power [W]."""
     sign = float(d.element.mode[e])
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
@@ -177,7 +178,7 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of sticking elements, found as constraint forces, and the margins to their limits."""
+    """Store the constraint forces [N] of sticking elements, and how far they exceed their limits."""
     friction, first = d.friction, d.touch.active_count
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
@@ -188,10 +189,9 @@ def keep_static_forces(d):
 def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate.
 
-    The speeds of sticking elements are errors of a step. The step moves the elements with these speeds, and a
-    projection moves the elements back (ode/last_step.py). The stages of an implicit step leave the power out,
-    because their last correction changes the speeds: the work along the corrected motion is found instead
-    (ode/friction_work.py).
+    A sticking element has a speed only by the error of a step; a projection then moves the element back
+    (ode/last_step.py). The stages of an implicit step leave this power out, because their last correction
+    changes the speeds. Instead, ode/friction_work.py finds the work along the corrected motion.
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):
@@ -202,7 +202,7 @@ def static_power(d):
 
 
 def work_of_holding(d):
-    """Return the work [J] of the forces of sticking elements from the anchors to the present places."""
+    """Return the work [J] of the present sticking forces along the way from the anchors to the elements."""
     work = 0.0
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
@@ -211,10 +211,10 @@ def work_of_holding(d):
 
 
 def keep_anchors(d):
-    """Move the anchors of sticking elements to their located places if the projection has missed the anchors.
+    """Move each anchor that a projection has missed to the located coordinate of its sticking element.
 
-    The projection misses an anchor only where a motion can hardly be constrained (constraints.py). To correct
-    such a motion in each step would do work, and change the energy of a chain at rest.
+    A projection misses an anchor only where impulses can hardly move the element (constraints.py). A
+    correction in each step would do work, and change the energy of a chain at rest.
     """
     friction, held = d.friction, NOT_HELD * farthest(d)
     for i in range(friction.stuck_count):
@@ -224,6 +224,6 @@ def keep_anchors(d):
 
 
 def clear_margins(d):
-    """Forget how far the modes of the elements were beyond their ends."""
+    """Set the margins of all elements with friction to 0, before the stages of a step lower them."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

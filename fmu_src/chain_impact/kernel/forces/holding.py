@@ -1,7 +1,8 @@
 """Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-The module rows/constraints.py finds the impulses of constraints. This module states the problem, the free
-motion and the targets, for a right-hand side, an accepted step and a state at an event.
+The module rows/constraints.py finds the impulses that bring the motions along constraints from ``start`` to
+``target``. This module sets ``start`` to clearances, speeds or accelerations, and applies the impulses to the
+rate ẏ or to the state.
 """
 
 import math
@@ -48,14 +49,15 @@ from chain_impact.kernel.rows.geometry import (
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
 # walls or base move and a point stays deeper, the walls leave no room for the chain.
 SQUEEZE = 1e-6
-# A point leaves a wall only if it rises at least to this height, relative to a link length. A lower height
+# A point leaves a wall only if it rises at least to this height, relative to the longest link. A lower height
 # could not be distinguished from round-off, and the next onset could not be located.
 RISE = 1e-14
-# The largest plausible correction of a coordinate in a projection, in rad or link lengths, relative to the
-# tolerance plus the error of a clearance in link lengths. A motion that needs more can hardly be constrained.
+# The largest plausible correction of a coordinate in a projection, relative to the tolerance plus the largest
+# residual. Angles are in rad, lengths in units of the longest link. A motion that needs more can hardly be
+# constrained.
 MISPLACED = 10.0
-# The part of the largest residual that a projection onto the constraints of sticking elements may leave. A
-# projection that leaves more is in vain.
+# The largest part of the residual that a projection onto the constraints of sticking elements may leave. A
+# projection that would leave more moves nothing.
 IN_VAIN = 0.5
 # The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
 # relative to the mean mass of a link.
@@ -80,9 +82,9 @@ def start_from_state(d, derivative):
 
 
 def start_from_loads(d):
-    """Set ``start`` to the motions along all constraints that the loads cause.
+    """Set ``start`` to the components along all constraints of the motion caused by ``work.load``.
 
-    Returns the largest motion of any place.
+    Return the largest component of the motion of any place.
     """
     factorize_free(d)
     solve_space(d, d.work.link, d.work, FREE, d.work.change)
@@ -98,15 +100,15 @@ def clear_least_forces(d):
 
 
 def add_change(d, y, first):
-    """Add the change of the coordinates by the impulses to y, from index ``first`` on."""
+    """Add to y, from index ``first`` on, the change of the coordinates that the impulses cause."""
     for j in range(coordinate_count(d.links)):
         y[first + j] += d.constraints.change[j]
 
 
 def start_from_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations of all constraints for a rate ẏ.
+    """Set ``start`` to the accelerations along all constraints, for the rate ẏ of the state y.
 
-    Return the largest acceleration of any place or moving wall.
+    Return the largest component of the acceleration of any place or moving wall.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
@@ -115,10 +117,11 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ of the free motion the effect of the constraint forces, so that nothing held moves.
+    """Add to the rate ẏ of the free motion the accelerations that the constraint forces cause.
 
     Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
-    ``d.constraints.impulse`` holds the forces [N]; apart from errors these forces do no work.
+    ``d.constraints.impulse`` holds the forces [N]; at walls at rest they do no work, apart from errors.
+    MOVING is recorded if a held point still accelerates by more than the tolerance.
     """
     constraints = d.constraints
     take_factors(d, joints_loaded(d))
@@ -145,13 +148,13 @@ def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
     Held contacts get the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along t
-    and loses its tangential speed. The contacts with a force law resist the change, because a change of a
-    clearance at a stiff wall would act as an impact.
+    and loses its tangential speed. If any element sticks, the contacts with a force law resist the change,
+    because a change of a clearance at a stiff wall would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. If walls would pull more than the errors explain, the points that leave the walls keep their rate ġ
-    > 0, in ``d.constraints.reached``. The loss of kinetic energy in the projection counts as dissipated.
-    Afterwards the points are located in the projected state.
+    size. If a wall would pull by more than the errors explain, points may leave their walls, with ġ > 0 in
+    ``d.constraints.reached``. The kinetic energy lost counts as dissipated, the work of moving walls, belts
+    and base as supplied. Afterwards the points are located in the projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
@@ -183,11 +186,11 @@ def project_state(d, y):
 
 
 def power_of_motion(d, y, rate):
-    """Return the power [W] of moving walls, belts and base, for a state y and its rate ẏ with all forces.
+    """Return the power [W] that moving walls, belts and base supply, for a state y and its rate ẏ.
 
-    The power of a wall is its force times its speed. The force on the base follows from Newton's law for the
-    whole chain, with the accelerations in ẏ. If the base moves, the function sets the accelerations of the
-    points.
+    It is the sum of force times speed. The force on the base follows from Newton's law for the whole chain,
+    with the accelerations in ẏ, which include all forces. If the base moves, the function sets the
+    accelerations of the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -216,7 +219,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls, belts and base in a jump of velocities by the impulses."""
+    """Return the work [J] that moving walls, belts and base do by the impulses in a jump of velocities."""
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_rows(d)):
         sticks = k >= d.touch.active_count
@@ -254,11 +257,11 @@ def contact_resistance(d):
 
 
 def solve_positions(d):
-    """Find the change of the coordinates that brings the clearances g of the active set to their targets.
+    """Find the change of the coordinates that brings clearances g and sticking elements to their targets.
 
     If the change is larger than residuals and errors explain, the constraints hardly act on the motion that
-    would remove them. Then only candidates of rigid walls with g < target are moved; without a rigid wall
-    nothing is moved. Nothing is moved either where the change hardly reduces the residual of sticking
+    would remove the residuals. Then only points in a rigid wall, with g < target, are moved. If no rigid wall
+    holds a point, nothing is moved, also where the change would hardly reduce the residuals of sticking
     elements, for example at two corners of a box. Otherwise each step would change the energy.
     """
     constraints, size, far, asked, moved, left = d.constraints, d.model.size, farthest(d), 0.0, 0.0, 0.0
@@ -279,7 +282,7 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Find the impulses that stop the active set; no impulse pulls by more than errors explain."""
+    """Find the impulses that stop the active set; no wall pulls by more than ``tolerated_momentum``."""
     speed = fastest_of_all(d)
     factorize_free(d)
     solve_equality(d, speed)
@@ -298,7 +301,8 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest momentum [N·s] of the chain that counts as zero.
 
-    It is the chain's mass times the speed after a fall by RISE plus the tolerated error of ``speed`` [m/s].
+    It is the chain's mass times a sum: the speed after a fall by RISE, and the tolerated error of ``speed``
+    [m/s].
     """
     size = d.model.size
     mass = d.model.energy_scale / (size * size)

@@ -2,16 +2,16 @@
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.piece` holds the next piece and `inputs.piece` the present piece; the coefficient u₀ of the next
-piece is in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
+`given.piece` holds the next piece and `inputs.piece` the present piece; u₀ of the next piece is the value in
+`given`. Inputs of order 0 are constant, and no polynomial is evaluated.
 
 Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
 use in `moved.piece`. The coefficients are set together with `given.piece` or, if `motion.interpolates`, they
 follow from the values at the communication points: position s, velocity v and acceleration a at a time t₀.
 The motion to the next communication point, at t₁ = t₀ + h, is a cubic. The cubic begins with the present
 position and velocity, and ends with the position s + v h + ½ a h² and the velocity v + a h of a uniform
-acceleration. So position and velocity are continuous, a uniform acceleration is followed exactly, and errors
-do not add up, because the end does not depend on the present position. A motion without new values continues.
+acceleration. So position and velocity are continuous, and a uniform acceleration is followed exactly. Errors
+do not add up, because the end depends on the given position s only. A motion without new values continues.
 If a velocity is given without a position, as always for a belt, the speed changes at a uniform rate to the
 given value, and the position is the integral of the speed.
 """
@@ -28,14 +28,14 @@ DEGREE = 9  # the highest degree of the polynomials
 # values of given.changed. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES: the inputs
 # go on without a jump
 REINITIALIZE, CONTINUES = 1, 2
-# The largest difference between the given distance and the integral of the given speeds, relative to the
-# speeds times the time between two communication points. A larger difference counts as a jump of the
-# position.
+# The largest part of a given displacement that the given velocities v and v′ before and after it may leave
+# unexplained, relative to |v| + |v′| times the time between them. A larger part is a contradiction, of which
+# the user is warned; a part beyond 1 is a jump of the position of a wall.
 UNEXPLAINED = 0.05
-# the change of a position, relative to a link length, that does not count as a jump, whatever the speeds are
+# the displacement, relative to the longest link, that may be unexplained in addition, whatever the speeds are
 TOUCH_OFF = 1e-9
-# The largest change of an acceleration that counts as round-off, relative to the largest position divided by
-# the squared step.
+# The largest jump of an acceleration, times the squared time of the cubic, that counts as round-off, relative
+# to the positions at the cubic's ends and its travel. Also the largest third coefficient that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
 # `change_rate` of a cubic motion that lasts a time h, relative to 1/h; small, because a cubic has no sixth
 # derivative
@@ -144,7 +144,7 @@ def inputs_continue(d):
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, in time, that ends with the piece or leaves no tiny rest of it.
+    """Return a size ≤ h of the next step: it ends with the piece of the inputs or leaves no tiny rest of it.
 
     A step in the fictitious time of a contact, or with constant inputs, keeps the size h.
     """
@@ -193,9 +193,10 @@ def begin_motion(d, time):
 
 
 def interpolate_motion(d, time):
-    """Set the polynomials of prescribed motions until a ``time`` [s], the next communication point.
+    """Set the cubics of prescribed motions until a ``time`` [s], the next communication point.
 
-    The polynomials lead through the values that are given at communication points.
+    They start at the present position and velocity, and end on the motion that the given values describe.
+    A motion that a signal drives has no cubic.
 
     Returns:
         WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
@@ -240,9 +241,9 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the cubic of channel j from its present position until a ``time`` [s].
+    """Set the cubic of channel j from the present until a ``time`` [s], which is ``h`` [s] later.
 
-    Returns True if the acceleration continues without a jump.
+    Return whether the acceleration continues without a jump.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
@@ -266,11 +267,10 @@ def set_cubic(d, j, time, h):
 
 
 def note_given(d, j, now):
-    """Record the values given to channel j at the present communication point.
+    """Record the values given to channel j at the present communication point, at the time ``now`` [s].
 
-    Returns False if the position of a wall jumps.
-
-    If no velocity of a base is given, the base gets the mean velocity since its previous given position.
+    Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
+    velocity since its previous given position.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]

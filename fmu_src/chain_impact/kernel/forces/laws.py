@@ -9,8 +9,8 @@ laws:
 - The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
   the onset [m/s]. The realised restitution e′ depends on λ alone. It solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
-- Laws with another power p of the penetration in the damping, for one exponent n. The damping d needs the
-  mass of the impact: the effective mass m of the chain at the contact [kg].
+- Laws with p ≠ n, each for one exponent n. The damping d = f K^(1−s) m^s, with the exponent s of the law,
+  needs the effective mass m of the chain at the contact [kg].
 - Rigid walls, with impulses instead of a force, so without d (events/impacts.py).
 
 The relations are derived in docs/contact_laws.md. The laws are numbered in the order of this file, and the
@@ -26,7 +26,7 @@ from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-# how powers of a quantity are written; other powers are written as δ^1.2
+# exponent → the power of δ as text; other powers are written like δ^1.2
 DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
@@ -41,9 +41,9 @@ class ContactLaw:
     source: str  # author, year, journal
     formula: str  # the factor f(e) as text; λ(e) for the Hunt–Crossley family
     limits: str  # range of use, limits and known errors of the law
-    # Source of the formula. A: an open source that cites the paper. B: public code that follows a review. C:
-    # the standard literature. Derived, recomputed: the formula also follows from an integration of a free
-    # impact.
+    # Where the formula was found. A: an open source that cites the paper. B: public code that follows a
+    # review. C: the standard literature. Derived, recomputed: the formula also follows from an integration of
+    # a free impact.
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
     accurate_to: float  # largest such e
@@ -113,8 +113,8 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 def contact_law(title, source, formula, accurate, evidence, **properties):
     """Register the decorated function f(e) as the next contact law, under the function's name.
 
-    The docstring of f states the limits of the law. If the source begins with a year, the title names the
-    authors.
+    The docstring of f states the limits of the law. If the source begins with a year, the title is put before
+    it, as the authors.
     """
 
     def register(function):
@@ -300,7 +300,7 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """Return ``scale`` times ζ, the damping ratio of an oscillator that keeps the part e in a half-cycle."""
+    """Return ``scale`` ζ; an oscillator of damping ratio ζ keeps the part e of its speed in a half-cycle."""
     decrement = log(e)
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 
@@ -364,7 +364,7 @@ __all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor", "is_imp
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# stands for "any exponent", or for "equal to the exponent", in the kernel
+# in EXPONENTS: any exponent n is allowed; in RATE_EXPONENTS: p = n
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)

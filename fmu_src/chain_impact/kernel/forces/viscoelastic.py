@@ -6,11 +6,11 @@ falls; the minimum of w is −e.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
-separates the factors that are singular at e = 0 and e = 1 from a smooth P. For e → 1 the speed at the end has
-the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e); for e → 0 it is proportional to g^(−5/3), with
-terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. P is a polynomial in r with a relative
-error below 2e-11 for all e. Its coefficients come from solutions of the impact by Taylor series of order 24,
-at 64 Chebyshev points.
+separates the factors that are singular at e = 0 and e = 1 from a smooth P. For e → 1 the speed −e at the end
+is a series in the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e). For e → 0 this speed is
+proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. A
+polynomial in r replaces P, with a relative error below 2e-11 for all e. Its coefficients come from solutions
+of the impact by Taylor series of order 24, at 64 Chebyshev points.
 """
 
 import math

@@ -16,18 +16,18 @@ of all steps in one second of simulated time must not add up to much more either
 
 S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
 all steps since the start together must not add more than a tenth of the energy available to motion, springs,
-walls and heat: the energy balance at the start less the potential energy, plus the supplied energy. Once
-this limit is reached, only steps that add no more energy are accepted.
+walls and heat: the energy balance at the start less the potential energy, plus the supplied energy, at its
+largest so far. Once this limit is reached, only steps that add no more energy are accepted.
 
 The steps may not lose much energy either. Errors of speeds as large as the tolerance can change an energy E
-by the tolerance times √(2E) (√(2E) + √E₁). With the available energy as E, all steps from the start to the
+by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
 time t may together lose
 
     B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
 
-A step is rejected if it loses more than both the part of B that is left and the growth of B in this step. The
-ratio of the step's loss to this limit acts on the size of the next step like an error relative to the
-tolerance.
+A step is rejected if it loses more than the larger of two energies: the part of B that is left, and the
+growth of B in this step. The ratio of the step's loss to this limit acts on the size of the next step like an
+error relative to the tolerance.
 """
 
 import math
@@ -62,21 +62,21 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, relative to the tolerance times the scale S of the
-# energy. In 1500 random scenes the largest change in a step had a median of 0.0015, and exceeded 1 in 1 % of
-# the scenes.
+# energy. In 1500 random scenes the largest ratio of this kind had a median of 0.0015, and exceeded 1 in 1 %
+# of the scenes.
 OF_A_STEP = 3.0
 # The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
-# the scale S of the energy. The errors of steps have a common sign only where a point rests: then their sum
-# reaches 230 in 100,000 steps. A run that exceeds the limit ends with an error status.
+# the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
+# a common sign only where a point rests: there their sum reaches 230 in 100,000 steps.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # [s] length of a window of time, equal to the window of the work limit
+WINDOW = 1.0  # [s] length of a window of time, equal to WORK_WINDOW (status.py)
 # the energy that the errors of all steps together may add, relative to the available energy
 ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIP = 1e-8
-# LOSS: the loss of energy by errors that is allowed to all steps together, relative to the tolerance times a
-# scale, like OF_A_STEP. As much again is allowed in every LASTING seconds. In 3360 random scenes this limit
+# LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale, like
+# OF_A_STEP. LASTING: the time [s] in which as much again may be lost. In 3360 random scenes this limit
 # shortens steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
 NOTABLE = 0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
@@ -88,8 +88,8 @@ LONG_TURN = 1.0
 # the allowed change of the energy balance at the middle of a step, where the order is lower, relative to the
 # allowed change at the end
 INTERPOLATED = 10.0
-# round-off of the energy balance in a step, relative to the energies, and relative to each force
-# times the coordinates of its point
+# round-off of the energy balance in a step, relative to the energies, and to each contact force, spring
+# moment and weight times the coordinates at which it acts
 ENERGY_ROUND_OFF = 1e-15
 
 
@@ -100,8 +100,8 @@ def start_balance(d, time):
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
-        # E₁, twice the kinetic energy of the stretched chain: twice ½ m (s + Σ L)² + ½ I, summed over its
-        # links
+        # E₁, twice the kinetic energy of the stretched chain: the sum of m (s + Σ L)² + I over its links,
+        # with Σ L up to the end of the link
         square += model.mass[i] * reach * reach + (model.inertia[i] + joint_armature(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
@@ -134,9 +134,9 @@ def rebase_energy(d):
 
 
 def apply_next_piece(d):
-    """Apply the inputs of the next piece, which continue without a jump.
+    """Apply the inputs of the next piece, at whose start no input jumps.
 
-    The pieces of a motion meet only up to round-off. The change of energy that this causes counts as
+    The pieces of a prescribed motion meet only up to round-off. The resulting change of energy counts as
     supplied.
     """
     if d.channels == 0:
@@ -153,7 +153,7 @@ def apply_next_piece(d):
 def reinit_balance(d):
     """Re-initialize the balance at the communication point.
 
-    A new parameter may have changed stored energies.
+    A change of the contacts' energy by a new parameter is no error.
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
@@ -184,7 +184,7 @@ def check_energy(d, theta):
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
     there = most_energy(d, y, potential)
-    # not `change > allowed`, which would accept a NaN
+    # `abs(change) > allowed` would accept a NaN
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
@@ -218,7 +218,7 @@ def most_energy(d, y, potential):
 
 
 def loss_allowed(d, there):
-    """Return the energy [J] that the last step may lose, a number > 0."""
+    """Return the energy [J], > 0, that the last step may lose; ``there`` as in ``loss_budget``."""
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
@@ -263,7 +263,7 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Return whether the dissipated energy in the ``middle`` of the last step lies between its end values."""
+    """Return whether ``middle``, the dissipated energy in mid-step, lies between its end values, roughly."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy_scale + abs(end) + impact_energy(d)
     slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
@@ -283,7 +283,7 @@ def round_off(d, y):
 
 
 def scales(d, y):
-    """Return the scale S of the energy balance, and the energies [J] whose round-off enters the balance.
+    """Return the scale S [J] of the energy balance, and the sum [J] of energies whose round-off enters it.
 
     Both belong to state y; its points must be located.
     """

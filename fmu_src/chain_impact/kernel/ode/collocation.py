@@ -8,9 +8,9 @@ Two estimates of the error compare the rate f with polynomials through its value
 
     E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
 
-where P goes through all F, P′ through all F except the last, h the step size, A the Jacobian, and μ is the
-real eigenvalue. The order of E′ is one less than the order of E, and |E|²/|E′| is of order 7, closer to the
-order of the result.
+where P goes through all F, P′ through all F except the last; h is the step size, A the Jacobian, and μ the
+real eigenvalue of radau.py. The order of E′ is one less than the order of E, and |E|²/|E′| is of order 7,
+closer to the order of the result.
 
 The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
 polynomials of degree 5 that are 0 at the start of the step. The last two functions are zero at both ends;
@@ -74,13 +74,13 @@ from chain_impact.kernel.status import count_evaluations, count_other_work
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# how far beyond a step its polynomial is used with degree 5, 4 and 3, in step lengths; farther, degree 1
+# how far beyond a step's end, in step lengths, its polynomial has degree 5, 4 and 3; farther, degree 1
 FORETOLD = (1.2, 2.0, 3.0)
-# The cost of parts of a step, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
-# complex ones 2.5 times as much. The error estimate and the projection onto the clearances take four real
-# solutions.
+# The cost of a step's factorizations, of an iteration's solutions, and of the error estimate with the
+# projection onto the clearances, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
+# complex ones 2.5 times as much; the estimate and the projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-FORCELESS = 1e-3  # a contact that ends within this part of a step has practically no force left
+FORCELESS = 1e-3  # a contact that ends within this first part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
 
@@ -88,8 +88,8 @@ DECAY_TIMES = 3.0
 def _coefficients():
     """Return, for each function of the dense output, the coefficients that multiply the stages' increments.
 
-    The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
-    inverse depend on the processor, and the compiled kernel would then depend on it as well.
+    The matrix of the functions' values at the nodes is inverted in rational numbers and rounded once. The
+    last digits of NumPy's inverse depend on the processor, and so would the compiled kernel.
     """
     nodes = [Fraction(node) for node in NODES]
     rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
@@ -105,7 +105,7 @@ def _coefficients():
 
 # row m times the increments of the stages gives the coefficient of the m-th function of the dense output
 SHAPE = _coefficients()
-CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest |second derivatives| of these five functions on [0, 1]
 
 
 def factorize(d, h):
@@ -116,7 +116,7 @@ def factorize(d, h):
 
 
 def solve(d, h, size):
-    """Solve the linear systems of a step in place."""
+    """Solve the linear systems of a step of size h in place, in ``implicit.parts``."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -129,14 +129,14 @@ def set_residual(d, i, j, residual):
 
 
 def can_extrapolate(d):
-    """Return whether the polynomial of the last step predicts the stages: the contacts must be the same."""
+    """Return whether the last step's polynomial predicts the stages: an implicit step, same contacts."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
-    """Evaluate the Jacobian A in the middle of the step, if the prediction of the stages is accurate.
+    """Evaluate the Jacobian A at z, the state in the middle of the step, if ``can_extrapolate`` is true.
 
-    Otherwise A of the start of the step is kept, which is accurate for a fast motion at the start.
+    Otherwise z is inaccurate, and A of the start of the step is kept, for a fast motion there.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -174,7 +174,7 @@ def toward_end(d, h):
     """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # time to the end: −g/ġ, as the force is almost 0; an end in the part FORCELESS of h is ignored
+        # time to the end: −g/ġ, as the force is almost 0; an end in the first part FORCELESS of h is ignored
         if gap_rate > 0.0 and FORCELESS * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -183,8 +183,8 @@ def toward_end(d, h):
 def size_for_fast_motion(d, h):
     """Return a size that resolves a fast motion at the start, if this motion exceeds the tolerance; else h.
 
-    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. Applied again to this part, the operator
-    shows how fast and how large the fast motion is.
+    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The part that it removes shows how large the
+    fast motion is; what the operator leaves of this part shows how fast it is.
     """
     implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -210,7 +210,7 @@ def size_for_fast_motion(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Predict the stages from the polynomial of the last step, or else from the rate at the start."""
+    """Predict the stages by the polynomial of the last step, or else by constant speeds from the start."""
     implicit = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -226,7 +226,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Set the stages by extrapolating the last step's polynomial, with a lower degree if this is far."""
+    """Set the stages by extrapolating the last step's polynomial, with the degree that FORETOLD gives."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
@@ -246,7 +246,7 @@ def extrapolate_polynomial(d, h, size):
 
 
 def attempt(d, h):
-    """Try a step of size h [s] from the state for which the step was prepared."""
+    """Try a step of size h [s] from the start set by ``prepare``; the result is in ``trial``."""
     implicit, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
@@ -268,7 +268,7 @@ def attempt(d, h):
 
 
 def cost_factor(implicit):
-    """Return a factor ≤ 1 on the next size: a step with many iterations is expensive."""
+    """Return a factor ≤ 1 on the next size: after many iterations, shorter steps with fewer are cheaper."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
         share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
@@ -303,9 +303,9 @@ def estimate(d, h, size):
     if first == math.inf:
         return math.inf
     if any_constraint(d):
-        # The projection onto rigid walls keeps a fast motion of stiff joints at the start of the step, which
-        # decays within the step. The error estimate would contain all of this motion, however long the step
-        # is. So the system is solved a second time, which removes it.
+        # The projection onto rigid walls leaves a fast motion of stiff joints at the start of the step. This
+        # motion decays within the step, but the error estimate would contain all of it, however long the step
+        # is. A second solution of the system removes it from the estimate.
         solve_real(d, shift, implicit.parts[0])
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -324,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d, faded):
-    """Set the dense output, and keep the stages for the next prediction; if ``faded``, set tiny ones to 0."""
+    """Set the dense output, and keep the stages for the next prediction; if ``faded``, clear any < FADED."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -339,7 +339,7 @@ def keep_stages(d, faded):
 
 
 def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j, which is ``at`` in z; functions from ``degree`` on get 0."""
+    """Set the dense output of component j, index ``at`` in z; its coefficients from ``degree`` on are 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
@@ -348,7 +348,7 @@ def set_dense(values, j, stages, at, degree):
 def keep_clearances(d):
     """Make the dense output agree with the integrated clearances at the thirds of the last step.
 
-    Dry friction does work in this correction.
+    The work of dry friction along this correction is dissipated.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.work.change, dissipated_at(d.links)
     if compliant(d) == 0:

@@ -3,8 +3,8 @@
 This module has constants of the two methods of integration; methods.py chooses a method. Explicit steps are
 stable for equations that are not stiff; the rate at the end of an explicit step is the first stage of the
 next step. Implicit steps are stable however stiff the equations are. The end of an implicit step is more
-accurate than its dense output, so the step is repeated to end at an event, and the implicit method finds a
-size for the first step after an event.
+accurate than its dense output, so the step is repeated to end at an event. After an event the implicit method
+reduces the size of its first step to resolve a fast motion (collocation.py).
 
 A method tries a step and computes the error of the step, relative to the tolerance. A step with an error ≤ 1
 is accepted, unless the method, the search for events or the energy check refuses the step for another reason.
@@ -32,21 +32,21 @@ from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import along, clearance, farthest, normal
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
-EXPLICIT, IMPLICIT = 0, 1  # step.method: the current method
+EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method
 SOLVER_METHODS = ("auto", "explicit", "implicit")
-"""The choices of `solver.method`, counted from 1; with the first one the solver chooses."""
+"""The choices of `solver.method`, numbered from 1; with `auto` the solver chooses."""
 AUTO = 1
 
-# Constants of the two methods, by the number of the method. The error of a step is proportional to its size
-# to the ORDER. SAFETY is a factor on the size of the next step that the last error suggests. The first step
-# of a contact has ONSET_SIZE times the contact's time scale, at a tolerance of 1; the error of this step is
-# proportional to its size to the ONSET_ORDER.
+# Constants of the two methods, by the number of the method. The error of a step is proportional to the power
+# ORDER of its size. SAFETY is a factor on the size of the next step that the last error suggests. At a
+# tolerance of 1, ONSET_SIZE is the size of the first step of a contact, relative to the contact's time scale;
+# the error of this step is proportional to the power ONSET_ORDER of its size.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
-ONSET_ORDER = (8, 3.5)  # the implicit order: the force is proportional to δ^(3/2) and is integrated twice
-# The size of a step over the predicted time to the end of a contact, for both methods. The prediction has an
-# error of some hundredths, so a smaller value would leave a tiny step before the end.
+ONSET_ORDER = (8, 3.5)  # implicit: 3/2 + 2, as the force is proportional to δ^(3/2), integrated twice
+# The ratio of the size of a step to the predicted time to the end of a contact, for both methods. The
+# prediction has an error of some hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
 
 
@@ -73,11 +73,11 @@ ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3,
 SAME_AS_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # the least error of a step for the choice of the next size; a smaller error counts as LEAST_ERROR
 LEAST_ERROR = 1e-16
-# [rad] The rotation of the links in the first step of a flight, at a tolerance of 1: the largest for which
-# few of these steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
+# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1: the largest with
+# few rejected steps (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 TURN = 2.8
-# ONSET_SIZE and ONSET_ORDER for an explicit step in time. After the onset the force is a power of the time,
-# so the order of errors is lower than the method's order.
+# ONSET_SIZE and ONSET_ORDER for an explicit step with time as its variable. After the onset the force is a
+# power of the time, so the order of errors is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
 # Otherwise the number would decay until its square underflows; some processors are slow with such denormal
@@ -137,7 +137,7 @@ def keep_for_flight(d):
 
 
 def resume_flight(d):
-    """Propose the size that was stored before the contacts, for a flight."""
+    """Propose the size that ``keep_for_flight`` stored."""
     propose(d, d.step.flight_size)
 
 
@@ -151,7 +151,7 @@ def factor(d):
 
 
 def in_flight(d, y, rate):
-    """Return a size ≤ 1 s for an explicit step in flight from state y, by how fast the links turn in y."""
+    """Return a size ≤ 1 s for an explicit step in flight from y, by the links' ω and α in y and ``rate``."""
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
@@ -160,7 +160,7 @@ def in_flight(d, y, rate):
 
 
 def at_onset(d, c, method):
-    """Return a size for the first step of a method in the contact of candidate c, which began just now."""
+    """Return a size [s] for a method's first step in the contact of candidate c, which began just now."""
     return ONSET_SIZE[method] * time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
@@ -183,7 +183,7 @@ def time_scale(d, c):
 # The largest relative error of a penetration, however loose the tolerance is. With an error above some
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
-# the round-off of a place that is found from coordinates and angles, relative to the largest of them
+# the round-off of a position, relative to the largest coordinate, or angle times the longest link
 PLACE_ROUND_OFF = 1e-15
 
 
@@ -192,13 +192,12 @@ def set_scales(d, y, scale, contacts):
 
     The scales are 1 rad for angles and one link length for positions, whatever the values are, so a rotation
     or a shift of the scene has no effect. The scale of a speed is the speed itself plus 1 rad or one link
-    length per second; the scale of the dissipated energy is formed in the same way. For the penetration of
-    each of the first active ``contacts`` the scale may be a millionth of a link length; these scales are
-    stored from the index of u on, as in z of extended.py. The supplied energy is controlled if base or walls
-    move, because its power then changes with them, however slow the chain is; the power of other inputs
-    depends on controlled components. The components u and t of the state, whose errors are far smaller than
-    those of the motion, the rates of clearances and the quadratures are not controlled: their scales are not
-    set.
+    length per second; the scale of the dissipated energy is formed in the same way. The scales of the
+    penetrations of the first ``contacts`` active contacts (``penetration_scale``) are stored from the index
+    of u on, as in z of extended.py. The supplied energy is controlled if base or walls move, because its
+    power then changes with them, however slow the chain is; the power of other inputs depends on controlled
+    components. Other components are not controlled, and their scales not set: u and t, whose errors are far
+    smaller than those of the motion, the rates of clearances, and the quadratures.
     """
     n, size = d.links, d.model.size
     for j in range(velocity_at(n)):
@@ -213,11 +212,11 @@ def set_scales(d, y, scale, contacts):
 
 
 def raise_scales(d, y, scale, contacts):
-    """Raise the scales of ``set_scales`` for which the tolerance asks for less than the round-off of places.
+    """Raise the scales of ``set_scales`` whose tolerated errors are below the round-off of positions.
 
-    In each step this round-off excites fast motions of a chain at rest. Shorter steps do not reduce these
-    motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as in
-    ``penetration_scale``, turns a round-off into ω times a speed.
+    In each step this round-off excites fast motions of a chain that rests on contacts. Shorter steps do not
+    reduce these motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as
+    in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε.
     """
     n, size, turned, fastest = d.links, d.model.size, 0.0, 0.0
     if contacts == 0:
@@ -238,9 +237,9 @@ def clear_faded(d, y):
     count = 0
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED
-    # without branches the loop above is fast, and most states have no such component
+    # most states have no such component, and need only the loop above, which is fast without branches
     for j in range(dissipated_at(d.links) if count > 0 else 0):
-        # this changes only the value: a tangent instance keeps the derivatives
+        # a value of exactly 0 is skipped, so that a tangent instance keeps its derivatives
         if 0.0 < abs(y[j]) < FADED:
             y[j] = 0.0
     return count > 0
@@ -270,11 +269,11 @@ def largest_errors(first_error, second_error, weight, count):
 
 
 def scaled_errors(d):
-    """Return the sizes of both error estimates of the tried step, relative to the tolerance.
+    """Return the largest scaled component of both error estimates of the step, relative to the tolerance.
 
     Estimate k = 0, 1 is row k of ``work.error`` and, for the clearances of active contacts, row k of
-    ``touch.gap_error``. Both sizes are infinity if the step is not finite. The points must be located at the
-    end of the step.
+    ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
+    the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     first_error, second_error, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
@@ -298,8 +297,8 @@ def scaled_errors(d):
 def moment_error(d, row):
     """Return the largest error of a joint's damper and spring moment, by the error estimate number ``row``.
 
-    It is relative to the moments that move the chain. The forces of rigid walls depend on the moments of
-    joints, and the signs of these forces decide on releases.
+    It is relative to a moment that moves the chain. It must be small because the forces of rigid walls depend
+    on these moments, and a change of such a force's sign releases a point.
     """
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0
@@ -340,8 +339,8 @@ def penetration_scale(d, c):
 
     An error Δδ soon causes an error of about ω Δδ in the speed, with ω the contact's frequency, so Δδ may be
     as large as the error of speeds divided by ω. With ω ≈ v₀/δ*, the impact speed divided by the expected
-    depth, the scale is the depth itself for a fast impact, and larger for a slow impact, but never so large
-    that the error exceeds 1 % of the depth.
+    depth, the scale is the depth, at least δ*, for a fast impact, and larger for a slow impact. But the
+    tolerated error never exceeds 1 % of the depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

@@ -4,7 +4,7 @@ Quadratures are integrals along the motion, such as the impulses of the walls; Q
 advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
 the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses give,
 to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the most
-recent time at which contacts began or ended. The quadratures that are integrated in a step are packed: the
+recent ``commit_quadratures``. The quadratures that are integrated in a step are packed: the
 fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as
 these fields have for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost
 nothing in a scene that does not request them.
@@ -19,13 +19,13 @@ from chain_impact.kernel.rows.geometry import at_wall
 # p, q of the basis functions θᵖ (1−θ)^q, which F₀ to F₆ multiply
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
-# The number of guesses of a fast method for a root between two bounds; usually three to ten suffice. After
-# FAST guesses the bracket is halved.
+# The largest number of guesses of a fast method for a root in a bracket; usually three to ten suffice. Each
+# later guess halves the bracket.
 FAST = 20
-# The number of guesses after which a bracket of width 1 contains no further number, or is narrower than any
-# resolution.
+# The largest number of guesses: 64 halvings make a bracket of width 1 narrower than any resolution, or leave
+# no number inside it.
 TRIES = FAST + 64
-FRACTION_RESOLUTION = 1e-15  # the accuracy with which the fraction θ of a step at a time is found
+FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step reaches a given time
 
 
 def next_guess(low, high, guess, tries):
@@ -73,7 +73,7 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return 0, the fraction of the last step at which the event lies that begins the step.
+    """Return 0, the fraction of the last step at which its initial event lies.
 
     In a tangent instance the fraction has derivatives.
     """
@@ -145,8 +145,7 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-# the number of times in a step at which the impulse of a wall is evaluated, so that it never falls; see
-# ``quadrature_within``
+# the number of samples in a step with which ``quadrature_within`` keeps the impulse of a wall from falling
 COURSE_SAMPLES = 16
 # Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
 # where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
@@ -172,7 +171,7 @@ _rate = _rate_of(QUADRATURES)
 
 
 def list_quadratures(d):
-    """Pack the indices of the quadratures that are integrated from now on."""
+    """Set ``quadrature.index`` and ``count`` to the quadratures that are integrated from now on."""
     quadrature = d.quadrature
     quadrature.count = 0
     if quadrature.computed:
@@ -208,7 +207,7 @@ def quadrature_rates(d, factor, out):
 
 
 def keep_end_rates(d):
-    """Store the rates at the end of the last step; the rate of the state must have just been evaluated."""
+    """Store the quadratures' rates at the end of the last step, where the state's rate was just evaluated."""
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
@@ -233,8 +232,8 @@ def settle_impulses(d):
     The end of the step must be final, because the correction uses the impulses there.
 
     The quadrature of a step has weights of both signs, so the error can exceed a force that is close to 0. An
-    impulse that decreases is set to its value at the start of the step. If points that a rigid wall holds
-    nearly coincide, only the sum of their forces is accurate, so the sum of their impulses does not change.
+    impulse that decreases is set to its value at the start of the step. At a rigid wall another held point
+    loses the same amount: of points that nearly coincide, only the sum of the forces is accurate.
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.touch.active_count)):
@@ -247,7 +246,7 @@ def settle_impulses(d):
 
 
 def take_impulse(d, wall, amount):
-    """Take ``amount`` [N·s] from the held point to which the wall gave the most in the last step."""
+    """Take ``amount`` [N·s], or all, from the held point with the largest impulse of the wall in the step."""
     quadrature, most, taker = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
         given = quadrature.state_end[k] - quadrature.state[k]
@@ -303,10 +302,10 @@ def truncate_quadratures(d, theta):
 
 
 def commit_quadratures(d):
-    """Store the totals and rates at the end of the last step, before contacts begin or end.
+    """Store the totals and rates at the end of the last step, before contacts begin or end, or a break.
 
-    A quadrature that is not integrated gets the rate 0. This is also the rate at which its integration begins
-    if no force jumps.
+    A quadrature that is not integrated gets the rate 0, with which a later integration begins: the force of
+    a new contact starts at 0 unless it jumps.
     """
     quadrature = d.quadrature
     for i in range(len(quadrature.rate)):
@@ -346,7 +345,7 @@ def maximum_of(value_at):
         Values before the event that begins the step do not count either.
 
         The search uses three parabolas, each through three points around the maximum of the parabola before.
-        The result is the maximum of the third parabola, or a larger sample.
+        The result is the maximum of the third parabola, a larger sample, or 0 if all are negative.
 
         Args:
             d: the instance.

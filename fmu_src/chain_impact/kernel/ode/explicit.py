@@ -100,13 +100,12 @@ D: tuple[dict[int, float], ...] = (
 
 STAGES = len(A)
 END_STAGE = STEP_STAGES  # index of the stage at the end of the step
-# The limits near the end of a contact. If a step that is longer by up to STRETCH passes the end of the
-# contact, the step gets PAST_END times the predicted time to the end. Otherwise the step covers at most half
-# of this time, so that no tiny step remains.
+# The factor by which a step near the end of a contact may exceed the allowed size, to get PAST_END times the
+# predicted time to the end. Any other step covers at most half of this time, so that no tiny step remains.
 STRETCH = 1.2
-# The last part of a step in which a contact that ends has practically no force left: its penetration may be
-# round-off. The search for events finds this end. A step that ends there could be shorter than the resolution
-# of time.
+# A contact that ends within this first part of a step has practically no force left: its penetration may be
+# round-off. The step passes this end, and the search for events finds it. A step to the end could be shorter
+# than the resolution of time.
 UNRESOLVED_END = 1e-6
 # The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
 # rest, held points have practically no speed, and such small errors occur.
@@ -169,7 +168,7 @@ def combinations(first_row, second_row):
 def _stage(i, accepted):
     """Return the function for stage i of a step: it computes the state at the stage, and the rate there.
 
-    A step is tried from ``state_end`` of the last step. Once it is ``accepted``, it starts at ``state``.
+    The step starts at ``step.state_end``, or at ``step.state`` once it is ``accepted``.
     """
     combine = combination(A[i])
 
@@ -209,9 +208,9 @@ def toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the size of the next step as ``toward_end`` does, for a step in time.
+    """Return the size of the next step as ``toward_end`` does, for a step with time as its variable.
 
-    The end that counts is that of the contact with a force law that ends first.
+    The end is the first one of all contacts with a force law.
     """
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
@@ -269,8 +268,8 @@ def estimate(d, h):
 def is_smooth(d):
     """Return whether the error of a step is estimated with order 9, as in a regularized contact.
 
-    In flight the estimate of order 8 remains, as a margin. It also remains where a force rises as steeply as
-    a root of u, itself the root of the penetration, because the step then loses its order.
+    In flight the estimate of order 8 remains, as a margin. It also remains if the damping has an exponent
+    between 0 and 1/2: at the onset the force then rises more steeply than u, and the step loses its order.
     """
     c = d.step.regularized
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5

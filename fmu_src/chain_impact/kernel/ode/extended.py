@@ -2,9 +2,9 @@
 
 As the links turn, the clearance that follows from the coordinates of a stage has an error of ½ h² J̇ẏ. This
 error is small, but often larger than the penetration of a stiff wall. So the clearances g of the active
-contacts and their rates are integrated together with y, z = (y, g, ġ, Q), with g̈ the acceleration of the
-point along the normal and Q the quadratures. The forces are evaluated at g and ġ; apart from the force law,
-the fast motions are linear in g and ġ.
+contacts and their rates are integrated together with y without u and t: z = (y, g, ġ, Q), with g̈ the
+acceleration of the point along the normal and Q the quadratures. The forces are evaluated at g and ġ; apart
+from the force law, the fast motions are linear in g and ġ.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
@@ -87,7 +87,7 @@ def gap_at(d, k):
 
 
 def compliant(d):
-    """Return the number of contacts whose clearances are in z: the active ones whose law has a force."""
+    """Return the number of contacts whose clearances are in z: the active ones with a force law."""
     return d.touch.compliant_count
 
 
@@ -124,13 +124,13 @@ def extend_start(d):
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
-        # The limits of friction share out the impedance of sticking elements. A system that is factorized
-        # before the first stage, as in ``size_for_fast_motion``, takes the limits at the start.
+        # This sets the limits of friction at the start. A system that is factorized before the first stage,
+        # as in ``size_for_fast_motion``, scales the impedances of sticking elements by these limits.
         apply_contacts(d)
 
 
 def clearance_rates(d, z, rate):
-    """Set the rates of the clearances g and of their rates ġ in the rate of z, for accelerated points."""
+    """Set the entries ġ and g̈ in ``rate``, the rate of z, for accelerated points."""
     for k in range(compliant(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
@@ -205,7 +205,7 @@ def solve_shift(d, s, space, row, x):
         add_along(constraint(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, row, change)
     if d.slides:
-        # the force is removed, because no other function clears the loads on the points in flight
+        # the slider's force is removed: in flight no other function clears the loads on the points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -249,17 +249,18 @@ def solve_complex(d, s, pair, x, y, size):
         x[j], y[j] = pairs.x[j].real, pairs.x[j].imag
 
 
-# The largest difference in a step between the clearance that follows from the coordinates and the integrated
-# clearance, relative to the penetration. A larger limit gives the interpolant of the state an error of this
-# size; a smaller limit shortens steps in which links turn on a stiff wall.
+# The largest allowed difference between the clearance that follows from the coordinates at the end of a step
+# and the integrated clearance, relative to the penetration. A larger limit gives the interpolant of the state
+# an error of this size; a smaller limit shortens steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move the coordinates in y so that the clearances agree with ``implicit.normal``.
+    """Move the coordinates in y so that the clearances agree with those in ``implicit.normal``.
 
-    For derivative 1, change the velocities so that the rates of the clearances agree with it. The points must
-    be located for y. ``change``, shape (N+2,), is a result: the change of the coordinates or velocities.
+    For derivative 1, change the velocities so that the rates of the clearances agree with those there. The
+    points must be located for y. ``change``, shape (N+2,), is a result: the change of the coordinates or
+    velocities.
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.work.load)
@@ -294,7 +295,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference of located and integrated clearances, relative to the penetration."""
+    """Return the largest difference of located and integrated clearances, relative to max(δ, δ*)."""
     worst = 0.0
     for k in range(compliant(d)):
         c = d.touch.active_index[k]

@@ -1,4 +1,4 @@
-"""The energy that dry friction dissipates in a step: the work along the motion that was found.
+"""The energy that dry friction dissipates in a step: the work along the step's final motion.
 
 The last iteration of an implicit step corrects the motion after the rates have been evaluated; round-off and
 the projection onto constraints change the end of any step. At rest these changes are larger than the motion
@@ -36,8 +36,8 @@ def settle_friction(d, h):
 def power_of_correction(d, m):
     """Return the power [W] of sliding friction at stage m, for the speeds that the last iteration added.
 
-    The force is the force for which the rate was evaluated. At rest the speeds in the rate may be far larger
-    than the corrected speeds, and the work along both must cancel.
+    The force is that of the evaluated rate. At rest the speeds in this rate may be far larger than the
+    corrected speeds, and only the same force takes back the excess of their work.
     """
     implicit, change, first = d.implicit, d.work.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
@@ -58,7 +58,7 @@ def uncounted_work(d):
             change[j] = (y[j] - d.step.state_end[j]) - explicit.change_by_rates(d, j)
     if d.step.method != IMPLICIT:
         return work_along(d, change)
-    # the work of sticking elements is counted from their places, so the round-off of places cancels here
+    # the work of sticking elements follows from their positions, so the round-off of these cancels here
     work = work_of_sliding(d, change, d.element.force) + work_of_holding(d)
     work -= holding_at(d, z, d.trial.size)
     locate_points_now(d, y)
@@ -96,7 +96,7 @@ def work_of_sliding(d, change, force):
 
 
 def settle_holding(d, h):
-    """Count in every stage the work of the sticking elements since the start of the step.
+    """Count the work of the sticking elements since the start of the step as dissipated, in every stage.
 
     Sticking elements should not move: their small motions away from the anchors are errors. At the end of the
     step a projection moves them back to the anchors, and does the opposite work.

@@ -1,4 +1,4 @@
-"""The last accepted step, and the data that are known about it, which other modules set through this one.
+"""The last accepted step and the data known about it; other modules set these data through this module.
 
 The data are the state at both ends, the dense output in between, the rate at the end, and the points at the
 end. Data that other modules derive from a step, such as clearances, are valid until a break in the sequence
@@ -70,7 +70,7 @@ def reset_times(d, time):
 
 
 def delay_start(d, delay):
-    """Set the ``delay`` [s] of the event with which the next step begins."""
+    """Set the ``delay`` [s] of the event with which the next step begins: 0, with derivatives."""
     d.step.start_delay = delay
 
 
@@ -99,7 +99,7 @@ def accept(d):
     if step.last_method == IMPLICIT:
         collocation.keep_stages(d, faded)
     else:
-        # the error control of this method has located the points at the end if contacts are active
+        # the explicit error control has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
 
 
@@ -145,7 +145,7 @@ def supply(d, energy):
 
 
 def roll_back(d):
-    """Return to the start of the last step."""
+    """Reset the end of the last step to its start."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
@@ -166,8 +166,8 @@ def end_at(d, theta):
     """Set the state and the quadratures at the end of the last step to their values at its fraction θ."""
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
-    # The interpolant contains the rounded change of the energy in the whole step: an implicit one in
-    # proportion to θ, an explicit one also in its slopes.
+    # The interpolant contains the round-off of the dissipated energy with the factor ``part``: θ, or a cubic
+    # in an explicit step, where the slopes at both ends are exact.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
@@ -177,7 +177,7 @@ def end_at(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point to a ``time`` [s] in the last step."""
+    """Set the communication point to a ``time`` [s] in the last step, and ensure the dense output."""
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 
@@ -213,8 +213,8 @@ def choose_variable(d, size_chosen):
 
     Args:
         d: the instance.
-        size_chosen: whether the size of the step is already in units of this variable, because contacts began
-            or ended.
+        size_chosen: whether the size of the step is already in units of this variable, as after the begin or
+            end of contacts; otherwise it is converted.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -260,7 +260,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are located and accelerated at the end of the last step, with known rate."""
+    """Ensure that the points are located and accelerated at the end of the last step; its rate is known."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)

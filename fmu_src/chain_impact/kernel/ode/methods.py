@@ -50,9 +50,9 @@ NOT_STIFF = 5.0
 # The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
 # stable hρ. A longer step amplifies motions that are too small for the error control.
 STABLE = 4.0
-# An impact is computed with implicit steps only if this part of its first explicit step is too long for stiff
-# joints. Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only
-# if joints are far stiffer than the contact.
+# Implicit steps continue in an impact only if joints make even this part of its first explicit step stiff.
+# Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only if joints
+# are far stiffer than the contact.
 IMPACT_PART = 0.1
 # The number of steps in a row that must favour the other method before the method changes. With fewer steps
 # the method would change in the compression of an impact.
@@ -136,7 +136,10 @@ def begin_impact(d, c):
 
 
 def begin_flight(d):
-    """Begin a new phase as ``begin_impact`` does, after the last contact or an impact on a rigid wall."""
+    """Begin a new phase after the last contact or an impact on a rigid wall.
+
+    The implicit method is kept only if joints make the proposed step stiff; an explicit step is made stable.
+    """
     z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
@@ -176,7 +179,7 @@ def stiffness_number(d, h):
 def joints_over(d, h):
     """Return the product hρ for a step of size h [s], ρ the fastest rate of joints with dampers or springs.
 
-    If a bound on hρ is at most STIFF, the function returns this bound, which takes no computation.
+    If an upper bound of hρ is at most STIFF, the function returns this bound, and ρ is not computed.
     """
     z = h * d.model.joint_rate_bound
     if z > STIFF:

@@ -5,15 +5,15 @@ L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Or
 II*, 2nd ed., Springer, section IV.5; for 5 stages, the same authors 1999, J Comput Appl Math 111:93. The
 coefficients are verified in tests/kernel/ode/test_radau.py.
 
-The matrix Q has one real eigenvalue and two pairs of complex ones. The rows of LEFT are the left
-eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT are the
-right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate eigenvalues
-of a pair.
+The matrix Q of the method has one real eigenvalue and two pairs of complex ones. The rows of LEFT are the
+left eigenvectors, with the real and imaginary parts of a pair in successive rows; the columns of RIGHT are
+the right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate
+eigenvalues of a pair.
 
 In increments u_i = z_i − z_0 the stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate
-Jacobian for all of them, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W
-= LEFT · R, these become systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of
-complex ones; ΔU = RIGHT · W.
+Jacobian for all of them, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q
+these become systems (1 − h μ A) w = r, with r from LEFT · R, one for the real eigenvalue and one for each
+pair of complex ones; ΔU = RIGHT · W, with W the solutions w.
 
 The terms that A leaves out cause more iterations, but no loss of accuracy: each correction is smaller than
 the correction before by a factor θ of about h |∂f/∂z − A|. The iteration has converged when the remaining
@@ -96,7 +96,7 @@ def shift_of(pair, h):
 
 
 def _transformed(i):
-    """Return a function for row i of LEFT · R, the residuals R in the left eigenvectors."""
+    """Return a function that sets right-hand side i to row i of LEFT · R, with the residuals R."""
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
@@ -112,7 +112,7 @@ def _transformed(i):
 
 
 def _correct(d, size):
-    """Correct the stages by RIGHT · W, and set z to the largest change of each component.
+    """Correct the stages by RIGHT · W, and set ``implicit.z`` to each component's largest |change|.
 
     W are the solutions of the linear systems.
     """

@@ -1,13 +1,13 @@
 """Sundman regularization: the integration variable of a step is time or, in an impact, a fictitious time.
 
 A force K δⁿ with n = 3/2 is not a smooth function of time where the contact begins and where it ends: δ is
-proportional to the time from the begin or to the end, and the force to the power 3/2 of this time. An
-explicit method then loses its order and needs very small steps near begin and end. The force is smooth in the
+proportional to the time since the onset or until the end, and the force to the power 3/2 of this time. An
+explicit method then loses its order and needs very small steps near onset and end. The force is smooth in the
 variable s of Sundman's transformation,
 
     dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: at begin and end δ is proportional to s², and F to s³. The denominator makes
+with δ* the expected penetration: at onset and end δ is proportional to s², and F to s³. The denominator makes
 the impact as smooth in its middle as at its ends, so that one step size suits the whole impact. The state y
 contains u and t, and the variable of a step is s, the fictitious time of the *regularized contact*, which
 must be the only active contact. Without a regularized contact p = 1, and s is time.
@@ -44,7 +44,7 @@ def regularized_rate(d, y, rate):
 
 
 def regularize(d, y, time_rate, rate):
-    """Set rate = dy/ds at an end of a step, from dy/dt and the located points."""
+    """Set rate = dy/ds at an end of a step, from ``time_rate`` = dy/dt and the located points."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.regularized != NO_CONTACT:
@@ -94,17 +94,17 @@ def time_rate_now(d, y):
 
 
 def runs_back(d, y):
-    """Return whether a step to state y goes far beyond the contact's end: to u < 0, where time runs back."""
+    """Return whether a step to state y goes far beyond the contact's end, to u < BACK, or back in time."""
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0
     )
 
 
 def lone_contact(d):
-    """Return the active contact and its u if it is the only one and not at rest; else NO_CONTACT and 1.
+    """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and 1.
 
-    Several contacts end at different times, and the fictitious time of one contact does not suit the others.
-    An implicit step always runs in time.
+    The contact must have a force law, neither rest nor end now, and be the only one: several end at different
+    times, and the fictitious time of one does not suit the others. An implicit step always runs in time.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0

@@ -1,12 +1,12 @@
-"""The response of the chain to impulses at its contacts: a linear solver for implicit steps and rigid walls.
+"""The response of the chain to impulses: a linear solver for implicit steps, rigid walls and sticking.
 
-J contains the gradients of the clearances of the active contacts, D = diag(D_k) the impedances at their
-points, and K = s C + s² S the joints' resistance for a time s, with dampers C and springs S. The module
-solves in O(N) the equation
+J contains the rows of the constraints: normals of active contacts, tangents of sticking elements.
+D = diag(D_k) are the impedances of the constraints, and K = s C + s² S is the joints' resistance for a time
+s, with dampers C and springs S. The module solves in O(N) the equation
 
-    (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
+    (M + Jᵀ D J + K) Δ = Jᵀ p + q,
 
-where p are impulses along the normals and K r are impulses in the joints. The impedances are added to the
+where p are impulses along the constraints and q are impulses in the joints. The impedances are added to the
 articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
 impedance, is one more term of the elimination (chain/response.py). No matrix is formed.
 """
@@ -35,8 +35,8 @@ LEAST_MOBILITY = 1e-6
 # The number of iterations of constraints.py for sticking elements if no rigid wall holds a point. It is
 # fixed, because a varying number would let the forces jump.
 SWEEPS = 5
-# The impedance D of a held point, relative to the mean mass of a link. An iteration in constraints.py leaves
-# 1/(D W) of the residual, with W the mobility of the point, so two or three iterations suffice. A larger D
+# The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
+# the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
 # would lose digits of the chain's inertia, a smaller D needs more iterations.
 HELD_STIFFNESS = 1e6
 
@@ -47,7 +47,7 @@ def mean_mass(d):
 
 
 def holding_impedance(d):
-    """Return an impedance [kg] so large that a point with it keeps only a millionth of its free motion."""
+    """Return an impedance [kg] with which a link of mean mass keeps about a millionth of its free motion."""
     return HELD_STIFFNESS * mean_mass(d)
 
 
@@ -67,7 +67,7 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, row, impedance):
-    """Eliminate M + Jᵀ D J, mass matrix and impedances, and store it in a row of ``work.factors``.
+    """Factorize M + Jᵀ D J, with the mass matrix M, in a ``row`` of ``work.factors``.
 
     ``impedance`` holds D_k [kg] of each constraint, packed.
     """
@@ -79,7 +79,7 @@ def factorize_contacts(d, row, impedance):
 
 
 def joints_loaded(d):
-    """Return whether joints transmit moments: by armatures, or constraints at stops or sticking joints."""
+    """Return whether any joint has an armature, an active stop or sticking friction."""
     return d.model.has_armatures != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
@@ -110,9 +110,9 @@ def solve_contacts(d, row, impulse, change):
 def geared_accelerations(d, y, rate):
     """Solve for the accelerations of a chain with armatures: M also contains the inertia of the rotors.
 
-    The force m (g − a_C) of each link, with a_C at constant angular velocities, is divided between the two
-    ends of the link according to the position of the centre of mass. The loads at the points are unchanged
-    afterwards; the factors of M stay in ``work.factors``.
+    The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
+    of mass; a_C is the acceleration that this centre has at constant angular velocities. The loads at the
+    points are unchanged afterwards; the factors of M stay in ``work.factors``.
     """
     work, n = d.work, d.links
     load, link, before = work.load, work.link, work.motion
@@ -132,8 +132,8 @@ def geared_accelerations(d, y, rate):
         fx = d.model.mass[i] * (d.model.gravity[0] - cx)
         fy = d.model.mass[i] * (d.model.gravity[1] - cy)
         if d.skewed:
-            # moment of the force F on a centre of mass at o to the left of the line, in a link of length ℓ:
-            # (o/ℓ) L⊥ × F
+            # moment of the force F on a centre of mass at the distance o to the left of the link's line, with
+            # the link vector L of length ℓ: (o/ℓ) L⊥ × F
             load.link[i] -= d.model.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         load.x[i] += (1.0 - ratio) * fx
         load.y[i] += (1.0 - ratio) * fy

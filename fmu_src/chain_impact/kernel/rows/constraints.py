@@ -14,7 +14,7 @@ formed. With an impedance D at the points of the active set the recursion solves
 
 the iteration of an augmented Lagrangian. Each iteration divides the residual m by 1 + D W, down to round-off.
 The constraints may be dependent. D is a million times a link's mass, so a few iterations suffice. At rigid
-walls the iteration continues until the residual is round-off, and D grows if this takes too many iterations.
+walls the iteration continues until the residual is round-off, and D grows if the residual falls too slowly.
 
 A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. This
 constraint is always in the active set. For dependent constraints the iteration finds the solution with the
@@ -51,8 +51,8 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 
 # The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
 # larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is
-# multiplied by STIFFER, but D is at most STIFFEST times that mass; with a larger D the residual would only be
-# round-off.
+# multiplied by STIFFER, up to STIFFEST times the mean mass of a link; with a larger D the residual would only
+# be round-off.
 STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
 # The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
 # of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
@@ -62,9 +62,10 @@ GENTLE = 1e3
 # The least mobility W, times the mean mass of a link, for which one point at a rigid wall is solved directly.
 # A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
-# The factor on the impedance of sticking elements for one solution in place of n = SWEEPS iterations, which
-# leave (1 + x)⁻ⁿ of a motion, x = D W. With the factor ((1 + x)ⁿ − 1)/x, which is n for small x and AT_ONCE
-# for x = 0.36, one solution leaves as much. Motions with a larger x are hardly left.
+# The factor on the impedance D of sticking elements for one solution in place of n = SWEEPS iterations. With
+# x = D W, the iterations leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as
+# much if a = ((1 + x)ⁿ − 1)/x, which is n for small x and AT_ONCE for x = 0.36. For a larger x both leave
+# little.
 AT_ONCE = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
@@ -114,7 +115,7 @@ def share_impedance(d):
 
 
 def hold_at_once(d):
-    """Set the impedances with which one solution acts on the motion about as the iteration does."""
+    """Set the impedances with which one solution acts on the motion about as SWEEPS iterations do."""
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         times = AT_ONCE if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
@@ -123,7 +124,7 @@ def hold_at_once(d):
 
 
 def factorize_free(d):
-    """Eliminate M for motions by impulses, with the resistance of contacts that are not in the active set."""
+    """Factorize M, with the resistances of contacts outside the active set, for the response to impulses."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.constraints.impedance)
 
@@ -349,7 +350,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of wrong candidates so far, and how many pivots may still not reduce it."""
+    """Return the least number of wrong candidates so far, and how many more pivots may fail to reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
@@ -380,7 +381,7 @@ def any_constraint(d):
 
 
 def activate_all(d):
-    """Put contacts without a force law, and sticking elements, into the active set, with target motion 0."""
+    """Let the active set be the contacts without a force law and the sticking elements, with target 0."""
     for k in range(d.touch.compliant_count):
         release(d, k)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

@@ -6,8 +6,8 @@ point is positive while point and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
-with w the speed of a wall that moves along n, ẇ its acceleration, and the wall's present offset
-(chain/motion.py). A wall at rest has w = ẇ = 0. The tangential motion is relative to the wall's belt.
+with the present offset, speed w and acceleration ẇ of a wall that moves along n (chain/motion.py). A wall at
+rest has w = ẇ = 0. The tangential motion is relative to the wall's belt.
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
@@ -118,7 +118,7 @@ def side(d, c):
 
 
 def stop_moment(d, c, force):
-    """Return the moment of the force of a joint's stop, or the angular impulse of an impulse.
+    """Return the moment [N·m] of the ``force`` [N] of a joint's stop, or the angular impulse of an impulse.
 
     It is positive at the lower limit, and negative at the upper limit.
     """
@@ -126,7 +126,7 @@ def stop_moment(d, c, force):
 
 
 def first_stop(d, c):
-    """Return the first stop of the joint to which stop c belongs: c, or the candidate before c."""
+    """Return c − 1 if c is the second stop, at the upper limit, of a joint with two stops; else c."""
     candidate = d.candidate
     second = (
         c > 0
@@ -317,7 +317,7 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return a bound on the lengths of the vectors of all places, which are velocities or accelerations."""
+    """Return a bound on the lengths of the velocities or accelerations of all places with clearances."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
@@ -348,7 +348,7 @@ def link_of(d, c):
 
 
 def lever(d, c):
-    """Return the lever arm [m] that divides the clearance of a joint's stop to give an angle; else 1."""
+    """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
     return d.model.size if at_joint(d, c) else 1.0
 
 
@@ -363,7 +363,7 @@ def faces_base(d, c):
 
 
 def base_clearance(d, c):
-    """Return the distance [m] of a pinned base from the wall of candidate c, at their present positions."""
+    """Return the distance [m] of a pinned base from the wall of candidate c; < 0 if it is in the wall."""
     x, y = d.step.state_end[0], d.step.state_end[1]
     if d.model.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]

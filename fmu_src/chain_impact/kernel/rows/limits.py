@@ -38,8 +38,8 @@ from chain_impact.kernel.status import count_other_work, work_exceeded
 def share_within_limits(d):
     """Find forces within the limits of friction that satisfy the constraints as far as possible.
 
-    The constraints are those of ``add_constraint_forces`` in forces/holding.py, which must just have been
-    called. Afterwards ``at_limit`` holds the sign of each force that is at its limit.
+    Call ``add_constraint_forces`` in forces/holding.py just before: it sets the constraints. Afterwards
+    ``at_limit`` holds the sign of each sticking element's force that is at its limit, else 0.
     """
     share, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
@@ -68,9 +68,9 @@ def largest_start(d):
 
 
 def sign_at_limit(d, k):
-    """Return the sign of row k's force if this force is at its limit, else 0.
+    """Return the sign of the force of row k, a sticking element, if this force is at its limit, else 0.
 
-    If the limit is 0, the motion determines the sign.
+    If the limit is 0, the sign is that of the residual.
     """
     share, limit = d.share, most(d, k)
     if limit == 0.0:
@@ -86,7 +86,7 @@ def least(d, k):
 def most(d, k):
     """Return the upper limit [N] of the force of row k.
 
-    An element at its limit slides, so the limit is µ F_n.
+    It is µ F_n for an element, because an element at its limit slides; infinite for a point at a rigid wall.
     """
     first = d.touch.active_count
     if k < first:
@@ -104,9 +104,10 @@ def clipped(d, k, force):
 def minimize(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
-    All forces move toward the solution for the rows inside their limits. The first force that reaches a limit
-    stays there. When the solution is reached, the row at a limit whose force tends inward most is released.
-    The minimized function decreases with each change, so no set of rows occurs twice, and the search ends.
+    The forces inside their limits move toward the solution with the other forces fixed. The first force that
+    reaches a limit stays there. When the solution is reached, the row at a limit whose force tends inward
+    most is released. The minimized function decreases with each change, so no set of rows occurs twice, and
+    the search ends.
     """
     share, end = d.share, constraint_rows(d)
     for _ in range(ROUNDS + 4 * end):
@@ -127,7 +128,7 @@ def minimize(d, scale):
 def first_at_limit(d):
     """Return the row whose force is the first to reach a limit on the way to the wanted forces, or −1.
 
-    The second value is the part of the way at which the force reaches the limit.
+    Also return the part of the way at which this force reaches its limit, or 1.
     """
     share, first, part = d.share, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_rows(d)):
@@ -153,9 +154,9 @@ def most_inside(d, scale):
 
 
 def solve_inside(d):
-    """Find the forces of all rows before they are limited, p + D m⁺, and store them in ``wanted``.
+    """Store in ``wanted`` the forces p + D m⁺ of all rows, before they are limited.
 
-    The rows that are not inside their limits stay at their limits.
+    The residuals m⁺ are those with the forces of the rows not inside fixed at their limits.
     """
     share, motion = d.share, d.work.motion
     for k in range(constraint_rows(d)):
@@ -173,7 +174,7 @@ def solve_inside(d):
 
 
 def find_left(d):
-    """Find the residuals that the present forces leave; the next iteration begins with both."""
+    """Set the forces p and the residuals with which the next iteration begins, from the present forces."""
     share = d.share
     solve_contacts(d, FREE, share.force, share.change)
     for k in range(d.touch.compliant_count, constraint_rows(d)):

@@ -4,8 +4,8 @@ The primal instance d is the record of the run. The tangent instance t has the s
 numbers in place of reals. The kernel's functions work on both instances. The compiled kernel uses the dual
 numbers of compilation/dual_numbers.py.
 
-The tangent instances follow the primal instance in memory; together they have all requested directions. The
-compiled versions of these functions are in compilation/built_in.py.
+The tangent instances follow the primal instance in memory, DIRECTIONS directions in each. The compiled
+versions of these functions are in compilation/built_in.py.
 """
 
 import numpy as np
@@ -39,12 +39,13 @@ TRUST = np.dtype(
         ("point", np.int64),
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider
         ("wall", np.int64),
-        # sum of the changes that friction has left open, relative to the largest derivative (friction.py)
+        # sum of the changes of a position that friction has left open, relative to the largest derivative of
+        # a position (friction.py)
         ("share", np.float64),
         (
             "split",
             np.int64,
-        ),  # 1: friction has left a change open, so the derivatives of friction impulses are unknown
+        ),  # 1: the derivatives of friction impulses are unknown (``mark_split``)
     ]
 )
 
@@ -66,15 +67,15 @@ def carried(number, slope, argument):
 
 
 def reciprocal(rate):
-    """Return 1/rate for a rate without derivatives, or 0 if 1/rate would overflow.
+    """Return 1/rate for a real number, or 0 if 1/rate would overflow.
 
-    If a rate is 0, the time at which a value passes zero has no derivatives.
+    With the result 0, an event time −φ′/φ̇ gets derivatives of zero.
     """
     return 1.0 / rate if abs(rate) > LEAST_RATE else 0.0
 
 
 def slope(number, direction):
-    """Return the derivative of a dual number in a direction, from 0."""
+    """Return the derivative of a dual number in a direction, counted from 0."""
     return number.slope[direction]
 
 

@@ -21,7 +21,7 @@ from chain_impact.kernel.tangent.trust import share_reason, trusted
 def for_all(act):
     """Return a function that calls ``act`` for an instance and each of its tangent instances.
 
-    If the derivatives of one tangent instance end, the derivatives of all end at the earliest of these times.
+    Afterwards the derivatives of all tangent instances end at the earliest end among them, if one has ended.
     """
 
     def act_on_all(d):
@@ -38,7 +38,7 @@ def for_all(act):
 def observe_tangent(d, t):
     """Set the derivatives of the outputs; NaN after a fault, or if the derivatives cannot be trusted.
 
-    The derivatives of the outputs of friction and loads are also NaN once friction has left a change open.
+    After ``mark_split`` the derivatives of the outputs of friction and of loads are also NaN.
     """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
@@ -65,7 +65,7 @@ def forget_slopes(words):
 
 
 def truncate_tangent(d, t):
-    """End the last step at the communication point, with the contacts updated.
+    """End the last step of t at the communication point, and log its active contacts up to this point.
 
     The state there is stored, so that trials of new input values can return to it.
     """

@@ -1,8 +1,8 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-With φ′ the derivatives by the parameters at a fixed time, and φ̇ the rate of φ in time, the event time
-changes by the delay −φ′/φ̇. For clearances and their rates, φ̇ is known; for other functions φ̇ is found by
-differences along the motion.
+With φ′ the derivatives with respect to the parameters at a fixed time, and φ̇ the rate of φ in time, the
+delay of the event is 0 with the derivatives −φ′/φ̇. For clearances and their rates, φ̇ is known; for other
+functions φ̇ is found by differences along the motion.
 """
 
 import math
@@ -21,22 +21,24 @@ from chain_impact.kernel.tangent.duals import carried, reciprocal, value
 
 # the time over which a rate is found by differences, relative to the length of the last step
 TIME_DIFFERENCE = 1e-3
-# number of Newton iterations for a delay: each iteration squares the error of the differences
+# number of Newton iterations for a delay: each multiplies its relative error by that of the differences
 NEWTON_ITERATIONS = 2
 
 
 def lasted(t):
-    """Return the length of the last step [s]."""
+    """Return the length of the last step [s], without derivatives."""
     return value(t.step.end - t.step.start)
 
 
 def along_motion(function):
-    """Return two functions for ``function``, a function φ of (t, c), along the motion.
+    """Return two functions that give φ(t, c) and its rate φ̇ along the motion, for ``function`` φ.
+
+    φ uses located points and known forces. The state after the end of the last step is extrapolated by ẏ.
 
     Returns:
         A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, after the end of the last
-        step; and a function of (t, c) that returns φ̇ at that end. Both functions leave the points located at
-        another time. φ uses located points and known forces.
+        step; and a function of (t, c) that returns φ̇ at that end. Both leave the points located at another
+        time.
     """
 
     def after(t, c, time):
@@ -56,10 +58,10 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Return a function of (t, c, rate) for the delay [s] of a zero of φ; ``rate`` is φ̇ at the zero.
+    """Return a function of (t, c, rate) that returns the delay [s] of the zero of φ at the last step's end.
 
-    ``after`` is the first function that ``along_motion`` returns for φ. Afterwards points and forces are
-    again those at the end of the last step.
+    ``after`` is the first function that ``along_motion`` returns for φ, ``rate`` is φ̇ at the zero. The
+    function sets points and forces to those at the end of the last step again.
     """
 
     def delay(t, c, rate):
@@ -99,7 +101,7 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_of_bend(t, c, kind):
-    """Return the delay [s] of a kink or a release of candidate c; the force has no jump at such an event."""
+    """Return the delay [s] of a kink or a release of candidate c, where its force does not jump."""
     if kind == KINK:
         rate = _kink_rate(t, c)
         return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)

@@ -7,10 +7,10 @@ the time of this end has no effect, except for the small excess of the force at 
 (events/sampled.py).
 
 Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
-whether an event occurs, unless the effect is negligible. The effect is a tangential speed that is stopped or
-lasts a little longer. When a chain comes to rest, the derivatives of such a speed, times the time in which
-the chain settles, are a negligible part of the largest derivative of a position. Sticking then sets the
-derivatives of the speed to zero at once, and ``trust.share`` is the sum of these parts.
+whether an event occurs, unless the effect is negligible. The effect is a small tangential speed, which
+friction stops at once or a little later. It changes a position by the speed times the time in which the chain
+settles. If the derivatives of this change are a small part of the largest derivative of a position, they are
+neglected: sticking sets the derivatives of the speed to zero. ``trust.share`` is the sum of these parts.
 """
 
 import math
@@ -47,14 +47,13 @@ from chain_impact.kernel.tangent.trust import (
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. The derivatives
-# end there if the element has stuck since the onset of its contact, and its limit is at most NEARLY_SLIPS
-# times the excess.
+# end at this event if the element is STOPPED and its limit is at most NEARLY_SLIPS times the excess.
 NEARLY_SLIPS = 1000.0
-# The largest change of a position that a run may leave open, relative to the largest derivative: a fit to a
-# position at rest needs an accuracy of some percent.
+# The largest ``trust.share``: the changes of a position that a run may neglect, relative to the largest
+# derivative of a position. A fit to a position at rest needs an accuracy of some percent.
 LEFT_OPEN = 1e-2
-# value of ``element.undecided``: the element sticks since its onset, where its speed is zero but has
-# derivatives, which sticking stops
+# value of ``element.undecided``: the element sticks since an onset at zero speed; sticking sets the
+# derivatives of the speed to zero, too
 STOPPED = 2
 
 
@@ -86,7 +85,7 @@ def delay_of_rest(t, e):
 
 
 def stops_slowly(t, e):
-    """Return whether errors decide if element e, which has no speed now, stops or slides on."""
+    """Return whether the acceleration of element e, now at zero speed, may be an error of the solver."""
     return abs(value(tangential_acceleration(t, e))) <= value(slow_acceleration(t, e))
 
 
@@ -113,7 +112,8 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if force_drops(t, e) and lasted(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # if friction drops earlier or later by the delay, the change of speed must be negligible
+            # a drop of friction that is early or late by the delay changes the speed: negligibly, or the
+            # derivatives end
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
@@ -121,10 +121,10 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Return whether the choice between stopping a ``speed`` [m/s] and keeping it is negligible.
+    """Return whether the derivatives of a ``speed`` [m/s], now zero, may be neglected.
 
-    The speed would last for the time in which a chain settles. A negligible choice with an effect is added to
-    ``trust.share``.
+    Their product with the settling time, relative to the largest derivative of a position, is then added to
+    ``trust.share``. This sum must not exceed LEFT_OPEN.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -143,7 +143,7 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """Return a time [s] in which a chain settles, √(size/(gravity + size per second squared))."""
+    """Return a time [s] in which a chain settles, √(L/(g + L/s²)) with its size L and gravity g."""
     size = value(t.model.size)
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
@@ -156,7 +156,9 @@ def force_drops(t, e):
 
 
 def check_changes(t, time):
-    """End the derivatives unless all mode changes at the end of the last step have the delay ``time`` [s].
+    """End the derivatives unless all mode changes at the last step's end have the delay ``time`` [s].
+
+    Other delays are allowed if their effect is negligible.
 
     Args:
         t: the tangent instance, with the points located at the end of the last step.
@@ -173,8 +175,8 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not rests(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
-    # For example, the times at which the two ends of a rod on a floor stop determine the friction of each
-    # end. So the derivatives of the impulses of friction are not known.
+    # the derivatives of the impulses of friction are then unknown: for example, the times at which the two
+    # ends of a rod on a floor stop determine the friction of each end
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -187,7 +189,7 @@ def check_changes(t, time):
 
 
 def gives_way(t, e, time):
-    """Return whether the margin of element e, now zero, is still zero a ``time`` [s] later.
+    """Return whether the margin of element e, now zero, is zero a ``time`` [s] later for nearby parameters.
 
     All derivatives of the margin at that time must be small.
     """
@@ -234,7 +236,10 @@ def largest_displacement(t, direction):
 
 
 def choose_modes(t):
-    """Take the modes of dry friction from the primal run; ``element.mode`` holds the first guess."""
+    """Take the modes of dry friction from the primal run, in place of those in ``element.mode``.
+
+    The derivatives end if such a mode is open.
+    """
     for e in range(t.elements):
         # the element slides because its sticking has ended, so its mode is not undecided
         if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
@@ -253,7 +258,7 @@ def choose_modes(t):
 
 
 def any_stops(t):
-    """Return whether any element that was sliding until now sticks."""
+    """Return whether any element sticks now that slid before."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -264,8 +269,8 @@ def any_stops(t):
 def stop_speeds(t):
     """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
-    Sticking stops the speeds. The projection of the state, which contacts resist, would keep a part of the
-    derivatives as long as the elements stick, for example for a rod that lies almost flat.
+    The projection of the state would not do that: contacts resist it, so a part of the derivatives would stay
+    as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     start_from_state(t, 1)
@@ -277,10 +282,10 @@ def stop_speeds(t):
 
 
 def check_onsets_at_rest(t):
-    """Check the onsets of friction at rest where a change of the parameters would give the element a speed.
+    """Check elements whose friction begins at a speed that is zero, but not for nearby parameters.
 
-    Sticking stops such a speed, and the element is marked STOPPED. Sliding would keep the speed in one
-    direction and stop it in the other direction, so the derivatives end.
+    Sticking stops such a speed: the element is marked STOPPED. Sliding would keep the speed in one direction
+    and stop it in the other: the derivatives end.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -296,7 +301,8 @@ def check_onsets_at_rest(t):
 def contact_resistance(t):
     """Return the contacts' resistance [kg] to a projection: 0 at an onset where an element is STOPPED.
 
-    Friction stops the speed there while the forces of the contacts are still small.
+    Friction stops the speed there while the forces of the contacts are still small. Elsewhere the resistance
+    is that of the replaced function.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -321,7 +327,10 @@ def check_coefficients(t):
 
 
 def is_open(t, e):
-    """Return whether the force that would hold element e at rest nearly equals the limit of friction."""
+    """Return whether the force that would hold element e at rest nearly equals the limit of friction.
+
+    If the effect of the choice is negligible, the result is false.
+    """
     limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
     if limit <= value(excess(t, e)):
         return False

@@ -1,4 +1,4 @@
-"""Peaks at an event whose order with another event depends on the parameters: they have no derivatives.
+"""Peaks without derivatives: those at two events whose order depends on the parameters.
 
 Two signals may jump at one time. If a parameter moves one of them, a force has a third value between the
 jumps, which may be larger than the values on both sides.
@@ -13,7 +13,7 @@ from chain_impact.kernel.ode.last_step import delay_start
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, sloped, value
 
-# The part of a contact's peak force by which the force at the end of the step may be smaller by round-off.
+# The round-off of a contact's force at the end of a step, relative to the contact's peak force.
 FORCE_ROUND_OFF = 1e-9
 
 

@@ -7,19 +7,20 @@ the size of the step, the method and the events from d. These are choices of the
 derivatives.
 
 An event ends a step where a function φ of the state passes through zero. The time of the event depends on the
-parameters, too. With φ′ the derivatives of φ where the step of d ends, this time changes by −φ′/φ̇, and the
-state at the event changes by −ẏ φ′/φ̇. Time is part of the state, and the change of the state at an event is
-differentiated like the rest of the run. At the kink of a force the rate is continuous, so the derivative of
-the event time affects only a peak at the kink, not the motion. The dense output of a step is computed before
-the end of the step moves, so its derivatives are those at fixed times. Peaks are searched for between the
-events with which a step begins and ends: a force that jumps with a signal may have its largest value there.
+parameters, too. With φ′ the derivatives of φ where the step of d ends, this time has the derivatives −φ′/φ̇,
+and those of the state at the event grow by −ẏ φ′/φ̇. Time is part of the state, and the change of the state
+at an event is differentiated like the rest of the run. At the kink of a force the rate is continuous, so the
+derivative of the event time affects only a peak at the kink, not the motion. The dense output of a step is
+computed before the end of the step moves, so its derivatives are those at fixed times. Peaks are searched for
+between the events with which a step begins and ends: a force that jumps with a signal may have its largest
+value there.
 
-An implicit step repeats the iteration, started from the stages that d has found. The result does not depend
-on the approximate Jacobian A, so the derivatives in each direction are solved with the linear systems of d,
-in the work space of d. The derivatives of the stages are first extrapolated from the last step, and converge
-with another factor θ than the values: where d is at rest, the values converge at once, however long the step
-is, but the derivatives do not. So the iteration goes on until the derivatives have converged, relative to the
-state's derivatives in the same direction.
+In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
+depend on the approximate Jacobian A, so the linear systems of d, in the work space of d, give the derivatives
+in each direction. The derivatives of the stages are first extrapolated from the last step. In each iteration
+their error falls by another factor θ than that of the values: where d is at rest, the values converge at
+once, however long the step is, but the derivatives do not. So the iteration goes on until the derivatives
+have converged, relative to the state's derivatives in the same direction.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -116,10 +117,10 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Re-initialize t at the communication point, as d was; update the contacts of t up to this point."""
+    """Re-initialize t as d was, at the communication point, where ``truncate_tangent`` has ended its step."""
     reset_step(t, t.step.end, t.step.state_end)
     delay_start(t, carried(0.0, 0.0, t.step.end))
-    # the part of the run after this point is dropped; derivatives that ended in this part may continue
+    # the part of the run after this point is dropped, so derivatives that ended only there go on
     if t.trust.time > value(t.step.end):
         trust(t)
     take_given(d, t)
@@ -129,10 +130,10 @@ def reinit_tangent(d, t):
 
 
 def take_given(d, t):
-    """Take the given values and the choices of d; t keeps its derivatives with respect to given values.
+    """Copy given values, prescribed motions and modes of d to t; t keeps the derivatives of given values.
 
-    For a prescribed motion, derivatives are with respect to a constant added to its position, and to
-    constants added to its rates.
+    The derivatives of a prescribed motion are with respect to constants that are added to its position,
+    velocity and acceleration.
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
@@ -153,17 +154,18 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-# The largest last correction with which the iteration ends, relative to the derivatives times the tolerance.
+# The iteration ends if its last correction, relative to the derivatives, is at most this times the tolerance.
 CONVERGED_SLOPES = 0.01
-# The rule to detect an iteration of derivatives that does not converge. The least correction must fall by the
+# The rule to stop an iteration of derivatives that does not converge. The least correction must fall by the
 # factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
-# A correction that does not fall is round-off up to the relative value SLOPE_ROUND_OFF, else a failure.
+# If it does not fall, a correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is round-off and accepted;
+# a larger one is a failure.
 FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
-# The least size to which a correction is relative, as a part of the speed's derivative that limits of static
-# friction could give in the step. Smaller derivatives with respect to such limits may be round-off.
+# A correction is relative to the derivatives, but at least to this part of ``speed_by_friction``: smaller
+# derivatives may be round-off.
 LEAST_SLOPE = 1e-3
-UNLIMITED_CORRECTION = 1e300  # stands for the relative correction if the derivatives are zero
+UNLIMITED_CORRECTION = 1e300  # the relative correction if the derivatives are zero or not finite
 
 
 def make_implicit(d, t, h):
@@ -230,7 +232,7 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """Return the largest ratio, over all directions, of the derivatives' last correction to their size."""
+    """Return the largest last correction, over all directions, of the derivatives, relative to their size."""
     implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
@@ -248,7 +250,10 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """Return the weighted derivative of the speed that friction at its limits could give in the step."""
+    """Return the derivative of the speed that friction at its limits could give in the step.
+
+    It is multiplied by the largest error weight of a speed.
+    """
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
         return 0.0
@@ -267,7 +272,7 @@ def replay(d, t):
     delay_start(t, carried(0.0, 0.0, t.step.end))
     if limit_ends_step:
         fix_start(t)
-    # derivatives of an input belong to a constant that is added to the input
+    # t keeps the derivatives of the inputs, which are with respect to constants added to the inputs
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)

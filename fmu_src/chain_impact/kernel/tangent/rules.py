@@ -1,4 +1,4 @@
-"""Functions with their own rules of differentiation, because dual numbers in their operations would be wrong.
+"""Functions with their own rules of differentiation, where dual numbers in each operation would be wrong.
 
 Each function has the name of the function that it replaces, and is called instead if an argument carries
 derivatives. The returned value is the same up to round-off.
@@ -57,8 +57,8 @@ def power(x, y):
 def power_of_depth(depth, exponent):
     """Return δ^n of a penetration δ, with derivatives with respect to δ and n.
 
-    The replaced function has special cases of n without derivatives with respect to n. For n < 1 the slope at
-    δ = 0 is infinite.
+    The replaced function has special cases of n that would lose the derivatives with respect to n. At δ = 0
+    the derivatives are set to 0 if n ≠ 1, although for n < 1 they are infinite.
     """
     base, n = value(depth), value(exponent)
     result = contact_force.power_of_depth(base, n)
@@ -129,13 +129,13 @@ def fraction(t, time):
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
-    # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ; where a
-    # contact begins or ends ṫ = 0, and θ has no derivatives
+    # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with
+    # ṫ = dt/dθ; where a contact begins or ends ṫ = 0, and the derivatives of θ are set to 0
     return carried(theta, -reciprocal(max(0.0, rate)), error)
 
 
 def event_fraction(t):
-    """Return 0 with the derivatives of the fraction of the last step at which its first event lies."""
+    """Return 0 with the derivatives of the fraction at which the event lies that begins the last step."""
     step = t.step
     rate = value(step.size)
     if step.regularized >= 0:
@@ -144,10 +144,10 @@ def event_fraction(t):
 
 
 def iterated_enough(_t, iterations):
-    """Return whether so many iterations reduce the derivatives of any residual to round-off.
+    """Return whether so many ``iterations`` reduce the derivatives of any residual to round-off.
 
-    Each iteration reduces the derivatives of a residual to a millionth. The derivatives of a residual with
-    the value zero may be large.
+    Each iteration reduces them to a millionth. The value of a residual does not tell: where it is zero, its
+    derivatives may be large.
     """
     return iterations >= FORCE_ITERATIONS
 

@@ -32,8 +32,8 @@ from chain_impact.kernel.tangent.trust import check_onsets
 def move_end(t):
     """Give the end of the last step the derivatives of the time of the event that ends the step.
 
-    The dense output belongs to the step with the old end. The time of an event at which a force only has a
-    kink affects a peak and the end of a contact, but not the motion.
+    The dense output stays that of the step with the old end. If a force only has a kink at the event, the
+    time of the event affects a peak and the end of a contact, but not the motion.
     """
     for c in range(t.candidates):
         if is_crossing(t, c):
@@ -47,7 +47,7 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # the event of a step without length follows from a jump at its start, and so has no delay of its own
+    # a jump at the start of a step without length causes its event, so the event has no delay of its own
     if not lasted(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -78,7 +78,7 @@ def is_crossing(t, c):
 
 
 def prepare_end(t):
-    """Compute rate and points at the end of the last step, and values from them, before the end moves."""
+    """Compute rate, points and dense output at the end of the last step, before this end moves."""
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)
@@ -98,7 +98,7 @@ def move_along(t, time):
 
 
 def ends_at_limit(t):
-    """Return whether the last step ends with the end of a drive's mode, and with no other event."""
+    """Return whether the last step ends where a drive reaches or leaves its limit, with no other event."""
     return t.drive.event != 0 and not ends_with_contact(t)
 
 
@@ -123,9 +123,9 @@ def ends_with_contact(t):
 def fix_start(t):
     """Move the state after an event along the motion to a start time that has no derivatives.
 
-    Otherwise the derivatives at a fixed time would have the error of the interpolant's slope times the
-    derivative of the event time, in all steps up to the next event. The search for peaks in the next step
-    begins at the event.
+    Otherwise, up to the next event, the derivatives at a fixed time would contain the error of the
+    interpolant's slope times the derivatives of the start time. The search for peaks in the next step begins
+    at the event.
     """
     delay = t.step.start_delay + carried(0.0, 1.0, t.step.end)
     mark_jump(t)

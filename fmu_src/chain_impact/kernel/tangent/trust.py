@@ -1,7 +1,8 @@
 """The time up to which derivatives can be trusted; after it they do not exist, or are too inaccurate.
 
-The cause is an impact, dry friction whose mode is left open (tangent/friction.py), or an implicit step whose
-equations for the derivatives could not be solved. simulation/reasons.py has a sentence for each cause.
+The cause is an onset (``check_onsets``), a jump of a user's force, dry friction whose mode is left open
+(tangent/friction.py), or an implicit step whose equations for the derivatives could not be solved.
+simulation/reasons.py has a sentence for each cause.
 """
 
 import math
@@ -19,8 +20,8 @@ TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
 JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint or of the slider
-# The largest distance from the bound of a choice that errors of a run explain, relative to the bound's scale
-# times the tolerance. At a smaller distance the choice is open.
+# A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN times
+# the tolerance away, relative to the scale of the bound.
 OPEN = 100.0
 # A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
 # RELATIVE_JUMP.
@@ -28,10 +29,10 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
 def check_onsets(t):
-    """Mark the derivatives as not trusted from now on if an onset at the end of the last step has none.
+    """End the derivatives if they do not exist at an onset at the end of the last step.
 
-    Such an onset grazes, is at the least speed of its law, or is one of several at one time. The points must
-    be located at this end.
+    Such an onset grazes, is at the least speed of its law, is one of several at one time, or has a static
+    friction of 0 with derivatives. The points must be located at this end.
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
@@ -58,16 +59,16 @@ def check_onsets(t):
 
 
 def near_least_speed(t, c, speed):
-    """Return whether errors decide if the v₀ of candidate c is its approach ``speed`` [m/s] or the least v₀.
+    """Return whether the approach ``speed`` [m/s] of candidate c equals the least v₀ of its law up to errors.
 
-    Below the least v₀ the law does not depend on the approach speed, and above it does.
+    At a smaller speed the law uses the least v₀, at a larger one the speed.
     """
     errors = OPEN * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
 
 
 def cannot_be_less(friction):
-    """Return whether a limit of dry friction is 0, its least possible value, and has derivatives."""
+    """Return whether a parameter of dry friction is 0, its least possible value, and has derivatives."""
     return value(friction) == 0.0 and varies(friction)
 
 
@@ -120,7 +121,7 @@ def trust(t):
 
 
 def begin_trust(t):
-    """Mark the derivatives as valid at the start of a run, without undecided changes."""
+    """Mark the derivatives as valid at the start of a run, where friction has left nothing open."""
     t.trust.share, t.trust.split = 0.0, 0
     trust(t)
 
@@ -128,7 +129,7 @@ def begin_trust(t):
 def mark_split(t):
     """Record that the derivatives of the impulses of friction are not known from now on.
 
-    A speed that sticking stops changes these impulses, and the distribution of friction between sticking
+    The stop of a neglected speed changes these impulses, and the distribution of friction between sticking
     elements.
     """
     t.trust.split = 1
