@@ -76,6 +76,7 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
         until_told(page, impacts_of({"contact.restitution": value}))
+    assert "A, B: total" in page.locator("#energies dt").all_text_contents()
     top = page.locator("#pins").bounding_box()["y"]
     rows = [row.bounding_box() for row in page.locator("#impacts tbody tr").all()[:3]]
     assert all(row["y"] + row["height"] < top for row in rows)
@@ -96,7 +97,7 @@ def test_a_pin_is_in_sight_at_once(show, size):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_pins_have_colours_of_their_own(show, scheme):
     page = show(color_scheme=scheme)
-    names = [*(f"pin-{k}" for k in range(1, 6)), *ENERGIES, "chain", "tip"]
+    names = [*(f"pin-{k}" for k in range(1, 6)), *ENERGIES, "total", "chain", "tip"]
     style = "getComputedStyle(document.documentElement)"
     found = page.evaluate(f"names => names.map((name) => {style}.getPropertyValue(`--${{name}}`))", names)
     colours = [np.array(mpl.colors.to_rgb(one.strip())) for one in found]
@@ -137,6 +138,9 @@ def test_a_pin_with_another_contact_has_no_curve_of_force(show):
         until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
         drawn[number] = page.evaluate(PIXELS, ["force", "pin-1"]) > 20
         assert page.text_content("#contact-name").endswith("; A: another contact") is not drawn[number]
+        assert page.locator("#contact-name").evaluate("one => one.scrollWidth <= one.clientWidth"), (
+            "it is not cut off"
+        )
     assert drawn == {1: True, 4: False}
 
 

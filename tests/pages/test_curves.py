@@ -50,6 +50,30 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
 
 
+def test_the_values_of_one_unit_have_the_same_decimals(show):
+    page = show(hash_="#curves=point[*].y,impact.count")
+    page.locator("#scrub").fill("1.99")
+    until(page, "document.getElementById('time').textContent === '1.99000 s'")
+    *heights, count = page.locator("#outputs-over-time dd").all_inner_texts()
+    assert {len(text.split("\u202f")[0].split(".")[1]) for text in heights} == {3}
+    assert count.isdigit()
+    assert not any(text.startswith("-0.000\u202f") for text in heights)
+
+
+@pytest.mark.parametrize(
+    ("onset", "ends", "step", "expected"),
+    [
+        (None, (0.0, 1.02), 0.5, {"0 s": 0.0, "0.5 s": 0.5, "1.0 s": 1.0}),
+        (0.4007, (0.3985, 0.404), 2e-3, {"-2 ms": 0.3987, "0 ms": 0.4007, "2 ms": 0.4027}),
+    ],
+)
+def test_a_view_of_one_impact_counts_the_time_from_its_onset(script, onset, ends, step, expected):
+    ask = "([onset, [low, high], step]) => timeTicks(low, high, step, onset ?? undefined)"
+    ticks = script.evaluate(ask, [onset, ends, step])
+    texts = script.evaluate("([ticks, onset]) => timeTexts(ticks, onset ?? undefined)", [ticks, onset])
+    assert dict(zip(texts, ticks, strict=True)) == pytest.approx(expected)
+
+
 def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
     page = show()
     assert page.locator("#outputs-over-time").is_hidden()
@@ -85,6 +109,7 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     impact = result.impacts[0]
     shown = told(page, "contact[2].y_min.force") / impact["peak_force"]
     assert shown == pytest.approx(1.0, abs=0.01), "the largest force"
+    assert page.text_content("#outputs-impact") == page.text_content("#contact-name").split(",")[0]
     charts = page.locator("#outputs-over-time .u-over").first
     box = charts.bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 10)

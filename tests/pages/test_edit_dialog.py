@@ -33,13 +33,14 @@ def downloaded(page, tmp_path):
     return load_scene(tmp_path / "edited.toml")
 
 
-def assert_same_motion(page, scene):
-    """Assert that the page computes the numbers of `simulate` for the scene that the page saves."""
+def assert_same_motion(page, scene, changed=None):
+    """Assert that the page computes, with changed values, the numbers of `simulate` for its saved scene."""
     names, columns, count = page.evaluate(
-        f"""async () => {{
-          const {{ columns, impacts }} = await chainImpact.simulate();
+        f"""async (changed) => {{
+          const {{ columns, impacts }} = await chainImpact.simulate(changed);
           return [Object.keys(columns), ({TEXTS})(Object.values(columns)), impacts.length];
-        }}"""
+        }}""",
+        changed or {},
     )
     result = simulate(scene)
     assert count == len(result.impacts)
@@ -77,7 +78,7 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     assert scene.box.x_min is None
     assert [wall.name for wall in scene.walls] == ["wall1"]
     assert scene.contact.restitution == float(restitution) != 0.7  # the change before the edit is kept
-    assert_same_motion(page, scene)
+    assert_same_motion(page, scene, {"contact.restitution": restitution})
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove wall wall1").click()
     page.get_by_role("button", name="Remove link 1").click()
@@ -86,7 +87,30 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     until_told(page, "4 links")
     scene = downloaded(page, tmp_path)
     assert (scene.chain.base, scene.walls, scene.stops.exponent) == ("pinned", (), None)
-    assert_same_motion(page, scene)
+    assert_same_motion(page, scene, {"contact.restitution": restitution})
+
+
+def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp_path):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    changed = {"contact.restitution": 0.4, "link[2].mass": 1.5, "link[4].mass": 2.0}
+    page.evaluate("values => chainImpact.show(values)", changed)
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[2].mass", "3")
+    page.get_by_role("button", name="Remove link 4").click()
+    until_told(page, "3 links")
+    page.get_by_role("button", name="Add a wall").click()
+    page.keyboard.press("Escape")
+    until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'scene before 3 edits'")
+    changed_labels = page.locator(".changed > .main-parameter-label").all_text_contents()
+    assert [text.split()[0] for text in changed_labels] == ["Restitution"]
+    scene = downloaded(page, tmp_path)
+    assert scene.contact.restitution == 0.4
+    assert [link.mass for link in scene.chain.links[1:]] == [3.0, 1.0]
+    assert_same_motion(page, scene, {"contact.restitution": 0.4})
+    page.get_by_role("button", name="Reset all").click()
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.7'")
+    assert page.evaluate("chainImpact.parameters['link[2].mass']") == "3"
 
 
 def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):

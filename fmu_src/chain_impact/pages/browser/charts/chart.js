@@ -1,18 +1,20 @@
 // The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
 
+import { ticksOf } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
 // the least number of ticks on a vertical axis, and on one where these ticks would be nearer than TICKS_APART
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
-const TICKS_APART = 15; // [pixels]
+const TICKS_APART = 17; // [pixels]
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights above the axes, and of the axis below them
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
 // where the letters of curves for comparison are: A at a part of the width of the chart, and the next letters further on
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
+const [DECIMALS_OF_LARGEST, MOST_PLACES] = [3, 9]; // decimals of values from 1 to 10, and largest number of decimals
 
 /** Return a colour of the style sheet. */
 export function styleColour(name) {
@@ -24,6 +26,37 @@ export function ticksUpwards({ height }, low, high) {
   const ticks = ticksBetween(low, high, FEWEST_TICKS);
   const apart = ((height - ABOVE_PLOT - BELOW_PLOT) * (ticks[1] - ticks[0])) / (high - low);
   return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW);
+}
+
+/** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
+export function ticksText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+}
+
+/** Return the times between two times that are whole steps from an onset. */
+export function timeTicks(low, high, step, onset = 0) {
+  const first = Math.ceil((low - onset) / step - 1e-6);
+  const count = Math.floor((high - onset) / step + 1e-6) - first + 1;
+  return Array.from({ length: count }, (_, k) => onset + (first + k) * step);
+}
+
+/** Return times as texts: in s, or in s or ms since an onset. */
+export function timeTexts(ticks, onset) {
+  if (onset === undefined) return ticksOf(ticks).map((tick) => `${tick} s`);
+  const since = ticks.map((tick) => tick - onset);
+  return since.map((time) => ticksText(Math.abs(time) < 1e-12 ? 0 : time, since));
+}
+
+/** Return the number of decimals with which values in some arrays are told: the same for all, so that they can be compared. */
+export function decimalsOf(arrays) {
+  const largest = arrays.reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
+  return Math.min(Math.max(DECIMALS_OF_LARGEST - Math.floor(Math.log10(largest || 1)), 0), MOST_PLACES);
+}
+
+/** Return the number of an impact, what touches, and where. */
+export function contactTitle({ number, what, wall }) {
+  return `${number ? `impact ${number}: ` : ""}${what} at ${wall}`;
 }
 
 export function axisOptions(options = {}) {

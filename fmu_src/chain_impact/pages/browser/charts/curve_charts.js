@@ -1,9 +1,9 @@
 // Any curves over time, in a chart for each unit: driven inputs, and the outputs that the reader chooses.
 
 import { make } from "../base/dom.js";
-import { unitText } from "../base/format.js";
+import { fixed, unitText } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
-import { MOMENT } from "./chart.js";
+import { contactTitle, decimalsOf, MOMENT } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
@@ -11,7 +11,6 @@ const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
-const DIGITS = 4; // number of digits of a value
 const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
 
 /** Return curves with 0 for values that are round-off of the largest value of their unit; forces have a known scale. */
@@ -37,14 +36,18 @@ class UnitChart extends TimeChart {
   show(recording, curves) {
     const { time } = this.curvesOf(recording);
     Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
+    const counts = this.curves.map(({ values, isStepped }) => isStepped && values.every(Number.isInteger));
+    const decimals = decimalsOf(this.curves.filter((_, k) => !counts[k]).map(({ values }) => values));
+    this.decimals = counts.map((isCount) => (isCount ? 0 : decimals));
     const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
     else this.makeCurves(curves, data);
   }
 
-  draw(now, close) {
+  /** Draw at a time, with the whole time or the time `close` from one time to another, which the axis counts from `onset`. */
+  draw(now, close, onset) {
     if (close?.join() !== this.close?.join()) {
-      this.close = close;
+      Object.assign(this, { close, onset });
       this.plot.setData(this.plot.data);
     }
     this.mark(now);
@@ -53,7 +56,7 @@ class UnitChart extends TimeChart {
     this.values.forEach(([, value], k) => {
       const { values, unit, isStepped } = this.curves[k];
       const number = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [Number(number.toPrecision(DIGITS)), unitText(unit)].filter((text) => text !== "").join("\u202f");
+      value.textContent = [fixed(number, this.decimals[k]), unitText(unit)].filter((text) => text !== "").join("\u202f");
     });
   }
 }
@@ -62,11 +65,11 @@ export class CurveCharts {
   #compared = [];
 
   /**
-   * `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact; `note` is
-   * an element that names the motions for comparison without these curves.
+   * `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact, and `title`
+   * an element that names this impact; `note` is an element that names the motions for comparison without these curves.
    */
-  constructor(element, seek, { curvesOf, label, zoomButton, note, wordsOf = (name) => name }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, note, wordsOf, charts: new Map() });
+  constructor(element, seek, { curvesOf, label, zoomButton, title, note, wordsOf = (name) => name }) {
+    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, wordsOf, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -127,7 +130,9 @@ export class CurveCharts {
     Object.assign(this, { frame, contact });
     const isClose = contact && this.zoomButton?.getAttribute("aria-pressed") === "true";
     const margin = isClose && (SHARED.curves.BEFORE * (contact.impactEnd - contact.onset) || MOMENT);
-    const close = isClose ? [contact.onset - margin, contact.impactEnd + margin] : undefined;
-    this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame), close));
+    const { start, end } = this.recording;
+    const close = isClose ? [Math.max(contact.onset - margin, start), Math.min(contact.impactEnd + margin, end)] : undefined;
+    if (this.title) this.title.textContent = isClose ? contactTitle(contact) : "";
+    this.charts.forEach((chart) => chart.draw(this.recording.timeAt(frame), close, isClose ? contact.onset : undefined));
   }
 }

@@ -2,7 +2,9 @@
 
 import { durationText, forceText, unitsOf } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
-import { axisOptions, Chart, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksUpwards } from "./chart.js";
+import {
+  axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
+} from "./chart.js";
 
 const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
 const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
@@ -28,12 +30,6 @@ function courseAround(recording, contact) {
   const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
   const [force, depth, friction] = [columns.force, columns.penetration, columns.friction].map(during);
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
-}
-
-/** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
-function ticksText(tick, ticks) {
-  const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
-  return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
 /** Return a tick of a penetration axis as text in millimetres or micrometres: all of `ticks` have the same unit. */
@@ -144,8 +140,8 @@ export class ForceChart extends Chart {
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    const legend = (rubs ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
-    const text = `${number ? `impact ${number}: ` : ""}${contact.what} at ${wall}, ${length}${legend}`;
+    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
+    const text = `${contactTitle(contact)}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // it may be cut
   }
 }

@@ -1,7 +1,7 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
 import { fixed, ticksOf } from "../base/format.js";
-import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards } from "./chart.js";
+import { axisOptions, Chart, decimalsOf, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -9,6 +9,7 @@ const WIDTHS = { total: 2.4 };
 export class TimeChart extends Chart {
   names = [];
   soft = false; // whether the axis begins at zero if zero is near
+  onset = undefined; // the time [s] from which the axis counts, if it counts from an impact
 
   constructor(element, height, entries, seek) {
     super(element, height);
@@ -42,7 +43,11 @@ export class TimeChart extends Chart {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => this.span }, y: { range: (_, least, most) => this.#range(least, most) } },
         axes: [
-          axisOptions({ space: 64, values: (_, ticks) => ticksOf(ticks).map((tick) => `${tick} s`) }),
+          axisOptions({
+            space: 64,
+            splits: (_, axis, low, high, step) => timeTicks(low, high, step, this.onset),
+            values: (_, ticks) => timeTexts(ticks, this.onset),
+          }),
           axisOptions({
             size: labelledWidth,
             splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
@@ -60,7 +65,7 @@ export class TimeChart extends Chart {
       data,
     );
     this.entries.replaceChildren();
-    this.values = curves.map(({ name, words = name, stroke, dash }) => [name, entryOf(this.entries, { name, words, stroke, dash })]);
+    this.values = curves.map((curve) => [curve.name, entryOf(this.entries, curve)]);
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
       this.seek(this.plot.posToVal(event.clientX - left, "x"));
@@ -105,8 +110,10 @@ export class EnergyChart extends TimeChart {
     this.recording = recording;
     if (names.join() !== this.names.join()) this.makeCurves(names.map((name) => ({ name, stroke: name })), data);
     else this.plot.setData(data);
-    const largest = data.slice(1).reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
-    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
+    this.decimals = decimalsOf(data.slice(1));
+    this.legend?.parentElement.remove();
+    const letters = this.compared.map(({ letter }) => letter).join(", ");
+    this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke: "muted", dash: [6, 3] }) : undefined;
   }
 
   compare(recordings) {
@@ -130,7 +137,7 @@ function patternOf(stroke, dash = [1]) {
 }
 
 /** Add an entry to a list: words for a name, with a line in their colour; return the element for the present value. */
-function entryOf(list, { name, words, stroke, dash }) {
+function entryOf(list, { name, words = name, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   Object.assign(term, { textContent: words, title: words === name ? "" : name });
   term.style.setProperty("--pattern", patternOf(stroke, dash));

@@ -16,7 +16,7 @@ export class ComparedMotions {
     this.player = player;
     this.panel = panel;
     this.table = table;
-    this.pinned = []; // the pinned motions: {recording, text, colour}
+    this.pinned = []; // the pinned motions: {recording, colour, edits}; `edits`: how often the scene was edited since
     this.before = null;
   }
 
@@ -38,10 +38,24 @@ export class ComparedMotions {
     if (this.pinned.some((motion) => motion.recording === recording)) return;
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
-    this.pinned.push({ recording, text: recording.text || "as in the scene", colour });
+    this.pinned.push({ recording, colour, edits: 0 });
     this.show();
     this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion
     this.player.drawSoon();
+  }
+
+  /** Count that the page shows another scene than that of the pinned motions. */
+  leaveScene() {
+    this.pinned.forEach((motion) => {
+      motion.edits += 1;
+    });
+  }
+
+  /** Return words for a pinned motion: the changes in it, and whether its scene was another one. */
+  #textOf({ recording: { name, text }, edits }) {
+    if (edits === 0) return text || "as in the scene";
+    const scene = name !== this.player.recording.name ? name : `scene before ${edits > 1 ? `${edits} edits` : "the edit"}`;
+    return [text, scene].filter(Boolean).join(", ");
   }
 
   unpin(motion) {
@@ -81,7 +95,8 @@ export class ComparedMotions {
     // while the panel is shown, the charts are lower, so that the list of impacts has space
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
-    const all = [{ recording: player.recording, text: "present" }, ...pinned];
+    const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
+    const all = [{ recording: player.recording, text: "present" }, ...listed];
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
     const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
     const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
@@ -93,7 +108,7 @@ export class ComparedMotions {
   }
 
   #title(motion) {
-    const { text, colour, recording } = motion;
+    const { text, colour, recording, unpin } = motion;
     const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
     const title = make("span", { className: "pin-title" });
     const kind = colour ? `pin-${colour}` : "present";
@@ -102,7 +117,7 @@ export class ComparedMotions {
     if (colour) {
       title.prepend(make("span", { className: `dashes ${kind}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
-      button.addEventListener("click", () => this.unpin(motion));
+      button.addEventListener("click", unpin);
       title.append(button);
     }
     title.append(make("small", { textContent: count }));

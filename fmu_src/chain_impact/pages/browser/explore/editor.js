@@ -35,13 +35,13 @@ const POINT = { x: "Along", y: "Left", radius: "Radius" };
 
 export class Editor {
   /**
-   * `open` shows a scene with some contents and changed inputs, or throws an error; `first` shows the page's own scene; `keys`
-   * are the rules of the keys of a scene file, with their units.
+   * `openContents` shows a scene with some contents, and `openEdited` also with the reader's changes, or they throw an error;
+   * `openFirst` shows the page's own scene; `keys` are the rules of the keys of a scene file, with their units.
    */
-  constructor(changes, open, first, keys) {
+  constructor(changes, { openContents, openEdited, openFirst }, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const units = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
-    Object.assign(this, { changes, open, units });
+    Object.assign(this, { changes, openContents, openEdited, units });
     this.dialog = find("edit");
     find("edit-open").addEventListener("click", () => {
       this.#draw();
@@ -58,7 +58,7 @@ export class Editor {
       target.value = ""; // so that the same file can be chosen a second time
     });
     find("edit-first").addEventListener("click", () => {
-      first();
+      openFirst();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
@@ -75,20 +75,19 @@ export class Editor {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
       if (text instanceof Error) throw text; // fails for a folder, and for a file that no longer exists
-      this.open(contentsIn(text));
+      this.openContents(contentsIn(text));
     }, `${file.name} is open.`, (error) => {
       onFault();
       return `${file.name} cannot be opened: ${error.message.replace(/\.$/, "")}.`;
     });
   }
 
-  /** Change the contents of the present scene of the page; its inputs keep their changes. */
+  /** Change the contents of the present scene of the page. */
   #change(edit) {
-    const { values, inputSteps } = this.changes;
     const file = contentsOf(this.changes);
     this.#try(() => {
       edit(file);
-      this.open(file, { values, inputSteps });
+      this.openEdited(file);
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 

@@ -15,6 +15,7 @@ import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
+import { withoutChanges } from "./edited_scene.js";
 import { Editor } from "./editor.js";
 import { changesIn, hashOf } from "./export.js";
 import { connectExport } from "./export_dialog.js";
@@ -143,18 +144,43 @@ function updateAddressSoon() {
   addressTimer = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
-/** Show another scene and its name; `text` is the text of its file, empty for the page's own scene; `inputs` are changed inputs. */
-function showScene(scene, text, inputs) {
+/** Show another scene and its name; `text` is the text of its file, empty for the page's own scene; `kept` are changes in it. */
+function showScene(scene, text, kept) {
   opened = text;
   engine.end();
-  changes.open(scene, inputs);
+  changes.open(scene, kept);
   showDescription();
 }
 
-/** Open a scene with the contents of a file, and changed inputs; an error says which key is wrong. */
-function openContents(contents, inputs) {
+/** Open a scene with the contents of a file; an error says which key is wrong. */
+function openContents(contents) {
+  openFile(complete(contents, kit));
+}
+
+/** Open the edited contents of the present scene, with the reader's changes; an error says which key is wrong. */
+function openEdited(contents) {
+  const { values, inputSteps } = changes;
   const whole = complete(contents, kit);
-  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys), inputs);
+  const ofInputs = Object.fromEntries(Object.entries(values).filter(([name]) => changes.scene.inputs.includes(name)));
+  const before = withoutChanges(whole, changes);
+  const base = sceneWith(before);
+  if (base) openFile(base, { values: { ...before.values, ...ofInputs }, inputSteps });
+  else openFile(whole, { values: ofInputs, inputSteps });
+}
+
+/** Return the complete file with some contents if it is a scene with the parameters of some changes; else undefined. */
+function sceneWith({ contents, values }) {
+  try {
+    const whole = complete(contents, kit);
+    const names = describe(kit, whole, []).parameters.map(({ name }) => name);
+    return Object.keys(values).every((name) => names.includes(name)) ? whole : undefined;
+  } catch {
+    return undefined; // the edited scene is possible only with the changes
+  }
+}
+
+function openFile(whole, kept) {
+  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys), kept);
 }
 
 /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
@@ -205,8 +231,9 @@ find("map-open").addEventListener("click", () => {
 });
 changes.onOpen(() => {
   engine = startEngine();
+  comparedMotions.leaveScene();
 });
-new Editor(changes, openContents, () => showScene(pageScene, ""), kit.keys);
+new Editor(changes, { openContents, openEdited, openFirst: () => showScene(pageScene, "") }, kit.keys);
 showDescription();
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });

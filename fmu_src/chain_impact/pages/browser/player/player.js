@@ -30,7 +30,8 @@ export class Player {
           { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", wordsOf: inputText })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
         new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time),
-          { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"), note: find("outputs-note") })],
+          { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
+            title: find("outputs-impact"), note: find("outputs-note") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
     ];

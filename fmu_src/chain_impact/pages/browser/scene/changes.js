@@ -22,12 +22,12 @@ export class Changes {
     this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
-  /** Use another scene; of the changes `from` an earlier scene, only those of inputs that this scene also has are kept. */
+  /** Use another scene; of the changes `from` an earlier scene, those of parameters that this scene also has are kept. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
     const [values, inputSteps] = [from.values, from.inputSteps].map((table) =>
-      without(table, Object.keys(table).filter((name) => !scene.inputs.includes(name))));
+      without(table, Object.keys(table).filter((name) => !this.parameters.has(name))));
     this.replace(this.with(values), inputSteps);
   }
 
