@@ -10,9 +10,9 @@ import pytest
 import chain_impact.kernel
 from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
-from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
+from chain_impact.laws.law_file import LawError
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import load_kernel
 from chain_impact.system import HOST

@@ -1,6 +1,6 @@
 """Refused scenes and their messages: values, keys, walls, starts inside walls."""
 
-# Tests: scene/key_rules.py, scene/refusals.py
+# Tests: scene/kernel_view.py, scene/key_rules.py, scene/refusals.py
 
 import math
 import re

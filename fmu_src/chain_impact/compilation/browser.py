@@ -11,7 +11,7 @@ from pathlib import Path
 
 from chain_impact.compilation import compilers
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.law_syntax import LawError
+from chain_impact.laws.law_syntax import LawError
 
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "advance_awhile", "observe", "log_contacts", "trajectory", "run_each", "__heap_base")

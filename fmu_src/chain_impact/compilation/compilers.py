@@ -19,9 +19,9 @@ from tempfile import TemporaryDirectory
 
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.law_syntax import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
+from chain_impact.laws.law_syntax import LawError
 from chain_impact.system import HOST, PLATFORMS
 
 _TARGETS = {

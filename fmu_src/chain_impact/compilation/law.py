@@ -18,10 +18,10 @@ from numba.core.errors import NumbaError
 from numba.extending import lower_builtin
 
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
-from chain_impact.compilation.law_file import LawError, UserLaw
-from chain_impact.compilation.law_syntax import FUNCTIONS, MATH
 from chain_impact.kernel.forces.user_law import ARGUMENTS
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
+from chain_impact.laws.law_file import LawError, UserLaw
+from chain_impact.laws.law_syntax import FUNCTIONS, MATH
 
 MEMORY = "NRT required"  # the message of numba for a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)

@@ -10,7 +10,7 @@ from pathlib import Path
 from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, Sizes
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.law_file import LawError, UserLaw, read_law
+from chain_impact.laws.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 

@@ -20,8 +20,8 @@ from chain_impact.compilation.compilers import BAD_LAW, PORTABLE_CPU
 from chain_impact.compilation.entry_points import Entries, entry_points, hook_entries
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
-from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.laws.law_file import LawError, read_law
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # the target that LLVM's passes in this process assume
 # [words] size of the frame of ``main``. Python keeps the frames of calls in blocks of 16 kB. Each time that

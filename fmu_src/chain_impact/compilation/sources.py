@@ -10,13 +10,14 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
-    *("functions", "law", "law_file", "law_syntax", "lower", "record_type", "signatures"),
+    *("functions", "law", "lower", "record_type", "signatures"),
 )
 """The modules of this folder that make code. The other modules find, store and describe kernels."""
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
     "compilation/c_interface",
+    "laws",
 )
 """The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}

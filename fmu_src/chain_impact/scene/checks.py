@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from functools import partial, reduce
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import loose_links
@@ -17,6 +16,7 @@ from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
@@ -25,7 +25,6 @@ from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
 
-_MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 # A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
 # rope is so light.
 LONG, LIGHT = 20.0, 0.2
@@ -53,9 +52,8 @@ def check_masses(chain: ChainTable) -> None:
 
     Nothing would determine their angular acceleration.
     """
-    columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
     massless = chain.slider is not None and chain.slider.mass == 0.0
-    first, last = loose_links(SimpleNamespace(has_base_joint=chain.has_base_joint, **columns), massless)
+    first, last = loose_links(chain_view(chain), massless)
     if first < 0:
         return
     if first == last:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from chain_impact.compilation.law_file import LawError, read_law
+from chain_impact.laws.law_file import LawError, read_law
 from chain_impact.scene.contents import AnyScene
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text

@@ -6,13 +6,13 @@ kernel/chain/signals.py evaluates the rows.
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS, derive_signals, signal_at
 from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
+from chain_impact.scene.kernel_view import signals_view
 from chain_impact.scene.signal import FORMS, SHAPES, Signal
 
 NUMBERS = (
@@ -29,14 +29,9 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
     knots = knots_of(signal)
     row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
     write_signal({"signal": row, "knot": knot}, 0, signal, driven, stop)
-    d = SimpleNamespace(signals=1, signal=_fields(row), knot=_fields(knot))
+    d = signals_view(row, knot)
     derive_signals(d, 0.0)
     return float(signal_at(d, 0, 0.0)[0])
-
-
-def _fields(part: np.ndarray) -> SimpleNamespace:
-    """Return a part of a record as an object, because the kernel's functions read fields as attributes."""
-    return SimpleNamespace(**{name: part[name] for name in part.dtype.names or ()})
 
 
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:

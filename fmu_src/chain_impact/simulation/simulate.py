@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.compilation import cache
-from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.kernel.status import OK
+from chain_impact.laws.law_file import LawError, parse_law, source_of
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import in_order
 from chain_impact.recording.sensitivity import Sensitivities

@@ -1,14 +1,13 @@
 """The parameters of a scene in a new record.
 
-The module keeps a record of the last scenes. If the next scene differs from one of them only in numbers of
-some tables, as after ``with_values``, only these tables are written again.
+If a scene differs from an earlier scene only in numbers of some tables, as after ``with_values``, only these
+tables are written again (common.py).
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
 from functools import cache, lru_cache
 from operator import attrgetter
 from typing import Any
@@ -22,11 +21,10 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
-from chain_impact.scene.chain_tables import ChainTable, Link, Slider
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.tables import Contact
+from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
@@ -35,74 +33,11 @@ from chain_impact.variables.owners import OWNERS, RECORD, number_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
-
-@dataclass
-class Common:
-    """What scenes have in common that differ only in numbers.
-
-    Attributes:
-        scene: the first of these scenes.
-        parts: the parts of ``PreparedScene`` that do not depend on numbers, by name.
-        record: one of these scenes with the words of its record, to which nothing may write; None before the
-            first record.
-    """
-
-    scene: Scene
-    parts: dict[str, Any] = field(default_factory=dict)
-    record: tuple[Scene, np.ndarray] | None = None
-
-
-_cache: list[Common] = []
-"""One entry for each of the last scenes that differ in more than numbers, the newest first."""
-MOST_CACHED = 16
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
 """The conditions on which the record has a field for the given value of a parameter, beside the value in
 use, with the functions that look them up in a scene."""
-_NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""The tables of the scene whose numbers can be written again without the other tables."""
-_OTHERS = [
-    entry.name
-    for entry in fields(Scene)
-    if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
-]
-"""The other tables of the scene, except texts and [simulation], on which only signals depend."""
-
-
-def _decisive(table: type, path: DataPath) -> list[str]:
-    """Return the keys of a table whose values determine the layout of the record, or which variables exist.
-
-    These are all keys, except the keys of parameters that every scene with this table has.
-    """
-    numbers = {
-        kind.path[-1]
-        for _, kinds in PARAMETERS
-        for kind in kinds
-        if kind.path and kind.path[:-1] == path and not (kind.hint or kind.if_missing)
-    }
-    return [key.name for key in keys(table) if key.name not in numbers]
-
-
-_OF_CONTACT = _decisive(Contact, ("contact",))
-_OF_LINK = _decisive(Link, ("chain", "links", AT))
-_OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
-"""The decisive keys of [contact], of a link and of a slider. A slider's angle is decisive, because it decides
-which walls the points can reach."""
-
-
-def common_of(scene: Scene) -> Common:
-    """Return the entry of the cache for the scenes that differ from this scene only in numbers.
-
-    A scene without an entry gets a new one.
-    """
-    for common in tuple(_cache):
-        if changed_numbers(common.scene, scene) is not None:
-            return common
-    new = Common(scene)  # another thread may insert its own at the same time
-    _cache.insert(0, new)
-    del _cache[MOST_CACHED:]
-    return new
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
@@ -129,39 +64,6 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
         for table in changed:
             _write(table, words, scene, sizes)
     return memory
-
-
-def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the names of the scene's tables whose numbers must be written again.
-
-    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. None if the whole record
-    must be written, because the scenes differ in more than numbers, or in numbers that determine the layout
-    of the record or which variables exist.
-    """
-    if before is scene:
-        return []
-    if any(getattr(before, name) is not getattr(scene, name) for name in _OTHERS):
-        return None
-    if scene.signals and before.simulation is not scene.simulation:
-        return None
-    if _differ(before.contact, scene.contact, _OF_CONTACT) or _chains_differ(before.chain, scene.chain):
-        return None
-    return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
-
-
-def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
-    """Return whether two chains differ in anything other than numbers that can be written alone."""
-    if first is second:
-        return False
-    if first.base != second.base or len(first.links) != len(second.links):
-        return True
-    pairs = zip(first.links, second.links, strict=True)
-    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(first.slider, second.slider, _OF_SLIDER)
-
-
-def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
-    """Return whether two tables differ in the values of some keys."""
-    return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)
 
 
 def _fill(d: Any, scene: Scene, structure: Structure) -> None:

@@ -8,10 +8,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from chain_impact.compilation.law_file import read_law
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
+from chain_impact.laws.law_file import read_law
 from chain_impact.scene.derived import rule_at
 from chain_impact.scene.names import DataPath, is_like, sensitivity_name
 from chain_impact.scene.scene import Scene

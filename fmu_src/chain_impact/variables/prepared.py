@@ -7,8 +7,8 @@ record (kernel/record/). It makes new instances, whose records hold the paramete
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property, lru_cache, wraps
-from typing import Any, TypeVar
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_by
-from chain_impact.variables.filling import common_of, new_record, with_tangents
+from chain_impact.variables.common import common_of, in_common
+from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
     WORD,
     OutputIndices,
@@ -37,22 +38,7 @@ from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import Variable, variable_row
 
-Part = TypeVar("Part")
 KEPT_SELECTIONS = 64  # the largest number of selections of outputs whose indices are kept
-
-
-def _common(part: Callable[[PreparedScene], Part]) -> cached_property[Part]:
-    """Return the property for a part that scenes have in common that differ only in numbers."""
-
-    @wraps(part)
-    def found(prepared: PreparedScene) -> Part:
-        parts = prepared._shared.parts
-        if part.__name__ not in parts:
-            parts[part.__name__] = part(prepared)
-        common: Part = parts[part.__name__]
-        return common
-
-    return cached_property(found)
 
 
 class PreparedScene:
@@ -63,8 +49,8 @@ class PreparedScene:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self._shared = scene, common_of(scene)
-        vars(self).update(self._shared.parts)
+        self.scene, self.common = scene, common_of(scene)
+        vars(self).update(self.common.parts)
 
     def __eq__(self, other: object) -> bool:
         """Return whether another prepared scene has an equal scene."""
@@ -76,12 +62,12 @@ class PreparedScene:
         """Pickle only the scene; another process computes the rest again."""
         return type(self), (self.scene,)
 
-    @_common
+    @in_common
     def structure(self) -> Structure:
         """The structure of the scene."""
         return structure_of(self.scene)
 
-    @_common
+    @in_common
     def candidates(self) -> list[tuple[int, int]]:
         """The C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
 
@@ -89,27 +75,27 @@ class PreparedScene:
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
-    @_common
+    @in_common
     def sizes(self) -> Counts:
         """The numbers that determine the layout of the record."""
         return self.structure.counts
 
-    @_common
+    @in_common
     def layout(self) -> np.dtype:
         """The layout of an instance without derivatives."""
         return layout_of(*self.sizes)
 
-    @_common
+    @in_common
     def row(self) -> np.dtype:
         """The layout of the outputs, one row of ``Result.outputs``."""
         return self.layout["output"]
 
-    @_common
+    @in_common
     def parameters(self) -> list[Variable]:
         """The parameters of the FMU."""
         return list(parameters(self.scene, self.structure))
 
-    @_common
+    @in_common
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
         return list(inputs(self.structure))
@@ -119,12 +105,12 @@ class PreparedScene:
         """The inputs that signals drive: the name of the input → the name of the signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
-    @_common
+    @in_common
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, without derivatives."""
         return list(self.own_outputs.values())
 
-    @_common
+    @in_common
     def own_outputs(self) -> dict[str, Variable]:
         """The outputs of the FMU by name, without derivatives."""
         return outputs_of(self.structure)
@@ -139,7 +125,7 @@ class PreparedScene:
         """The units: name of a variable of the FMU → its unit."""
         return {variable.name: variable.unit for variable in self.variables}
 
-    @_common
+    @in_common
     def motion(self) -> list[Variable]:
         """The outputs that change continuously, in the order of ``Result.outputs``."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
@@ -159,7 +145,7 @@ class PreparedScene:
         """All variables of the FMU, in the order of their value references; outputs come last."""
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
-    @_common
+    @in_common
     def parameter_paths(self) -> dict[str, DataPath]:
         """The paths of parameters: name → path that ``scene.with_values`` accepts.
 
@@ -167,7 +153,7 @@ class PreparedScene:
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
-    @_common
+    @in_common
     def differentiable(self) -> dict[str, Variable]:
         """The parameters and inputs that have derivatives, by their names."""
         return {
@@ -195,23 +181,23 @@ class PreparedScene:
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
         return repr(words[self.word(variable)].item())
 
-    @_common
+    @in_common
     def columns(self) -> dict[str, int]:
         """The index in a row of each output that changes continuously: name → index."""
         return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
 
-    @_common
+    @in_common
     def kernel_size(self) -> int:
         """The size by which ``kernel_library`` finds the kernel of the scene, see ``kernel_size``."""
         return kernel_size(self.scene)
 
-    @_common
+    @in_common
     def output_words(self) -> np.ndarray:
         """The indices in the record of the numbers of a row, shape (W,)."""
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
-    @_common
+    @in_common
     def output_indices(self) -> OutputIndices:
         """The indices of the outputs in the record."""
         return output_indices(self.structure, self.sizes)
@@ -231,12 +217,12 @@ class PreparedScene:
             kept[wanted] = by_names(*(variable.name for variable in outputs_named(self, wanted)))
         return kept[wanted]
 
-    @_common
+    @in_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
         """The indices of outputs that a single text has named."""
         return {}
 
-    @_common
+    @in_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """A function from names of outputs to their indices, which it keeps for the last selections."""
         outputs, every = self.own_outputs, self.output_indices
@@ -261,7 +247,7 @@ class PreparedScene:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        memory = new_record(self.scene, self.structure, self._shared)
+        memory = new_record(self.scene, self.structure, self.common)
         return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
 
 

@@ -1,7 +1,7 @@
 """A user's own contact law: a Python file with a function of the same name.
 
 The validation of a scene only reads the file (law_syntax.py); the build of a kernel compiles the law
-(law.py), and links it to the kernel.
+(compilation/law.py), and links it to the kernel.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from inspect import getsource
 from pathlib import Path
 
-from chain_impact.compilation.law_syntax import LawError, check_syntax
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.user_law import ARGUMENTS
+from chain_impact.laws.law_syntax import LawError, check_syntax
 
 __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 

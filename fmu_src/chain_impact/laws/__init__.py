@@ -1,0 +1,1 @@
+"""Files with a user's own contact law: they are read and checked, but not run."""

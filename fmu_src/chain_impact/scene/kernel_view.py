@@ -1,0 +1,25 @@
+"""Parts of a scene as the kernel's functions take them: objects whose attributes are fields of a record."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
+"""The fields of links that determine whether a link has inertia."""
+
+
+def chain_view(chain: Any) -> SimpleNamespace:
+    """Return a chain table as the argument of ``loose_links`` in kernel/chain/inertia.py."""
+    columns = {name: [getattr(link, name) for link in chain.links] for name in MASSES}
+    return SimpleNamespace(has_base_joint=chain.has_base_joint, **columns)
+
+
+def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
+    """Return the parts of a record with a signal as the argument of functions in kernel/chain/signals.py."""
+    parts = {"signal": signals, "knot": knots}
+    views = {
+        name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})
+        for name, part in parts.items()
+    }
+    return SimpleNamespace(signals=1, **views)

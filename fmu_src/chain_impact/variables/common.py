@@ -1,0 +1,137 @@
+"""What scenes have in common that differ only in numbers: a cache of the last scenes.
+
+``in_common`` marks the parts of ``PreparedScene`` that do not depend on numbers, and keeps them in the cache.
+The cache also has the record of a scene, in which only changed tables need be written again (filling.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property, wraps
+from typing import Any, TypeVar
+
+import numpy as np
+
+from chain_impact.scene.chain_tables import ChainTable, Link, Slider
+from chain_impact.scene.key_rules import keys
+from chain_impact.scene.names import AT, DataPath
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Contact
+from chain_impact.variables.parameters import PARAMETERS
+
+Part = TypeVar("Part")
+
+
+@dataclass
+class Common:
+    """What scenes have in common that differ only in numbers.
+
+    Attributes:
+        scene: the first of these scenes.
+        parts: the parts of ``PreparedScene`` that do not depend on numbers, by name.
+        record: one of these scenes with the words of its record, to which nothing may write; None before the
+            first record.
+    """
+
+    scene: Scene
+    parts: dict[str, Any] = field(default_factory=dict)
+    record: tuple[Scene, np.ndarray] | None = None
+
+
+_cache: list[Common] = []
+"""One entry for each of the last scenes that differ in more than numbers, the newest first."""
+MOST_CACHED = 16
+_NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
+"""The tables of the scene whose numbers can be written again without the other tables."""
+_OTHERS = [
+    entry.name
+    for entry in fields(Scene)
+    if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
+]
+"""The other tables of the scene, except texts and [simulation], on which only signals depend."""
+
+
+def _decisive(table: type, path: DataPath) -> list[str]:
+    """Return the keys of a table whose values determine the layout of the record, or which variables exist.
+
+    These are all keys, except the keys of parameters that every scene with this table has.
+    """
+    numbers = {
+        kind.path[-1]
+        for _, kinds in PARAMETERS
+        for kind in kinds
+        if kind.path and kind.path[:-1] == path and not (kind.hint or kind.if_missing)
+    }
+    return [key.name for key in keys(table) if key.name not in numbers]
+
+
+_OF_CONTACT = _decisive(Contact, ("contact",))
+_OF_LINK = _decisive(Link, ("chain", "links", AT))
+_OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
+"""The decisive keys of [contact], of a link and of a slider. A slider's angle is decisive, because it decides
+which walls the points can reach."""
+
+
+def common_of(scene: Scene) -> Common:
+    """Return the entry of the cache for the scenes that differ from this scene only in numbers.
+
+    A scene without an entry gets a new one.
+    """
+    for common in tuple(_cache):
+        if changed_numbers(common.scene, scene) is not None:
+            return common
+    new = Common(scene)  # another thread may insert its own at the same time
+    _cache.insert(0, new)
+    del _cache[MOST_CACHED:]
+    return new
+
+
+def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
+    """Return the property for a part of a prepared scene that does not depend on numbers.
+
+    ``part`` is a method of ``PreparedScene``; its name is the name of the part.
+    """
+
+    @wraps(part)
+    def found(prepared: Any) -> Part:
+        parts = prepared.common.parts
+        if part.__name__ not in parts:
+            parts[part.__name__] = part(prepared)
+        common: Part = parts[part.__name__]
+        return common
+
+    return cached_property(found)
+
+
+def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
+    """Return the names of the scene's tables whose numbers must be written again.
+
+    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. None if the whole record
+    must be written, because the scenes differ in more than numbers, or in numbers that determine the layout
+    of the record or which variables exist.
+    """
+    if before is scene:
+        return []
+    if any(getattr(before, name) is not getattr(scene, name) for name in _OTHERS):
+        return None
+    if scene.signals and before.simulation is not scene.simulation:
+        return None
+    if _differ(before.contact, scene.contact, _OF_CONTACT) or _chains_differ(before.chain, scene.chain):
+        return None
+    return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
+
+
+def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
+    """Return whether two chains differ in anything other than numbers that can be written alone."""
+    if first is second:
+        return False
+    if first.base != second.base or len(first.links) != len(second.links):
+        return True
+    pairs = zip(first.links, second.links, strict=True)
+    return any(_differ(*pair, _OF_LINK) for pair in pairs) or _differ(first.slider, second.slider, _OF_SLIDER)
+
+
+def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
+    """Return whether two tables differ in the values of some keys."""
+    return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)
