@@ -40,10 +40,21 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
     speeds = drawn(recording)[4]
     for text in speeds.texts:
-        impact = recording.impacts[int(text.get_text()) - 1]
+        impact = recording.impacts[int(re.split("[,–]", text.get_text())[0]) - 1]
         assert text.xy == (impact["onset"], impact["impact_speed"])
         box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
         assert np.hypot(*(0.5 * (box.min + box.max) - place)) < 24.0  # pixels
+
+
+def test_impacts_of_two_points_with_a_common_mark_share_a_number_and_are_both_seen():
+    impacts = [hit(1.0, 0, "y_max", 2.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 1, "y_max", 1.0)]
+    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    assert sorted(texts(speeds)) == ["1, 2", "3"]
+    sizes = {}
+    for line in speeds.lines:
+        if 1.0 in line.get_xdata():
+            sizes[line.get_color()] = max(line.get_markersize(), sizes.get(line.get_color(), 0.0))
+    assert len(set(sizes.values())) == 2  # the mark below is larger
 
 
 def test_the_hardest_impacts_are_numbered_first():

@@ -279,7 +279,7 @@ def test_legends_have_each_entry_once():
         return [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
 
     motion, friction = entries(*(Figure((4.0, 3.0)).add_subplot() for _ in range(2)))
-    assert "sticks" in motion
+    assert "sticks at the end" in motion
     assert "sticks" in friction
     first, second = Figure((4.0, 6.0)).subplots(2)
     legend_above(first, [Patch(label="sticks")])

@@ -16,7 +16,7 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 # width of the axes. Turns count from SEEN on, relative to the range of all curves in the axes.
 BIN, MUCH, SEEN = 4.0, 0.2, 0.05
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
-EDGE, PALE_BAND = 0.8, 0.3  # [points] the width of the edges of an oscillation's band, and the band's opacity
+EDGE, PALE_BAND = 1.2, 0.1  # [points] the width of the edges of an oscillation's band, and the band's opacity
 FAST = "band: range of a fast oscillation"
 
 

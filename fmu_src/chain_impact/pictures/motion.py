@@ -208,7 +208,7 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
         positions.append(position)
     if positions:
         mark_style: dict[str, Any] = {"marker": "s", "markersize": SQUARE_SIZE, "linestyle": "", "color": INK}
-        axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks")
+        axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks at the end")
 
 
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:

@@ -17,7 +17,7 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.bands import hides, plot_curves
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.motion import by_speed
+from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_LISTED, by_speed, numbers_text
 from chain_impact.pictures.names import short_names
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import (
@@ -75,7 +75,10 @@ SHORT = 0.002  # phases of dry friction up to this part of the run's duration ar
 SEEN = 0.01
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
-DOT = 4.0  # [points] the size of the mark of an impact
+# [points] the size of the mark of an impact, and how much larger a mark is for each mark that covers it
+DOT, RIM = 4.0, 3.0
+# the distance within which marks of impacts count as one, relative to the duration and the largest height
+ONE_MARK = 0.005
 CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the height of a row of these lines
 
 
@@ -251,10 +254,15 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording), 0
+    sizes = mark_sizes(recording, [hits for *_, hits in groups])
     for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
-        axes.plot(times[hits], tops[hits], marker, linestyle="", color=colour, markersize=DOT, label=name)
+        look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour}
+        axes.plot(times[hits], tops[hits], **look, markersize=DOT, label=name)
+        for size in np.unique(sizes[hits][sizes[hits] > DOT]):
+            wide = hits[sizes[hits] == size]
+            axes.plot(times[wide], tops[wide], **look, markersize=size, label="_", zorder=1.9)
         goes_on = hits[ends[hits] - times[hits] > SEEN * span]
         if len(goes_on):
             draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
@@ -327,6 +335,31 @@ def heights(recording: Recording) -> np.ndarray:
     return np.asarray(recording.impacts["impact_speed"] * scales)
 
 
+def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
+    """Return rounded time and height → the rows of the impacts, from 0, whose marks are at this place."""
+    times, tops = recording.impacts["onset"], heights(recording)
+    scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
+    width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
+    marks: dict[tuple[int, int], list[int]] = {}
+    for row, (time, top) in enumerate(zip(times.tolist(), tops.tolist(), strict=True)):
+        marks.setdefault((round(time / width), round(top / height)), []).append(row)
+    return marks
+
+
+def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the sizes of the marks of impacts, shape (I,) [points]: a covered mark is seen as a rim.
+
+    ``groups`` are the impacts of each colour, in the order of drawing.
+    """
+    sizes, colours = np.full(len(recording.impacts), DOT), np.zeros(len(recording.impacts), int)
+    for colour, hits in enumerate(groups):
+        colours[hits] = colour
+    for rows in common_marks(recording).values():
+        for row in rows:
+            sizes[row] += RIM * len({*colours[rows].tolist()} - {*range(colours[row] + 1)})
+    return sizes
+
+
 def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     """Return name, colour and impacts of each group of impacts: points with the fastest impacts, and others.
 
@@ -349,7 +382,7 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their speeds, the fastest impact first.
 
-    Of impacts at equal distances in time only every k-th is numbered, in order of time, if the numbers of all
+    Impacts with a common mark share a label. Of impacts at equal distances in time only every k-th is numbered, in order of time, if the numbers of all
     have no room.
 
     Returns words for the impacts without a number; "" if there are none.
@@ -358,11 +391,15 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     order, step = by_speed(recording), numbered_step(axes, recording)
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
-    labels = [Label(str(row + 1), tops[row]) for row in order[:NUMBERED]]
-    left = [int(label.text) for label in place_labels(axes, labels, ink, fontsize="small")]
+    common = {row: rows for rows in common_marks(recording).values() for row in rows}
+    wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
+    numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
+    texts = (numbers_text(each, MOST_LISTED, LISTED_OF_MANY) for each in numbers)
+    labels = [Label(text, tops[row]) for text, row in zip(texts, wanted, strict=True)]
+    left = place_labels(axes, labels, ink, fontsize="small")
     if step > 1 and not left:
         return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
-    named = {int(label.text) for label in labels} - {*left}
+    named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
     return listed(number for number in range(1, len(tops) + 1) if number not in named)
 
 
