@@ -1,5 +1,7 @@
 """Pictures over time: energies, and the speeds of the impacts."""
 
+# Tests: pictures/impact_speeds.py
+
 import itertools
 import re
 
@@ -7,14 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.over_time import (
-    MOST_COLOURED,
-    VISIBLE,
-    energy_curves,
-    energy_look,
-    point_groups,
-    without_gap,
-)
+from chain_impact.pictures.impact_speeds import MOST_COLOURED, point_groups
+from chain_impact.pictures.over_time import VISIBLE, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import model_names

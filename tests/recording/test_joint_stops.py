@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.pictures.figures import SIZE
+from chain_impact.pictures.impact_speeds import draw_impact_speeds, stop_scale
 from chain_impact.pictures.motion import by_speed, rings
-from chain_impact.pictures.over_time import draw_impact_speeds, stop_scale
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.impacts import IMPACT_DTYPE

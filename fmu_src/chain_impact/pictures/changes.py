@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.figures import settle
+from chain_impact.pictures.impact_speeds import DOT
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import DOT, SEEN, impact_lines, mark_impacts
+from chain_impact.pictures.over_time import SEEN, impact_lines, mark_impacts
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -182,6 +183,8 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
     usual_size = np.median(sizes)
     if sizes.max() > STEEP * usual_size:
         axes.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual_size)))
+        place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "bottom"}
+        axes.text(1.0, 1.0, "logarithmic away from 0", **place, fontsize="small", color=INK)
         axes.set_ylim(3.0 * low, 3.0 * high)
     else:
         margin = 0.05 * (high - low)

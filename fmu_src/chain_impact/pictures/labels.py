@@ -33,6 +33,8 @@ COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
 # [points] of its position, where its mark is
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
+# [points] a label without a leader is on its position's side of each line that is farther away than this
+OWN_LINE = 4.5
 BESIDE = 2  # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 PAD = 1.0  # [points] free border around a label
@@ -97,6 +99,15 @@ class Ink:
         (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
         counts = self._strong_counts if on_pale else self._counts
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
+
+    def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
+        """Return whether a line between two positions [pixels] passes strong pixels.
+
+        Its first ``own`` pixels do not count.
+        """
+        count = 2 + int(np.abs(end - position).max())
+        line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
+        return bool(self._strong[tuple(along[int(own) :] for along in line)].any())
 
     def take(
         self,
@@ -266,7 +277,8 @@ def _place(
         "ma": "center",
         "in_layout": False,
     }
-    grounds = (False, True) if FAR[-1] in steps else (False,)
+    may_lead = FAR[-1] in steps
+    grounds = (False, True) if may_lead else (False,)
     outline: Any = {True: {"path_effects": [withStroke(linewidth=OUTLINE, foreground="white")]}, False: {}}
     tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
     for crossed, on_pale, words, spared in tries:
@@ -283,6 +295,8 @@ def _place(
         for step, turn in tried[free].tolist():
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if steps[step] in FAR else {}
             box, start = (low[step, turn], high[step, turn]), at if led else None
+            if not may_lead and ink.is_crossed(at, 0.5 * (box[0] + box[1]), OWN_LINE * point):
+                continue
             if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(words, label.position, offset, **led, **outline[on_pale], **style, **look)

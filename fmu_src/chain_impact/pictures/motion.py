@@ -17,6 +17,7 @@ from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
+from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, View, draw_walls, view_of
 from chain_impact.pictures.style import (
     INK,
@@ -142,9 +143,9 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return a function that returns the colour for a time."""
-    start, end = recording.time[0], recording.time[-1]
-    norm = Normalize(start, end if end > start else start + 1.0)
+    """Return a function that returns the colour for a time; the colours change in the time that is shown."""
+    shown = shown_time(recording)
+    norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
     return lambda time: TIME_COLOURS(norm(time))
 
 

@@ -14,7 +14,7 @@ from chain_impact.pictures.style import INK
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
-FAINT_WALLS = 40  # the number of faint positions of a moving wall, at equal distances in time
+FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, in evenly spaced rows
 BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to the visible length of the wall
 

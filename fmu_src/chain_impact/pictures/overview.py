@@ -12,21 +12,14 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chain_impact.pictures.figures import SIZE, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.impact_speeds import draw_impact_speeds, number_impacts
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import legend_beside
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
 from chain_impact.pictures.names import full_names
-from chain_impact.pictures.over_time import (
-    ROWS,
-    draw_clock,
-    draw_energy,
-    draw_impact_speeds,
-    draw_stick_slip,
-    number_impacts,
-    rubbing_places,
-)
+from chain_impact.pictures.over_time import ROWS, draw_clock, draw_energy, draw_stick_slip, rubbing_places
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, view_of
 from chain_impact.pictures.sizes import Size, figure_size

@@ -10,7 +10,7 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-MUCH = 0.7  # rests at the start and the end are cut if they take at least this part of the whole time
+MUCH = 0.4  # rests at the start and the end are cut if they take at least this part of the whole time
 BEFORE, AFTER = 0.1, 0.25  # a cut rest before and after the motion, relative to the time with motion
 
 

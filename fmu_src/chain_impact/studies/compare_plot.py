@@ -24,6 +24,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
+    OCHRE,
     PALETTE,
     give_ticks,
     headline,
@@ -41,6 +42,11 @@ from chain_impact.studies.law_runs import LawRuns
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
 COLOURED_LAWS = 6  # largest number of laws that get a colour
 FINE = 400  # number of penetrations at which a band is computed
+LINES: tuple[dict[str, Any], ...] = (
+    *({"color": colour} for colour in PALETTE[:4]),
+    {"color": OCHRE, "linestyle": "--"},
+)
+"""The lines of laws with colours, which are seen on the wide line of the reference law."""
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
 
@@ -98,7 +104,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    others = [f"grey: {plural(grey, 'other law')}"] if grey else []
+    is_told = bool(banded(comparison, looks))  # the legend has an entry for the band
+    others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits = "" if comparison.is_free else "not free"
     if limits and math.isfinite(most := comparison.reached[0].lossless):
         limits += f": e′ = {most:.2f} without losses"
@@ -119,10 +126,10 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
     order = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
     if LOSSLESS in order[:1]:
-        _add_reason(why, order.pop(0), "differs most, no losses")
-        reason = "differs most with losses"
+        _add_reason(why, order.pop(0), "e′ differs most, no losses")
+        reason = "e′ differs most with losses"
     else:
-        reason = "differs most"
+        reason = "e′ differs most"
     for law in order[:1]:
         _add_reason(why, law, reason)
     for run in comparison.runs:
@@ -141,7 +148,7 @@ def looks_of(comparison: LawRuns) -> Looks:
 
     If two laws have the same force, the second law has no line, but shares the label of the first law.
     """
-    why, colours = named_laws(comparison), iter(PALETTE)
+    why, lines = named_laws(comparison), iter(LINES)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
         twin = next((other for other in twins if _alike(comparison[other].loop, run.loop)), run.law)
@@ -153,7 +160,7 @@ def looks_of(comparison: LawRuns) -> Looks:
         if comparison.reference in laws:
             look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": 3}
         elif reasons:
-            look = {"color": next(colours), "linewidth": 1.7, "zorder": 4}
+            look = {**next(lines), "linewidth": 1.7, "zorder": 4}
         else:
             look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
         looks[first] = {"label": label, **look}

@@ -1,0 +1,214 @@
+"""The panel of the speeds of impacts over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import count
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
+
+from chain_impact.pictures.labels import Ink, Label, listed, place_labels
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_LISTED, by_speed, numbers_text
+from chain_impact.pictures.names import short_names
+from chain_impact.pictures.over_time import SEEN, over_all_time
+from chain_impact.pictures.style import GREY, INK, PALETTE
+from chain_impact.recording.impacts import lasts
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.text import speed_unit
+
+MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
+# impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
+# EQUAL, relative to the mean distance
+REGULAR, EQUAL = 5, 0.2
+NUMBERED = 60  # the largest number of impacts that get numbers
+# the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
+HEADROOM = 1.3
+# [points] the size of the mark of an impact, and how much larger a mark is for each mark that covers it
+DOT, RIM = 4.0, 3.0
+# the distance within which marks of impacts count as one, relative to the duration and the largest height
+ONE_MARK = 0.005
+CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the height of a row of these lines
+
+
+def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
+    """Draw the impact speed of each impact over time, with a colour for each point.
+
+    At most MOST_COLOURED points have a colour of their own: those with the fastest impacts. The others are
+    grey.
+
+    Thick, pale lines at the foot, a row for each colour, show the contacts that are long enough to be seen.
+    If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
+    """
+    stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
+    ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
+    groups, lanes = point_groups(recording), 0
+    sizes = mark_sizes(recording, [hits for *_, hits in groups])
+    for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
+        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
+        marker = "D" if stopped[hits[0]] else "o"
+        look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour}
+        axes.plot(times[hits], tops[hits], **look, markersize=DOT, label=name)
+        for size in np.unique(sizes[hits][sizes[hits] > DOT]):
+            wide = hits[sizes[hits] == size]
+            axes.plot(times[wide], tops[wide], **look, markersize=size, label="_", zorder=1.9)
+        goes_on = hits[ends[hits] - times[hits] > SEEN * span]
+        if len(goes_on):
+            draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
+            lanes += 1
+    at_stops, at_walls = bool(stopped.any()), not stopped.all()
+    axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
+    axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
+    if at_stops and at_walls:
+        scale = stop_scale(recording)
+        functions: Any = (lambda v: v / scale, lambda v: v * scale)
+        right = axes.secondary_yaxis("right", functions=functions)
+        right.set_ylabel("at stops [rad/s]")
+        axes.spines["right"].set_visible(True)
+    if len(times):
+        handles, _ = axes.get_legend_handles_labels()
+        if (ends - times > SEEN * span).any():
+            handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
+        legend_above(axes, handles)
+    else:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
+    over_all_time(axes, recording)
+
+
+def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int, **look: Any) -> None:
+    """Draw contacts from their starts to their ends [s] as lines in a row at the foot of axes.
+
+    ``lane`` is the number of the row, from 0 at the axis.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    height = (0.5 + lane) * ROW / 72.0  # [inch]
+    raised = axes.get_xaxis_transform() + ScaledTranslation(0.0, height, figure.dpi_scale_trans)
+    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": raised}
+    axes.hlines(np.zeros(len(starts)), starts, ends, **look)
+
+
+def shared_word(names: Sequence[str]) -> list[str]:
+    """Return names for a legend; a name that begins with the same word as the name before loses this word.
+
+    For example, "point 0", "point 1" becomes "point 0", "1".
+    """
+    kinds = ["", *(name.partition(" ")[0] for name in names)]
+    pairs = zip(kinds, names, strict=False)
+    return [name.removeprefix(f"{before} ") if before else name for before, name in pairs]
+
+
+def contact_ends(recording: Recording) -> np.ndarray:
+    """Return the ends of the contacts, shape (I,) [s].
+
+    The end of a contact that lasts is the end of the recording. An unknown end is replaced by the onset.
+    """
+    impacts = recording.impacts
+    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
+    return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
+
+
+def stop_scale(recording: Recording) -> float:
+    """Return the height [m/s] of 1 rad/s in the picture of impact speeds.
+
+    With this scale the fastest impacts at walls and at stops have the same height.
+    """
+    speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
+    at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
+    return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
+
+
+def heights(recording: Recording) -> np.ndarray:
+    """Return the heights of the impacts in the picture of speeds, in units of the left axis, shape (I,)."""
+    scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
+    return np.asarray(recording.impacts["impact_speed"] * scales)
+
+
+def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
+    """Return rounded time and height → the rows of the impacts, from 0, whose marks are at this place."""
+    times, tops = recording.impacts["onset"], heights(recording)
+    scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
+    width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
+    marks: dict[tuple[int, int], list[int]] = {}
+    for row, (time, top) in enumerate(zip(times.tolist(), tops.tolist(), strict=True)):
+        marks.setdefault((round(time / width), round(top / height)), []).append(row)
+    return marks
+
+
+def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the sizes of the marks of impacts, shape (I,) [points]: a covered mark is seen as a rim.
+
+    ``groups`` are the impacts of each colour, in the order of drawing.
+    """
+    sizes, colours = np.full(len(recording.impacts), DOT), np.zeros(len(recording.impacts), int)
+    for colour, hits in enumerate(groups):
+        colours[hits] = colour
+    for rows in common_marks(recording).values():
+        for row in rows:
+            sizes[row] += RIM * len({*colours[rows].tolist()} - {*range(colours[row] + 1)})
+    return sizes
+
+
+def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
+    """Return name, colour and impacts of each group of impacts: points with the fastest impacts, and others.
+
+    Impacts of points and of joints at their stops are in different groups.
+    """
+    impacts = recording.impacts
+    names = [short_names(recording, recording.toucher(row)) for row in impacts]
+    members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
+    hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
+    coloured = sorted(hit if len(hit) <= MOST_COLOURED else hit[: MOST_COLOURED - 1])
+    groups = [
+        (member[-1], colour, np.array([other == member for other in members]))
+        for member, colour in zip(coloured, PALETTE, strict=False)
+    ]
+    others = np.array([member not in coloured for member in members], bool)
+    groups = [("others", GREY, others), *groups] if others.any() else groups
+    return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
+
+
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
+    """Write the numbers of the impacts at their speeds, the fastest impact first.
+
+    Impacts with a common mark share a label. Of impacts at equal distances in time only every k-th is
+    numbered, in order of time, if the numbers of all have no room.
+
+    Returns words for the impacts without a number; "" if there are none.
+    """
+    tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
+    order, step = by_speed(recording), numbered_step(axes, recording)
+    if step > 1:
+        order = np.arange(step - 1, len(tops), step)
+    common = {row: rows for rows in common_marks(recording).values() for row in rows}
+    wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
+    numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
+    texts = (numbers_text(each, MOST_LISTED, LISTED_OF_MANY) for each in numbers)
+    labels = [Label(text, tops[row]) for text, row in zip(texts, wanted, strict=True)]
+    left = place_labels(axes, labels, ink, fontsize="small")
+    if step > 1 and not left:
+        return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
+    named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
+    return listed(number for number in range(1, len(tops) + 1) if number not in named)
+
+
+def numbered_step(axes: Axes, recording: Recording) -> int:
+    """Return k: only every k-th impact gets a number.
+
+    It is larger than 1 if the impacts have equal distances in time in which the numbers have no room.
+    """
+    onsets = recording.impacts["onset"]
+    gaps = np.diff(onsets)
+    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
+        return 1
+    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")  # with two spaces between two numbers
+    width = probe.get_window_extent().width
+    probe.remove()
+    ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]
+    gap = float(np.ptp(ends)) / len(gaps)
+    steps: Iterator[int] = (step * 10**power for power in count() for step in (1, 2, 5))
+    return next(step for step in steps if step * gap >= width or step >= len(gaps))
