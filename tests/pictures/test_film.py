@@ -208,7 +208,8 @@ def test_no_text_runs_out_of_a_film(size):
         figure.draw_without_rendering()
     shown = page.now.axes.get_legend().get_texts() if page.tells_energies else []
     labels = [page.now.axes.xaxis.label, page.now.axes.yaxis.label] if page.tells_energies else []
-    boxes = [text.get_window_extent() for text in [*figure.texts, *shown, *labels]]
+    written = [text for text in (*figure.texts, *shown, *labels) if text.get_text()]
+    boxes = [text.get_window_extent() for text in written]
     assert [label.get_text().endswith(" J") for label in labels] == [False, True][: len(labels)]
     assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
     for box in boxes:
@@ -269,3 +270,19 @@ def test_numbers_in_a_film_cover_no_body_and_no_other_number():
     assert len(boxes) == 2
     assert not boxes[0].overlaps(boxes[1])
     assert not any(box.overlaps(outline) for box in boxes)
+
+
+@pytest.mark.parametrize(("number", "end"), [(1, "max"), (2, "min")])
+def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number, end):
+    recording = record_slowly("cart_pole")
+    impact = recording.impacts[number - 1]
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 0.5 * (impact["onset"] + impact["end"]), 3.0]))
+    figure.draw_without_rendering()
+    list(page.show(0, 1.0))
+    assert page.caption.get_text() == ""
+    drawn = list(page.show(1, 1.0))
+    assert page.caption.get_text() == f"impact {number} of 4: slider hits slider_{end}"
+    (box,) = (one.get_window_extent() for one in drawn if isinstance(one, Text) and " N" in one.get_text())
+    (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
+    assert not box.y0 < y < box.y1

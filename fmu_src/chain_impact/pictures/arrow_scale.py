@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
+from matplotlib.transforms import blended_transform_factory
 
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
@@ -55,11 +56,19 @@ class ArrowScale:
                 free = at
         return marks
 
-    def draw(self, axes: Axes, corner: np.ndarray, colour: str) -> None:
-        """Draw the ruler, with marks and the word "force", to the right of a corner of the view [m]."""
-        left, y = corner
-        text_style: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 7}
+    def draw(self, axes: Axes, y: float, colour: str) -> None:
+        """Draw the ruler, with marks and the word "force", from the left edge of axes, below them.
+
+        ``y`` is the position of the ruler, relative to the height of the figure.
+        """
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        left, _ = axes.get_xlim()
+        place: Any = blended_transform_factory(axes.transData, figure.transFigure)
+        text_style: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": 7}
+        text_style |= {"color": colour, "annotation_clip": False}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
+        marks |= {"transform": place, "clip_on": False}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **text_style)

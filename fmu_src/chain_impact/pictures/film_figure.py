@@ -18,6 +18,7 @@ from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
+from chain_impact.pictures.message import hit
 from chain_impact.pictures.over_time import (
     ENERGIES,
     PARTS,
@@ -52,15 +53,13 @@ STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
-SCENE, ENERGY = (0.02, 0.06, 0.6, 0.82), (0.69, 0.12, 0.29, 0.6)
+SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # position of the texts: left and middle of the height, relative to the size of the figure
-CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)
-SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.06, 0.96, 0.72), (0.02, 0.84), (0.55, 0.84)
+CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-# half of a bar of sticking, and the distance of the ruler from the corner, relative to the smaller side of
-# the view
-BAR, CORNER = 0.035, 0.035
-SCALE = 0.03  # the height of the scale of lengths below the axes, relative to the height of the figure
+BAR = 0.035  # half of a bar of sticking, relative to the smaller side of the view
+SCALE = 0.055  # the height of the rulers below the axes, relative to the height of the figure
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
@@ -88,14 +87,17 @@ class Film:
         )
         moving: dict[str, Any] = {"animated": True, "va": "center"}
         self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
-        self.rate = figure.text(*rate, "", fontsize=10, **moving)
+        self.rate, self.caption = (
+            figure.text(*place, "", fontsize=size, **moving) for place, size in ((rate, 10), (CAPTION, 8))
+        )
         radius = radius_of(recording)
         self._draw_ground(radius)
         if self.tells_energies:
             self._draw_energies(figure.add_axes(ENERGY))
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
-        (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
+        faint: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.7 if ground else 0.35}
+        (self.trace,) = self.scene.plot([], [], color=TIP, **faint, **still)
         self.tail = LineCollection([], colors=TIP, animated=True)
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
         for lines in (self.tail, self.ranges):
@@ -111,12 +113,11 @@ class Film:
         for patch in self.patches:
             self.scene.add_patch(patch)
         (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
-        mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
-        (self.sites,) = self.scene.plot([], [], color=CHAIN, markersize=4, **mark_style)
-        (self.joints,) = self.scene.plot(
-            [], [], color="white", markeredgecolor=CHAIN, markersize=5, **mark_style
+        mark: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        self.sites, self.joints, self.tip = (
+            self.scene.plot([], [], color=colour, markeredgecolor=edge, markersize=size, **mark)[0]
+            for colour, edge, size in ((CHAIN, CHAIN, 4), ("white", CHAIN, 5), (TIP, "white", 7))
         )
-        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **mark_style)
         peaks = recording.impacts["peak_force"][~recording.at_stops]
         at_walls = [touch.force for touch in self.touches if touch.wall not in STOPS]
         seen = [force.max(initial=0.0) for force in at_walls if force is not None]
@@ -124,7 +125,7 @@ class Film:
         peak = max([np.nanmax(peaks, initial=0.0), *seen])
         self.scale = ArrowScale(peak, self.side)
         if peak > 0.0:
-            self.scale.draw(self.scene, self.view[0] + CORNER * self.side, MUTED)
+            self.scale.draw(self.scene, SCALE, MUTED)
         if self.loads:
             self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
         self._suit(figure)
@@ -228,16 +229,25 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
+        self.caption.set_text(self._last_impact(time) if self.tells_energies else "")
         self.rate.set_color(self._suited(INK if rate < SLOW else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.patches, self.ranges)
         yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
-        yield from (self.clock, self.rate)
+        yield from (self.clock, self.rate, self.caption)
         if self.tells_energies:
             self.now.set_xdata([time, time])
             yield self.now
+
+    def _last_impact(self, time: float) -> str:
+        """Return words for the last impact before a time [s]; "" before the first one."""
+        impacts = self.recording.impacts
+        number = int(np.searchsorted(impacts["onset"], time, side="right"))
+        if number == 0:
+            return ""
+        return f"impact {number} of {len(impacts)}: {hit(self.recording, impacts[number - 1])}"
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
@@ -270,7 +280,7 @@ class Film:
                 across = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
         self._add_loads(frame)
-        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame))
+        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), [self.path])
         if self.ground:
             self.ground.suit(self.moving)
         yield from self.moving
@@ -322,10 +332,12 @@ class Film:
         self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)
 
     def _outlines(self, frame: int) -> list[np.ndarray]:
-        """Return the lines in a frame that numbers must not cover: chain, bodies, walls and arrows."""
+        """Return the lines in a frame that numbers must not cover: chain, bodies, walls, rail and arrows."""
         bodies = [*self.bodies.values(), *(patch for patch, _ in self.carriage)]
         outlines = [np.asarray(body.get_xy()) for body in bodies]
         for disc in self.discs.values():
             outlines.append(np.asarray(disc.get_patch_transform().transform(disc.get_path().vertices)))
         walls = [np.asarray(line.get_xydata()) for line in self.room if isinstance(line, Line2D)]
+        rail = self.recording.rail
+        walls += rail.lines(self.recording.points[:, 0]) if rail else []
         return [self.points[frame, : self.recording.link_count + 1], *outlines, *walls, *self.arrows]

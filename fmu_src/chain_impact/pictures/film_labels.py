@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,16 +39,24 @@ class Number(NamedTuple):
     colour: str
 
 
-def write_numbers(axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarray]) -> Iterator[Text]:
+def write_numbers(
+    axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarray], pale: Sequence[np.ndarray] = ()
+) -> Iterator[Text]:
     """Write numbers where they cover nothing, and yield their texts; a number without room is left out.
 
-    ``lines`` are what must stay free: polygons and lines, each of shape (P, 2) [m]; a closed line is a body.
+    Args:
+        axes: the axes in which the numbers are.
+        wanted: the numbers.
+        lines: what must stay free: polygons and lines, each of shape (P, 2) [m]; a closed line is a body.
+        pale: lines that a number covers only if it has no room elsewhere.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, room = figure.dpi / 72.0, axes.get_window_extent()
     drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
     dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
+    faint = [sampled(axes.transData.transform(line), SAMPLE * point) for line in pale if len(line)]
+    kept = (np.concatenate([dots, *faint]), dots)
     bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
     taken: list[Bbox] = []
     text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
@@ -62,12 +71,12 @@ def write_numbers(axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarr
             **text_style,
         )
         half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.position)
-        for distance in DISTANCES:
+        for avoided, distance in product(kept, DISTANCES):
             middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
                 distance * point + half
             )
             boxes = [Bbox([middle - half, middle + half]).padded(SPACE * point) for middle in middles]
-            free = [box for box in boxes if is_free(box, room, dots, bodies, taken)]
+            free = [box for box in boxes if is_free(box, room, avoided, bodies, taken)]
             if free:
                 taken.append(free[0])
                 x, y = axes.transData.inverted().transform(middle_of(free[0])).tolist()
