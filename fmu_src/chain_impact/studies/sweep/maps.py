@@ -22,11 +22,15 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
+# the colours are those of the map of a page
+MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its small values is at least this
 # the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
-# than a twentieth of the largest one would look the same
-WIDE_COLOURS = 20.0
+# than a tenth of the largest one would look the same
+WIDE_COLOURS = 10.0
+# the colours end at a quantile, MOST or 1 − MOST, if the few values beyond it would take more of the scale
+# than this, relative to the range between the quantiles
+BEYOND = 1.0
 MOST = 0.95  # quantile for the large value in these ratios, 1 − MOST for the small one; extremes do not count
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
 MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
@@ -76,7 +80,7 @@ def _draw_map(
     x, y = scales
     least, most = float(shown.min()), float(shown.max())
     colours: Colormap = mpl.colormaps[MAP_COLOURS]
-    norm, ticks = Normalize(), None
+    norm, ticks, ends = Normalize(), None, (least, most)
     if quantity.is_count and least < most:
         bins = count_bins(least, most)
         norm, colours = BoundaryNorm(bins, len(bins) - 1), colours.resampled(len(bins) - 1)
@@ -85,11 +89,17 @@ def _draw_map(
             for low, high in pairwise(bins)
         }
     elif spread(shown.compressed()) >= WIDE_COLOURS:
-        norm = LogNorm(least, most)
+        norm = LogNorm(*(ends := colour_ends(shown.compressed(), logarithmic=True)))
+    else:
+        norm = Normalize(*(ends := colour_ends(shown.compressed())))
     colours = colours.with_extremes(bad=FAILED_COLOUR)
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
-    bar = figure.colorbar(mesh, ax=axes, label=quantity.label)
-    if isinstance(norm, LogNorm) and most < WIDE_RANGE * least:
+    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    extend = beyond[least < ends[0], most > ends[1]]
+    others = [f"{end:.3g}" for end, limit in ((least, ends[0]), (most, ends[1])) if end != limit]
+    label = quantity.label + (f", up to {', '.join(others)}" if others else "")
+    bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
+    if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
         number_few_decades(bar.ax.yaxis)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
@@ -107,6 +117,18 @@ def spread(values: np.ndarray) -> float:
     """Return the ratio of large to small values, without a few extremes; 1 if a value is not positive."""
     low, high = np.quantile(values, [1.0 - MOST, MOST])
     return float(high / low) if values.min() > 0.0 else 1.0
+
+
+def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
+    """Return the values at the ends of the colours: the extremes, or quantiles if few values are far off."""
+    scaled = np.log(values) if logarithmic else values
+    extremes, ends = np.quantile(scaled, [0.0, 1.0]), np.quantile(scaled, [1.0 - MOST, MOST])
+    is_far = np.abs(extremes - ends) > BEYOND * np.ptp(ends)
+    if ends[0] == ends[1]:
+        is_far[:] = False
+    whole = np.array([values.min(), values.max()])
+    low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole).tolist()
+    return low, high
 
 
 def count_bins(least: float, most: float) -> list[float]:

@@ -118,7 +118,22 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         draw_histograms(_panels(figure, len(quantities), across), runs, quantities)
     else:
         draw_maps(figure, _panels(figure, len(quantities), across), runs, quantities, (first, *others))
+    if is_narrow(figure):
+        name_once(figure)
     settle(figure)
+
+
+def name_once(figure: Figure) -> None:
+    """Keep the name of a horizontal axis only at the lowest of the panels above each other that share it."""
+    named: set[tuple[int, str]] = set()
+    for axes in reversed(figure.axes):
+        cell = axes.get_subplotspec()
+        if cell is None or not axes.get_xlabel():
+            continue
+        name = (cell.colspan.start, axes.get_xlabel())
+        if name in named:
+            axes.set_xlabel("")
+        named.add(name)
 
 
 def kind_of(design: Design) -> str:
