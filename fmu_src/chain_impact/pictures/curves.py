@@ -21,7 +21,7 @@ from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import few, plural, prefixed
+from chain_impact.recording.text import LOAD_UNITS, few, plural, prefixed
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
@@ -29,9 +29,7 @@ DASHES = ("-", "--", ":")
 MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
 WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
-# PREFIXED: the units that may get a prefix, such as kN; they get it if the largest value is less than SMALL
-# or at least LARGE
-PREFIXED, SMALL, LARGE = ("N", "N.m", "N.s", "N.m.s", "J", "W"), 1e-2, 1e3
+SMALL, LARGE = 1e-2, 1e3  # a unit gets a prefix if the largest value is less than SMALL or at least LARGE
 # units that only one quantity has → this quantity
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
@@ -235,7 +233,7 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return a factor, and the unit of an axis into which it converts values: kN for large forces."""
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in PREFIXED
+    is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in LOAD_UNITS
     return (1.0, unit) if is_usual else prefixed(largest, unit)
 
 

@@ -46,6 +46,10 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 """Power of ten → prefix of a unit."""
 
 
+LOAD_UNITS = ("N", "N.m", "N.s", "N.m.s", "J", "W")
+"""Units that get a prefix in pictures, such as kN, for large and small values."""
+
+
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
     """Return a factor, and the unit with a prefix, such as kN, into which the factor converts values.
 

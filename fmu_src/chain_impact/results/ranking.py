@@ -14,7 +14,7 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
-from chain_impact.recording.text import TextTable, as_html, as_text, plural, prefixed
+from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
@@ -34,7 +34,7 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 LARGE_SHARE = 0.2
 ROUND_OFF = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 MOST_BARS = 16  # the largest number of bars
-PREFIXED = ("m", "m/s", "m/s2", "s", "N", "N.m", "N.s", "N.m.s", "J", "W")
+PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
 """The units that get a prefix in the picture."""
 FIXED_STEP_MARK = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
 

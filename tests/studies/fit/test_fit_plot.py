@@ -64,7 +64,10 @@ def test_an_impact_that_the_model_has_later_than_the_data_is_drawn():
     }
     table["onset"] -= 1e-4  # s
     found = fit(scene(), table, FREE, sigma={"onset": 1e-4, "peak_force": "1%"})
-    assert [axes.get_lines()[0].get_xdata().tolist() for axes in found.plot().axes] == [[1, 2]] * 4
+    panels = found.plot().axes
+    assert [axes.get_lines()[0].get_xdata().tolist() for axes in panels] == [[1, 2]] * 4
+    (forces,) = (axes for axes in panels if axes.get_ylabel() == "peak_force [kN]")
+    assert forces.get_lines()[0].get_ydata() == pytest.approx(1e-3 * table["peak_force"])
 
 
 def test_a_narrow_page_has_one_column(found):

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.curves import axis_unit
 from chain_impact.pictures.figures import draw_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
@@ -124,6 +125,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     over_impacts, has_lines = name in QUANTITIES, False
     several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
+    scale, unit = axis_unit(_unit(fit, name), [measured[fit.columns[name]]])
     largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
     residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
     residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
@@ -132,19 +134,19 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
         mark_style |= {"markersize": 4 if over_impacts else 8, "markeredgewidth": 0}
         if over_impacts:
-            mark_style |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
-            values.errorbar(part.at, measured[part.rows], **mark_style)
-            model = measured[part.rows] + fit.residuals[part.rows]
+            mark_style |= {"yerr": scale * USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
+            values.errorbar(part.at, scale * measured[part.rows], **mark_style)
+            model = scale * (measured[part.rows] + fit.residuals[part.rows])
             label = None if several else "model"
-            values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
+            values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=9, label=label)
         else:
             look = INK if not several else colour
-            has_lines |= _curve(axes, results[part.run], name, part.at.max(), look)
-            values.plot(part.at, measured[part.rows], **mark_style, label=dots_label, alpha=DOTS)
+            has_lines |= _curve(axes, results[part.run], scale * results[part.run][name], part.at.max(), look)
+            values.plot(part.at, scale * measured[part.rows], **mark_style, label=dots_label, alpha=DOTS)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
         )
-    values.set_ylabel(f"{name}{_unit(fit, name)}")
+    values.set_ylabel(f"{name}{in_brackets(unit)}")
     residuals.set_ylabel("model −\ndata [σ]")
     residuals.set_xlabel("number of the impact" if over_impacts else "time [s]")
     if over_impacts:
@@ -159,7 +161,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     return has_lines
 
 
-def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colour: str) -> bool:
+def _curve(panels: Sequence[Axes], result: Result, model: np.ndarray, last: float, colour: str) -> bool:
     """Draw the model over time, and lines at its impacts, until the last measurement [s].
 
     Returns whether there are such lines.
@@ -171,7 +173,7 @@ def _curve(panels: Sequence[Axes], result: Result, name: str, last: float, colou
     label = "model" if colour == INK else None
     # the curve is on a white rim, so that it is seen among the dots
     for look in ({"color": "white", "linewidth": RIM, "zorder": 3.9}, {"color": colour, "label": label}):
-        panels[0].plot(result.time[until], result[name][until], **{"linewidth": CURVE, "zorder": 4.0} | look)
+        panels[0].plot(result.time[until], model[until], **{"linewidth": CURVE, "zorder": 4.0} | look)
     return len(onsets) > 0
 
 
@@ -200,7 +202,7 @@ def _colours(count: int) -> list[str]:
 
 def _unit(fit: Estimates, name: str) -> str:
     units = PreparedScene(fit.scene).units | IMPACT_UNITS
-    return in_brackets(units.get(name, "s"))
+    return str(units.get(name, "s"))
 
 
 def _estimate_text(fit: Estimates, label: str) -> str:
