@@ -74,13 +74,13 @@ def test_the_places_that_rub_for_longest_are_shown(recording):
 def test_a_square_stands_where_something_sticks_at_the_end():
     found = simulate(sled(), output_step=0.05)
     motion = drawn(found)[1]
-    (squares,) = [line for line in motion.lines if line.get_label() == "sticks"]
+    (squares,) = [line for line in motion.lines if line.get_label() == "sticks at the end"]
     ends = [found.columns[f"point[{k}].x"][-1] for k in (0, 1)]
     np.testing.assert_allclose(squares.get_xdata(), ends, atol=1e-3)
     wall = found.walls["slope"]
     assert all(abs(wall.clearance(x, y)) < 1e-12 for x, y in squares.get_xydata())
     joints = drawn(simulate(pendulum(), output_step=0.05))[1]
-    (squares,) = [line for line in joints.lines if line.get_label() == "sticks"]
+    (squares,) = [line for line in joints.lines if line.get_label() == "sticks at the end"]
     assert (0.0, 0.0) in [tuple(place) for place in squares.get_xydata()]
 
 

@@ -157,7 +157,7 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
     """Draw the changes of each impact's speed for each parameter: dots, or diamonds at stops of joints."""
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
-        style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
+        style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT, "clip_on": False}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
             if rows.any():
                 axes.plot(sensitivities.impacts["onset"][rows], values[rows], marker, **style)

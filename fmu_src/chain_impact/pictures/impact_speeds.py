@@ -51,7 +51,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
-        look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour}
+        look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour, "clip_on": False}
         axes.plot(times[hits], tops[hits], **look, markersize=DOT, label=name)
         for size in np.unique(sizes[hits][sizes[hits] > DOT]):
             wide = hits[sizes[hits] == size]

@@ -85,9 +85,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
         if row == 0 and is_covered(recording):  # behind its own drawing, which the legend shows
-            draw_chain(
-                axes, recording.points[row], **style | {"linewidth": (3.0 + RIM_WIDTH) * thick, "label": "_"}
-            )
+            rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
+            draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
