@@ -50,3 +50,22 @@ def test_cards_lie_side_by_side_on_a_phone_on_its_side(show, size):
             assert page.evaluate(OVERLAPPING_CARDS) == [], scrolled
         assert not page.evaluate(IS_CUT_OFF, "impacts")
         page.evaluate("document.getElementById('pin').click()")
+
+
+def test_the_map_is_whole_in_a_low_window(show):
+    page = show(viewport=ON_ITS_SIDE)
+    page.get_by_role("button", name="Map…").click()
+    chart, button = (page.locator(name).bounding_box() for name in ("#map-canvas", "#map-run"))
+    assert chart["height"] > 150.0
+    assert chart["y"] + chart["height"] < ON_ITS_SIDE["height"]
+    assert chart["x"] > button["x"] + button["width"]
+
+
+def test_impacts_stay_in_sight_below_chosen_curves(show):
+    page = show(hash_="#curves=point[*].y,link[1].angle", viewport={"width": 1366, "height": 800})
+    page.get_by_role("button", name="Pin").click()
+    column = page.locator("aside")
+    until(page, "document.querySelector('aside').scrollHeight > document.querySelector('aside').clientHeight")
+    assert column.evaluate("one => one.scrollTop") == 0
+    row, pins = (page.locator(name).first.bounding_box() for name in ("#impacts tbody tr", "#pins"))
+    assert row["y"] + row["height"] < pins["y"]

@@ -128,7 +128,9 @@ export class GridMap {
     const { factor, text } = shownIn(parameter);
     find(`map-${"xy"[k]}-unit`).textContent = text;
     [from, to].forEach((field, end) => {
-      field.value = numberText(Number((factor * range[end]).toPrecision(4)));
+      const round = Number((factor * range[end]).toPrecision(2));
+      const isAllowed = round >= factor * parameter.low && round <= factor * parameter.high;
+      field.value = numberText(isAllowed ? round : Number((factor * range[end]).toPrecision(4)));
       field.dataset.own = field.value;
     });
   }

@@ -1,6 +1,6 @@
 // The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
 
-import { numberText } from "../../base/format.js";
+import { numberText, ticksOf } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { axisScale, colourAt, decadesBetween, quantityOf, scaledTo, titleOf, VIRIDIS } from "./map_scales.js";
 
@@ -83,15 +83,19 @@ export class MapDrawing {
     return this.scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Draw the scale of the colours, with its ends and its title. */
+  /** Draw the scale of the colours, with round numbers and its title. */
   #drawColours(left, top, width, output, ends) {
     const { factor, text } = scaledTo({ output, ends });
     const bar = this.scales.gradient("linear", (add) =>
       VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
-    const [least, most] = ends ? ends.map((value) => numberText(Number((factor * value).toPrecision(4)))) : ["", ""];
-    this.#write(least, left, top + 16, "start");
-    this.#write(titleOf(quantityOf(output.name), text), left + width / 2, top + 32, "middle");
-    this.#write(most, left + width, top + 16, "end");
+    const [least, most] = (ends ?? []).map((value) => factor * value);
+    const ticks = ends ? ticksBetween(least, most, 3) : [];
+    ticksOf(ticks).forEach((number, k) => {
+      const at = left + (width * (ticks[k] - least)) / (most - least || 1);
+      this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
+      this.#write(number, at, top + 17, "middle");
+    });
+    this.#write(titleOf(quantityOf(output.name), text), left + width / 2, top + 34, "middle");
   }
 }
