@@ -11,19 +11,12 @@ from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
 from tests.pages.in_pages import page_contents, without_advice
+from tests.pages.javascript import function_of
 
 
 def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
     fault, values = script.evaluate(
-        """(contents) => {
-          const changes = new Changes(sceneOf(contents));
-          changes.set({ "box.x_min": -5, "box.x_max": -1 });
-          try {
-            changes.reset("box.x_min");
-          } catch (error) {
-            return [error.message, changes.values];
-          }
-        }""",
+        function_of("changes", "refusedReset"),
         page_contents(load_scene("four_link_box")),
     )
     assert fault == "box.x_max = -1 must be > 0 [m], which is box.x_min + 2*contact.radius"
@@ -43,13 +36,7 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
     ],
 )
 def test_contradicting_values_are_refused_with_the_sentence_of_python(script, model, changes):
-    run = """([contents, given]) => {
-      try {
-        new Changes(sceneOf(contents)).set(given);
-      } catch (error) {
-        return error.message;
-      }
-    }"""
+    run = function_of("changes", "refusal")
     scene = load_scene(model)
     if model == "kneed_leg":
         scene = scene.with_values({"link[3].joint_min": -2.9})
@@ -73,16 +60,7 @@ def test_derived_values_are_shown_as_in_the_edited_file(script, changes):
     """A derived value follows its sources again after a reset."""
     expected = edited(FINGER, changes)
     shown, text, back, starts = script.evaluate(
-        """([contents, given]) => {
-          const scene = sceneOf(contents);
-          const changes = new Changes(scene);
-          changes.set(given);
-          const names = scene.parameters.map(({ name }) => name);
-          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
-          const [shown, text] = [all(), changes.texts().map(([name]) => name)];
-          for (const name of Object.keys(given)) changes.reset(name);
-          return [shown, text, all(), changes.starts];
-        }""",
+        function_of("changes", "derivedValues"),
         [page_contents(finger()), changes],
     )
     for name in ("center_of_mass", "inertia"):
@@ -109,10 +87,7 @@ def test_the_saved_file_is_the_scene(script, source):
 
 def test_a_changed_number_is_in_the_saved_file_with_all_its_digits(script):
     scene, chance = load_scene("four_link_box"), np.random.default_rng(1)
-    saved = """([contents, values]) => {
-      const changes = new Changes(sceneOf(contents));
-      changes.set(values);
-      return tomlText(contentsOf(changes), contents.kit.keys); }"""
+    saved = function_of("changes", "savedText")
     for _ in range(20):
         value = float(10.0 ** chance.uniform(-9.0, 12.0))
         text = script.evaluate(saved, [page_contents(scene), {"link[1].mass": value}])

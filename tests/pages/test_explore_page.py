@@ -180,14 +180,7 @@ def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
     page.get_by_role("button", name="F(δ)").click()
     assert page.locator(".loop-now").is_visible()
     assert page.locator("#force .now").is_hidden()
-    line = page.evaluate("""() => {
-      const canvas = document.querySelector("#force canvas");
-      const [middle, height] = [Math.round(0.6 * canvas.width), canvas.height];
-      const { data } = canvas.getContext("2d").getImageData(middle, 0, 1, height);
-      const [red, green, blue] = getComputedStyle(document.querySelector(".force")).color.match(/\\d+/g);
-      const far = ([r, g, b]) => Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue);
-      return Array.from({ length: height }, (_, y) => data.slice(4 * y, 4 * y + 4))
-        .flatMap((pixel, y) => (pixel[3] > 200 && far(pixel) < 60 ? [y] : [])); }""")
+    line = page.evaluate(function_of("explore_page", "lineOfForces"))
     assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
     page.get_by_role("button", name="F(δ)").click()
     assert page.locator("#force .now").is_visible()
@@ -204,11 +197,7 @@ def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
     page = show()
     page.evaluate("chainImpact.show({'simulation.stop_time': 100000, 'contact.model': 'newton_impact'})")
     until(page, "document.body.classList.contains('computing')")
-    frames = page.evaluate("""() => new Promise((done) => {
-      const began = performance.now(); let longest = 0, before = began;
-      const tick = (now) => { longest = Math.max(longest, now - before); before = now;
-        if (now - began > 600) done(longest); else requestAnimationFrame(tick); };
-      requestAnimationFrame(tick); })""")
+    frames = page.evaluate(function_of("explore_page", "longestFrame"))
     assert frames < 400  # ms, on a busy machine
     page.get_by_role("button", name="Reset all").click()
     until(page, "!document.body.classList.contains('computing')")

@@ -13,6 +13,7 @@ from PIL import Image
 
 from chain_impact import cli, load_scene, simulate
 from tests.pages.in_pages import enter, impacts_of, saved, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -22,16 +23,7 @@ def test_the_console_gives_the_bits_of_simulate(show):
     page = show()
     changes = {"contact.restitution": 0.5, "contact.model": "hunt_crossley", "initial.angle[1]": 0.5}
     found = page.evaluate(
-        """async (changes) => {
-          const run = await window.chainImpact.simulate(changes);
-          const text = (array) => Array.from(new BigInt64Array(array.buffer), String);
-          const some = ["point[4].x", "contact[2].y_min.force", "energy.total", "impact.count",
-            "solver.steps"];
-          const names = Object.keys(run.columns);
-          const impacts = run.impacts.map(({ onset, wall, peak_force }) => [onset, wall, peak_force]);
-          const columns = some.map((name) => [name, text(run.columns[name])]);
-          return { names, time: text(run.time), columns, impacts };
-        }""",
+        function_of("export", "simulated"),
         changes,
     )
     result = simulate(load_scene("four_link_box").with_values(changes))

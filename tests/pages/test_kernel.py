@@ -124,20 +124,7 @@ def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
     """The module allocates no memory in runs with and without rows, and in studies."""
     scene = page_contents(load_scene("four_link_box"))
     before, after, same = worker.evaluate(
-        """async ([module, contents]) => {
-          const scene = sceneOf(contents);
-          const kernel = await Kernel.load(await compiled(module), scene);
-          const times = rowTimes(0.6, 0.01);
-          const asked = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
-          const study = () => runThrough(kernel.runEach({}, ...asked, [scene.layout.status]));
-          const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
-          const once = (k) => runThrough(kernel.run(values(k), times, scene.columns.slice(0, 3)));
-          const size = () => kernel.exports.memory.buffer.byteLength;
-          study();
-          const [first, before] = [once(500), size()];
-          for (let k = 0; k < 1000; k += 1) if (k % 50) once(k); else study();
-          return [before, size(), String(first.columns) === String(once(500).columns)];
-        }""",
+        function_of("kernel", "memoryOfRuns"),
         [packed_module(), scene],
     )
     assert before == after < 4e6
@@ -188,15 +175,7 @@ def motions(worker):
 
     def run(scene):
         return worker.evaluate(
-            """async ([text, contents]) => {
-              const scene = sceneOf(contents);
-              const kernel = await Kernel.load(await compiled(text), scene);
-              const { parts, status } = runThrough(motion(kernel, {}));
-              const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, drawn } = parts;
-              return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
-                loads: drawn.loads.map(({ n, columns: { x, y } }) => [n, Math.min(...x), Math.max(...y)]),
-                stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
-            }""",
+            function_of("kernel", "motionOf"),
             [packed_module(), page_contents(scene)],
         )
 
@@ -242,18 +221,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
 def begun(worker, scene, changes):
     """Return the page's refusal of changes of a scene, or the status of the run's start."""
     return worker.evaluate(
-        """async ([text, contents, changes]) => {
-          const scene = sceneOf(contents);
-          const kernel = await Kernel.load(await compiled(text), scene);
-          let values;
-          try {
-            values = new Changes(scene).with(changes);
-          } catch (error) {
-            if (!(error instanceof RangeError)) throw error;
-            return error.message;
-          }
-          return runThrough(kernel.run(values, [0, 0.01], [])).status;
-        }""",
+        function_of("kernel", "begun"),
         [packed_module(), page_contents(scene), changes],
     )
 

@@ -24,6 +24,7 @@ from tests.pages.in_pages import (
     press,
     time_of,
 )
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -208,13 +209,7 @@ def test_the_labels_of_a_force_are_not_cut_off(show_recording):
 def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
     page.set_content(f"<script>{program('player/impact_list.js')}</script>")
-    made = """(count) => {
-      const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
-      const element = document.body.appendChild(document.createElement("div"));
-      const impacts = Array.from({ length: count }, (_, k) => impact(k));
-      new ImpactList(element, () => {}).show({ impacts });
-      return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
-    }"""
+    made = function_of("playback", "longList")
     assert page.evaluate(made, 2345) == [2000, "and 345 more, which the animation shows"]
     rows, table = page.evaluate(made, 2000)
     assert rows == 2000

@@ -25,39 +25,13 @@ def test_a_frame_shows_chain_and_walls_with_one_scale(show):
 @pytest.mark.parametrize("size", [DESK, ITS_SIDE, PHONE], ids=lambda size: str(size["width"]))
 def test_the_drawing_has_one_size_at_all_impacts(show, size):
     page = show(viewport=size)
-    heights = page.evaluate("""async () => {
-      const found = new Set();
-      for (const row of document.querySelectorAll("#impacts tbody tr")) {
-        row.click();
-        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-        const { scrollHeight, clientHeight } = document.getElementById("caption");
-        if (scrollHeight > clientHeight + 1) throw new Error("the caption is cut");
-        found.add(document.getElementById("view").clientHeight);
-      }
-      return [...found]; }""")
+    heights = page.evaluate(function_of("visibility", "heightsAtImpacts"))
     assert len(heights) == 1
 
 
 def test_no_force_is_written_on_a_point_or_its_number(show):
     page = show(viewport=PHONE)
-    met = page.evaluate("""async () => {
-      const boxes = (kind) => [...document.querySelectorAll(`#scene ${kind}`)]
-        .filter((one) => one.checkVisibility({ visibilityProperty: true }))
-        .map((one) => one.getBoundingClientRect());
-      const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 &&
-        Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
-      const found = { texts: 0, met: 0 };
-      for (const row of document.querySelectorAll("#impacts tbody tr")) {
-        row.click();
-        for (let k = 0; k < 5; k += 1) {
-          await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-          const [texts, others] = [boxes(".force-text"), boxes(":is(.tip, .joint, .point-number)")];
-          found.texts += texts.length;
-          found.met += texts.filter((text) => others.some((other) => meet(text, other))).length;
-          document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true }));
-        }
-      }
-      return found; }""")
+    met = page.evaluate(function_of("visibility", "textsOnPoints"))
     assert met["met"] == 0 < met["texts"]
 
 
@@ -134,22 +108,10 @@ def test_each_column_of_the_impacts_keeps_apart_and_is_in_the_list(show):
 
 def test_runs_of_a_map_that_are_not_simulated_yet_have_no_colour(show):
     page = show(hash_="#simulation.stop_time=0.1")
-    page.evaluate("""() => {
-      let left = 4; // the scene, and three rows
-      window.Worker = class extends Worker {
-        postMessage(message) {
-          left -= 1;
-          if (left >= 0) super.postMessage(message);
-        }
-      };
-      Object.defineProperty(navigator, "hardwareConcurrency", { value: 1 });
-    }""")
+    page.evaluate(function_of("visibility", "stopWorkers"))
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("3 of 9 rows").wait_for()
-    opaque = page.evaluate("""() => {
-      const canvas = document.getElementById("map-canvas");
-      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-      return Array.from({ length: canvas.height }, (_, row) => data[4 * row * canvas.width + 3]); }""")
+    opaque = page.evaluate(function_of("visibility", "opaqueRows"))
     assert opaque == [0] * 6 + [255] * 3
 
 

@@ -14,3 +14,20 @@ export const many = async () => {
   const held = Array.from({ length: 100 }, () => new Array(10000).fill(0.5));
   return [before, after, size(), first === (await run(200)).columns["point[4].x"].at(-1), held.length];
 };
+
+export const lineOfForces = () => {
+  const canvas = document.querySelector("#force canvas");
+  const [middle, height] = [Math.round(0.6 * canvas.width), canvas.height];
+  const { data } = canvas.getContext("2d").getImageData(middle, 0, 1, height);
+  const [red, green, blue] = getComputedStyle(document.querySelector(".force")).color.match(/\d+/g);
+  const far = ([r, g, b]) => Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue);
+  return Array.from({ length: height }, (_, y) => data.slice(4 * y, 4 * y + 4))
+    .flatMap((pixel, y) => (pixel[3] > 200 && far(pixel) < 60 ? [y] : []));
+};
+
+export const longestFrame = () => new Promise((done) => {
+  const began = performance.now(); let longest = 0, before = began;
+  const tick = (now) => { longest = Math.max(longest, now - before); before = now;
+    if (now - began > 600) done(longest); else requestAnimationFrame(tick); };
+  requestAnimationFrame(tick);
+});

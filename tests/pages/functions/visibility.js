@@ -21,3 +21,52 @@ export const shares = async () => {
   }
   return found;
 };
+
+export const heightsAtImpacts = async () => {
+  const found = new Set();
+  for (const row of document.querySelectorAll("#impacts tbody tr")) {
+    row.click();
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const { scrollHeight, clientHeight } = document.getElementById("caption");
+    if (scrollHeight > clientHeight + 1) throw new Error("the caption is cut");
+    found.add(document.getElementById("view").clientHeight);
+  }
+  return [...found];
+};
+
+export const textsOnPoints = async () => {
+  const boxes = (kind) => [...document.querySelectorAll(`#scene ${kind}`)]
+    .filter((one) => one.checkVisibility({ visibilityProperty: true }))
+    .map((one) => one.getBoundingClientRect());
+  const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 &&
+    Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+  const found = { texts: 0, met: 0 };
+  for (const row of document.querySelectorAll("#impacts tbody tr")) {
+    row.click();
+    for (let k = 0; k < 5; k += 1) {
+      await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+      const [texts, others] = [boxes(".force-text"), boxes(":is(.tip, .joint, .point-number)")];
+      found.texts += texts.length;
+      found.met += texts.filter((text) => others.some((other) => meet(text, other))).length;
+      document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true }));
+    }
+  }
+  return found;
+};
+
+export const stopWorkers = () => {
+  let left = 4; // the scene, and three rows
+  window.Worker = class extends Worker {
+    postMessage(message) {
+      left -= 1;
+      if (left >= 0) super.postMessage(message);
+    }
+  };
+  Object.defineProperty(navigator, "hardwareConcurrency", { value: 1 });
+};
+
+export const opaqueRows = () => {
+  const canvas = document.getElementById("map-canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return Array.from({ length: canvas.height }, (_, row) => data[4 * row * canvas.width + 3]);
+};

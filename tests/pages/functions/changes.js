@@ -1,0 +1,38 @@
+// Functions that tests/pages/test_changes.py runs in a page.
+import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
+import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
+
+export const refusedReset = (contents) => {
+  const changes = new Changes(sceneOf(contents));
+  changes.set({ "box.x_min": -5, "box.x_max": -1 });
+  try {
+    changes.reset("box.x_min");
+  } catch (error) {
+    return [error.message, changes.values];
+  }
+};
+
+export const refusal = ([contents, given]) => {
+  try {
+    new Changes(sceneOf(contents)).set(given);
+  } catch (error) {
+    return error.message;
+  }
+};
+
+export const derivedValues = ([contents, given]) => {
+  const scene = sceneOf(contents);
+  const changes = new Changes(scene);
+  changes.set(given);
+  const names = scene.parameters.map(({ name }) => name);
+  const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
+  const [shown, text] = [all(), changes.texts().map(([name]) => name)];
+  for (const name of Object.keys(given)) changes.reset(name);
+  return [shown, text, all(), changes.starts];
+};
+
+export const savedText = ([contents, values]) => {
+  const changes = new Changes(sceneOf(contents));
+  changes.set(values);
+  return tomlText(contentsOf(changes), contents.kit.keys);
+};

@@ -1,0 +1,10 @@
+// Functions that tests/pages/test_playback.py runs in a page.
+import { ImpactList } from "../../../fmu_src/chain_impact/pages/browser/player/impact_list.js";
+
+export const longList = (count) => {
+  const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
+  const element = document.body.appendChild(document.createElement("div"));
+  const impacts = Array.from({ length: count }, (_, k) => impact(k));
+  new ImpactList(element, () => {}).show({ impacts });
+  return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
+};
