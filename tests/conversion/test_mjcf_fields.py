@@ -11,7 +11,7 @@ from chain_impact.conversion.differences import Effect, lines
 from chain_impact.conversion.mjcf_fields import (
     DISABLED,
     FIELD_REMARKS,
-    USED,
+    USED_FIELDS,
     WITHOUT_EFFECT_FLAGS,
     fields,
     treatments,
@@ -71,7 +71,7 @@ def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
 def test_the_table_has_no_field_that_mujoco_does_not_have():
     known = {field for field, _ in fields(rich())}
     assert [
-        name for name in [*USED.split(), *(row.field for row in FIELD_REMARKS)] if name not in known
+        name for name in [*USED_FIELDS.split(), *(row.field for row in FIELD_REMARKS)] if name not in known
     ] == []
 
 
@@ -102,7 +102,7 @@ def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
 
 
 def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
-    monkeypatch.setattr(mjcf_fields, "USED", USED.replace("body_mass", ""))
+    monkeypatch.setattr(mjcf_fields, "USED_FIELDS", USED_FIELDS.replace("body_mass", ""))
     told = lines(unsupported_fields(rich()), "warning")
     assert [line for line in told if "body_mass" in line and "not known to this version" in line]
 

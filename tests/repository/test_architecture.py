@@ -71,8 +71,12 @@ def constants(file):
         yield from {one.id for one in found if isinstance(one, ast.Name) and one.id.isupper()}
 
 
-def test_no_two_files_of_the_kernel_define_a_constant_of_the_same_name():
-    found = Counter(name for file in (PACKAGE / "kernel").rglob("*.py") for name in constants(file))
+ROOMS = ("kernel", "scene", "variables", "conversion", "simulation", "laws")
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_no_two_files_of_a_room_define_a_constant_of_the_same_name(room):
+    found = Counter(name for file in (PACKAGE / room).rglob("*.py") for name in {*constants(file)})
     assert found
     assert {name for name, count in found.items() if count > 1} == set()
 

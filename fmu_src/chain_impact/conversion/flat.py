@@ -10,7 +10,9 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
 ZERO_LENGTH = 1e-9  # [m] the largest length that counts as 0, because of round-off
-ROUND_OFF = 1e-14  # the largest number that counts as 0, because round-off of numbers near 1 is smaller
+NUMBER_ROUND_OFF = (
+    1e-14  # the largest number that counts as 0, because round-off of numbers near 1 is smaller
+)
 X, Y, Z = np.eye(3)
 
 
@@ -92,10 +94,10 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 def near(value: float) -> float:
     """Return a number, or 0 in place of a number as small as round-off."""
-    return 0.0 if abs(value) < ROUND_OFF else value
+    return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
     """Return a direction without round-off, so that a direction along an axis of the robot is exact."""
     whole = np.rint(axis)
-    return np.where(np.abs(axis - whole) < ROUND_OFF, whole, axis) + 0.0
+    return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0

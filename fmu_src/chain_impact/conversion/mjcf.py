@@ -25,7 +25,7 @@ CARRIED = "chain_impact"
 """The name of a text element in files of this package; the text has, as JSON, the data that MJCF cannot
 hold."""
 UNLIMITED = 1e9  # [rad] or [m]; stands for the missing limit of a joint with one limit: MJCF needs both
-NONE = "none"
+NO_KEYFRAME = "none"
 """The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
 
 
@@ -58,16 +58,16 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
     """Return the state at the start, and a note on its keyframe, if any; refuse an unknown keyframe."""
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
-    wanted = (names[0] if names else NONE) if keyframe is None else keyframe
-    if wanted != NONE and wanted not in names:
-        otherwise = f"keyframes: {', '.join([*names, NONE])}"
+    wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
+    if wanted != NO_KEYFRAME and wanted not in names:
+        otherwise = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
         raise UnknownNameError(source, wanted, names, "no keyframe", otherwise=otherwise)
     data = mujoco.MjData(model)
     if wanted in names:
         mujoco.mj_resetDataKeyframe(model, data, names.index(wanted))
     state = (data.qpos, data.qvel, data.ctrl, data.act, data.mocap_pos, data.mocap_quat)
     others = [name for name in names if name != wanted]
-    more = f"; --keyframe can take {', '.join([*others[:4], NONE])}" if names else ""
+    more = f"; --keyframe can take {', '.join([*others[:4], NO_KEYFRAME])}" if names else ""
     note = [f"start: keyframe {wanted}{more}"] if names else []
     return Start(*map(np.array, state)), note
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 
-USED = """
+USED_FIELDS = """
     body_gravcomp body_inertia body_ipos body_iquat body_jntadr body_jntnum body_mass body_mocapid
     body_parentid body_pos body_quat body_weldid
     jnt_actfrclimited jnt_actfrcrange jnt_axis jnt_dofadr jnt_limited jnt_pos jnt_qposadr jnt_range
@@ -217,7 +217,7 @@ def treatments(field: str) -> list[str]:
 
     A pattern does not apply to a field that is used or reported by name.
     """
-    named = ["used"] * (field in USED.split()) + ["remarked"] * any(
+    named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS
     )
     patterns = (

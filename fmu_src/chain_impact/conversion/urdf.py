@@ -34,7 +34,7 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 """Gravity of all robots [m/s²], because a URDF file does not give gravity; its z axis points up."""
 XACRO = "xacro"
 # the largest error of a moment of inertia that counts as round-off, relative to the body's largest moment
-ROUND_OFF = 1e-6
+INERTIA_ROUND_OFF = 1e-6
 
 
 def read_urdf(path: Path) -> Robot:
@@ -257,7 +257,7 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
     """
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
-        if low + middle < high * (1.0 - ROUND_OFF) or low < -ROUND_OFF * high:
+        if low + middle < high * (1.0 - INERTIA_ROUND_OFF) or low < -INERTIA_ROUND_OFF * high:
             moments = f"{low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
             text = f"no rigid body can have the moments of inertia {moments}"
             around = frozenset([b, -1])

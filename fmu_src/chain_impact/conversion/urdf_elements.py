@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from chain_impact.conversion.differences import Difference, Effect
 
-USED = {
+USED_ATTRIBUTES = {
     "robot": "name",
     "robot/link": "name",
     "robot/link/inertial": "",
@@ -27,7 +27,7 @@ GEOMETRIES = ("visual", "collision")
 """Elements of a link that are counted and reported together."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 """Attributes without effect in any element."""
-WITHOUT_EFFECT = ("material",)
+UNUSED_ELEMENTS = ("material",)
 """Elements without effect anywhere: colours."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
 """Element of a joint → its effect on the motion, which the scene does not have."""
@@ -37,7 +37,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
     """Yield the parts of a robot's file that are neither in the scene nor known to have no effect."""
     yield from _attributes(root, "robot", root)
     for part in root:
-        if not isinstance(part.tag, str) or part.tag in WITHOUT_EFFECT:
+        if not isinstance(part.tag, str) or part.tag in UNUSED_ELEMENTS:
             continue
         if part.tag not in ("link", "joint"):
             name = part.get("name") or part.get("reference") or ""
@@ -47,7 +47,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _below(part, f"robot/{part.tag}"):
-            if path not in USED and element.tag not in (*GEOMETRIES, *WITHOUT_EFFECT):
+            if path not in USED_ATTRIBUTES and element.tag not in (*GEOMETRIES, *UNUSED_ELEMENTS):
                 yield _difference(part, element.tag, MOVES.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)
@@ -59,14 +59,14 @@ def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
         if isinstance(element.tag, str):
             inside = f"{path}/{element.tag}"
             yield inside, element
-            if inside in USED:
+            if inside in USED_ATTRIBUTES:
                 yield from _below(element, inside)
 
 
 def _attributes(element: Element, path: str, part: Element) -> Iterator[Difference]:
-    used = {*USED.get(path, "").split(), *NO_EFFECT}
+    used = {*USED_ATTRIBUTES.get(path, "").split(), *NO_EFFECT}
     for key, value in element.attrib.items():
-        if path in USED and key not in used:
+        if path in USED_ATTRIBUTES and key not in used:
             yield _difference(part, f"{element.tag} {key}", "", value)
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from chain_impact.scene.default_rules import CARRIAGE, CONTACT_RADIUS, MIDDLE, ROD
+from chain_impact.scene.default_rules import CONTACT_RADIUS, MIDDLE, ROD, SLIDER_TABLE
 from chain_impact.scene.key_rules import IDENTIFIER, quantity
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import refusal
@@ -108,7 +108,7 @@ class ChainTable:
         "free",
         choices=("free", "pinned", "slider"),
     )
-    slider: Slider | None = quantity("", "carriage and line of a base on a slider", CARRIAGE)  # noqa: RUF009
+    slider: Slider | None = quantity("", "carriage and line of a base on a slider", SLIDER_TABLE)  # noqa: RUF009
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:

@@ -49,4 +49,4 @@ def with_stops(value: float) -> Derived:
 # This rule returns no value, because contact.radius is read later; ``completion.py`` fills in the value when
 # the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
-CARRIAGE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)
+SLIDER_TABLE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -12,8 +12,8 @@ from chain_impact.scene.unit_text import number_hint
 
 LISTS = ("chain.links", "walls")
 """The tables that a file may have several times, each headed by ``[[…]]``."""
-_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
-_DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
+_KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
 _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)(?=[\s,\]#]|$)")
@@ -67,7 +67,7 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
 
 def _steps(dotted: str) -> DataPath:
     """Return the parts of a dotted key, without quotes."""
-    return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
+    return tuple(step.strip("\"'") for step in re.findall(_KEY_NAME, dotted))
 
 
 def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:

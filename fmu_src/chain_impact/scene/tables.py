@@ -20,7 +20,7 @@ MODEL_NAME = (  # regular expression for names, which are also names of files
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )
 XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
-_NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
+_VARIABLE_NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 
@@ -165,7 +165,7 @@ class Outputs:
     loads: bool = quantity("", "forces and moments in the joints and on the walls, and their peaks", False)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
     sensitivities: tuple[str, ...] = quantity(
-        "", "parameters and inputs with respect to which outputs have derivatives", (), pattern=_NAME
+        "", "parameters and inputs with respect to which outputs have derivatives", (), pattern=_VARIABLE_NAME
     )
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
-from chain_impact.simulation.pieces import ROUND_OFF, Piece, Pieces
+from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions at these times, shape (T, M)."""
@@ -94,7 +94,7 @@ class Follower:
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolved = resolved
-        self._accuracy = np.maximum(accuracy, ROUND_OFF)
+        self._accuracy = np.maximum(accuracy, VALUE_ROUND_OFF)
         self._calls_left = CALLS
         # for each function, the number of fits that failed because of it
         self._refused = np.zeros(len(self._scale), dtype=int)
@@ -255,7 +255,7 @@ class Follower:
             middle = np.array([0.5 * (before + after)])
             value = self._called(middle, costly=True)
             misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
-            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), ROUND_OFF):
+            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), VALUE_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
             if until > self._shortest and min(misses) > NEARER * max(misses):
                 break

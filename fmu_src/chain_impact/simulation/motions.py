@@ -30,7 +30,7 @@ JUMPS = 1e-9, 1e-6, 1e-4
 # a given velocity, acceleration or start contradicts the motion if it differs from the motion's value by more
 # than this, relative to the larger one
 CONTRADICTS = 1e-3
-ROUND_OFF = 1e-12  # of a position at the start, relative to the largest position
+POSITION_ROUND_OFF = 1e-12  # of a position at the start, relative to the largest position
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def contradictions(
         if channel.position in names and channel.position.startswith("base."):
             positions = derivatives(pieces, 0)[0, :, column]
             start = positions[0]
-            round_off = max(OVERLAP, ROUND_OFF * np.abs(positions).max())
+            round_off = max(OVERLAP, POSITION_ROUND_OFF * np.abs(positions).max())
             off = abs(start - channel.start)
             if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
                 texts.append(start_hint(channel.position[-1], start, channel.start))

@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.inputs import DEGREE
 
-ROUND_OFF = 4e-15  # the error of a function's values, relative to the largest value
+VALUE_ROUND_OFF = 4e-15  # the error of a function's values, relative to the largest value
 
 
 @dataclass(frozen=True)
@@ -131,5 +131,5 @@ def joined_points(
         middle=0.5 * (start + end),
         scale=2.0 / (end - start),
         powers=powers[begins] if lines else powers[begins, :1],
-        same=ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
+        same=VALUE_ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
     )
