@@ -135,7 +135,7 @@ def test_sticking_elements_are_marked_where_they_are():
     chain = {**CART["chain"], "slider": {"friction": 50.0}}
     cart = simulate(scene_from_dict({**CART, "chain": chain}, "Cart"), stop_time=1.0, output_step=0.01)
     axes = cart.plot(kind="motion").axes[0]
-    mark = next(line for line in axes.lines if line.get_label() == "sticks")
+    mark = next(line for line in axes.lines if line.get_label() == "sticks at the end")
     np.testing.assert_allclose(mark.get_xydata(), cart.points[-1:, 0])
 
 
