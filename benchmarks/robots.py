@@ -84,7 +84,7 @@ def compared(path: Path, choices: Choices = ALL) -> Compared:
 
 
 def _moving(robot: Robot, names: Sequence[str]) -> Robot:
-    """Return a robot of which the joints that move have a speed at the start."""
+    """Return a robot whose joints ``names`` have speeds of alternating signs at the start; others rest."""
     speeds = {name: SPEED * (-1.0) ** i for i, name in enumerate(names)}
     bodies = [
         replace(body, joints=[replace(joint, speed=speeds.get(joint.name, 0.0)) for joint in body.joints])

@@ -56,7 +56,7 @@ class Contender(Protocol):
 def contenders(
     problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
-    """Return the contenders whose packages are installed, and name → reason for those that are missing."""
+    """Return the contenders with installed packages, and for each missing contender: name → reason."""
     found: dict[str, Contender] = {}
     missing = {}
     for name in dict.fromkeys(families):

@@ -13,7 +13,7 @@ import pytest
 from lxml import etree
 
 from chain_impact import load_scene, model_names
-from chain_impact.fmu.documents import TERMINALS, documents, page, terminals_and_icons
+from chain_impact.fmu.documents import TERMINALS_FILE, documents, page, terminals_and_icons
 from chain_impact.pictures.start import icon
 from chain_impact.variables.prepared import PreparedScene
 
@@ -115,5 +115,5 @@ def test_terminals_are_valid_and_group_variables_of_owners(model, changes):
 
 def test_only_fmi3_has_terminals():
     prepared = PreparedScene(load_scene("rod_drop"))
-    assert TERMINALS in documents(prepared, 3)
-    assert TERMINALS not in documents(prepared, 2)
+    assert TERMINALS_FILE in documents(prepared, 3)
+    assert TERMINALS_FILE not in documents(prepared, 2)

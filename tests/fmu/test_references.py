@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
-from chain_impact.fmu.references import FILE, REFERENCE_TOLERANCE, ROWS, check_references, reference
+from chain_impact.fmu.references import FILE, REFERENCE_ROWS, REFERENCE_TOLERANCE, check_references, reference
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.tools.planted_faults import spoiled
@@ -95,7 +95,7 @@ def test_the_times_are_those_that_can_be_relied_on():
     edges = np.concatenate([impacts["onset"], impacts["end"]])
     assert np.nanmin(np.abs(usual.times[compared(usual), None] - edges)) > 1e-6
     assert 1.0 < long.times[-1] < 10.0
-    assert ROWS / 10 < compared(long).sum() <= ROWS + 1
+    assert REFERENCE_ROWS / 10 < compared(long).sum() <= REFERENCE_ROWS + 1
     assert coarse.times[-1] < fine.times[-1]
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact.fmu import findings
 from chain_impact.fmu.build import validate_fmu
-from chain_impact.fmu.check_description import NAMES, description_findings
+from chain_impact.fmu.check_description import NAME_PATTERNS, description_findings
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.validate import validation
 from chain_impact.scene.reading import SceneError
@@ -153,7 +153,7 @@ def test_names_are_those_of_the_structured_convention():
     names = ["a", "_a1.b[1,2].c", "der(a)", "der(a[3].'x y',2)", "'motor #2'", r"'a\'b'", "'!#$%'.x[1]"]
     wrong = ["", "1", "a b", "ä", "a.", "a..b", "a[1]..b", "[1]", "a[1,]", "'", "'a", "''", r"'\z'", "der(a"]
     wrong += ["der(a,b)"]
-    assert [name for name in names + wrong if NAMES["structured"].fullmatch(name)] == names
+    assert [name for name in names + wrong if NAME_PATTERNS["structured"].fullmatch(name)] == names
 
 
 @pytest.mark.parametrize("folder", ["terminalsAndIcons", "icons"])
@@ -193,12 +193,12 @@ def test_a_fault_does_not_hide_another(native, tmp_path, names):
 def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path):
     change = edited(('(<Real declaredType="Length" unit=")m"', r'\1parsec"'), alone=True)
     found = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
-    assert len(found) > findings.MANY
+    assert len(found) > findings.MOST_ALIKE_FINDINGS
     (line,) = findings.finding_lines(found)
     names = [finding.variable for finding in found]
     most = findings.NAMED_VARIABLES
     assert f"{', '.join(names[:most])} and {len(names) - most} more: The unit" in line
-    few = found[: findings.MANY]
+    few = found[: findings.MOST_ALIKE_FINDINGS]
     assert findings.finding_lines(few) == [str(one) for one in few]
 
 

@@ -34,7 +34,7 @@ DIGESTS = {
     "smol-toml.LICENSE": "fa5659948374d4f555594f47f6da073b40dc503e921aeeece30df4362b3051a5",
 }
 
-PROGRAMS = (recorded.PROGRAM, explore.PROGRAM, explore.WORKER)
+PROGRAMS = (recorded.RECORDED_PROGRAM, explore.PROGRAM, explore.WORKER)
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_ten_seconds_of_four_links_are_small():
 
 
 def test_thinned_rows_keep_shown_rows_and_rows_beside_impacts(monkeypatch):
-    monkeypatch.setattr(recorded, "MOST_ROWS", 1000)
+    monkeypatch.setattr(recorded, "MOST_PAGE_ROWS", 1000)
     whole = simulate("four_link_box", output_step=1e-5)
     found = recorded.thinned(whole, 0.6)
     assert len(found.time) < 0.2 * len(whole.time)
@@ -144,7 +144,7 @@ def test_thinned_rows_keep_shown_rows_and_rows_beside_impacts(monkeypatch):
 
 
 def html_of_all(recording, monkeypatch):
-    monkeypatch.setattr(recorded, "MOST_ROWS", len(recording.time))
+    monkeypatch.setattr(recorded, "MOST_PAGE_ROWS", len(recording.time))
     return html(recording)
 
 

@@ -9,7 +9,7 @@ import pytest
 from chain_impact import UnknownNameError, simulate
 from chain_impact.pictures.curves import looks_of
 from chain_impact.pictures.over_time import ENERGIES
-from chain_impact.recording.curves import CLOSE
+from chain_impact.recording.curves import CLOSE_TIMES
 
 FORCES = "contact[*].y_min.force"
 
@@ -60,7 +60,7 @@ def test_around_an_impact_time_is_that_after_its_onset(result):
     (axes,) = page.axes
     end, line = axes.lines
     time, force, impact = line.get_xdata(), line.get_ydata(), result.impacts[1]
-    assert len(time) >= CLOSE
+    assert len(time) >= CLOSE_TIMES
     lasting = 1e3 * (impact["end"] - impact["onset"])
     assert end.get_xdata()[0] == pytest.approx(lasting)
     assert (time[0], time[-1]) == pytest.approx((-0.5 * lasting, 2.0 * lasting))

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.recording.pacing import FRAME_RATE, LONGEST, RAMP, SHORTEST, frame_rate, frame_times, rate
+from chain_impact.recording.pacing import (
+    FRAME_RATE,
+    LEAST_DURATION,
+    LONGEST_SLOW,
+    RAMP,
+    frame_rate,
+    frame_times,
+    rate,
+)
 from chain_impact.studies.animate import record_slowly
 
 
@@ -45,7 +53,7 @@ def test_without_impacts_or_slow_motion_the_frames_are_even(spans, impact_time):
 
 
 def test_short_and_lasting_contacts_are_slowed_for_a_while():
-    for span, shown in (((0.7, 0.7), SHORTEST), ((0.7, 1.9), LONGEST)):
+    for span, shown in (((0.7, 0.7), LEAST_DURATION), ((0.7, 1.9), LONGEST_SLOW)):
         times, per_second = frame_times(0.0, 2.0, [span])
         assert seen(times, per_second, 0.7, 0.7 + shown) == pytest.approx(0.6, rel=0.1)
 

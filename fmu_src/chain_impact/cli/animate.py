@@ -27,7 +27,7 @@ from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
-from chain_impact.results.animate import FORMATS, SIZE, animate
+from chain_impact.results.animate import FILM_SIZE, FORMATS, animate
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -71,9 +71,9 @@ def add(verbs: Verbs) -> None:
     verb.add_argument(
         "--size",
         type=size,
-        default=SIZE,
+        default=FILM_SIZE,
         metavar="WIDTHxHEIGHT",
-        help=f"size of a film in pixels; default: {SIZE[0]}x{SIZE[1]}",
+        help=f"size of a film in pixels; default: {FILM_SIZE[0]}x{FILM_SIZE[1]}",
     )
     add_style(verb)
     verb.set_defaults(run=run)

@@ -14,7 +14,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
 OLDEST = 2  # FMI 2.0, the older of the two versions
-KINDS = {
+FMU_KINDS = {
     ("pythonfmu", 2): (
         "runs in Python programs, such as FMPy and PyFMI",
         "for Simulink, Dymola, OpenModelica and others: --target native",
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)
     say(f"FMU      {fmu}")
-    for line in KINDS[target, options.fmi]:
+    for line in FMU_KINDS[target, options.fmi]:
         say(f"{'':9}{line}")
     if options.simulate:
         report(Source(str(fmu)), Canvas(fmu.with_suffix(".png")), csv=fmu.with_suffix(".csv"))

@@ -30,7 +30,7 @@ from chain_impact.simulation.record_scene import with_settings
 
 # If this setting is on the command line, the fit uses only data up to this time. The stop time in the scene
 # file does not limit the data.
-STOP_TIME = "simulation.stop_time"
+STOP_TIME_KEY = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
     ("--free-each", "NAMES", "fit these parameters separately for each data set, such as initial.vx"),
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
             bounds=pairs("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
             columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
-            stop_time=scene.simulation.stop_time if STOP_TIME in settings else None,
+            stop_time=scene.simulation.stop_time if STOP_TIME_KEY in settings else None,
             interpolation=options.interpolation,
             progress=advance,
         )

@@ -162,7 +162,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return words that tell which points are on which link beside its ends: "2–5 on link 1"."""
+    """Return in words the numbers of each link's points beside its ends: "2–5 on link 1"."""
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
         last = first + count - 1

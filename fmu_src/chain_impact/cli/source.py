@@ -22,7 +22,7 @@ from chain_impact.simulation.record_scene import record_scene, value_of, with_se
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 
-ROWS = 1000  # the least number of rows for a picture
+LEAST_ROWS = 1000  # the least number of rows for a picture
 TOLERANCE = "solver.tolerance"
 
 
@@ -69,7 +69,7 @@ class Source:
         The rows of an FMU cannot be changed; then a message says so.
         """
         rows = len(recording.time)
-        if rows >= ROWS:
+        if rows >= LEAST_ROWS:
             return recording
         if self.is_fmu:
             complain(
@@ -79,7 +79,7 @@ class Source:
             return recording
         scene = self.scene()
         with progress() as advance:
-            return simulate(scene, output_step=scene.simulation.stop_time / ROWS, progress=advance)
+            return simulate(scene, output_step=scene.simulation.stop_time / LEAST_ROWS, progress=advance)
 
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
         """Return the ranking of some parameters, by default of all.

@@ -20,9 +20,9 @@ from chain_impact.fmu.check_variables import (
 )
 from chain_impact.fmu.findings import DESCRIPTION, Finding, archive_findings
 
-VERSIONS = ("2.0", "3.0")
+FMI_VERSIONS = ("2.0", "3.0")
 TERMINALS = ("terminalsAndIcons/terminalsAndIcons.xml", "icons/terminalsAndIcons.xml")
-MODES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
+FMI_MODES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 LISTS = (
     "UnitDefinitions",
     "UnitDefinitions/Unit",
@@ -32,12 +32,12 @@ LISTS = (
     "LogCategories",
     "VendorAnnotations",
     "ModelVariables/ScalarVariable/Annotations",
-    *(f"{mode}/SourceFiles" for mode in MODES),
+    *(f"{mode}/SourceFiles" for mode in FMI_MODES),
 )
 """Lists in which each name, and each value of an enumeration, may appear only once."""
 _PART = r"""([A-Za-z_]\w*|'([ !#-&(-\[\]-_a-~]|\\['"?\\abfnrtv])+')(\[\d+(,\d+)*\])?"""
 _NAME = rf"{_PART}(\.{_PART})*"
-NAMES = {
+NAME_PATTERNS = {
     "structured": re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII),
     "flat": re.compile(r"[^\r\n\t]+"),
 }
@@ -65,8 +65,8 @@ def description_findings(path: Path) -> list[Finding]:
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
             return [Finding(f"cannot be unpacked: {error}")]
     version = root.get("fmiVersion", "")
-    if not version.startswith(VERSIONS):
-        said = f"fmiVersion = {version!r} must be one of {', '.join(VERSIONS)}: nothing else was checked"
+    if not version.startswith(FMI_VERSIONS):
+        said = f"fmiVersion = {version!r} must be one of {', '.join(FMI_VERSIONS)}: nothing else was checked"
         return [Finding(said, attribute="fmiVersion")]
     variables = variables_of(root)
     faults = [*list_findings(root, variables), *variable_findings(root, variables)]
@@ -120,10 +120,10 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
         for key in ("name", "value")
         for finding in twice((child.attrib[key] for child in parent if key in child.attrib), key, path)
     ]
-    modes = [mode for kind in MODES for mode in root.iterfind(kind)]
+    modes = [mode for kind in FMI_MODES for mode in root.iterfind(kind)]
     if not modes:
         findings.append(
-            Finding(f"has none of {', '.join(MODES)}: it cannot be run", attribute="CoSimulation")
+            Finding(f"has none of {', '.join(FMI_MODES)}: it cannot be run", attribute="CoSimulation")
         )
     for mode in modes:
         name = mode.get("modelIdentifier", "")
@@ -149,7 +149,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
         if definition.name in names:
             findings.append(Finding("a variable has the same name", attribute=path_of_type))
     convention = root.get("variableNamingConvention", "flat")
-    allowed = NAMES.get(convention, NAMES["flat"])
+    allowed = NAME_PATTERNS.get(convention, NAME_PATTERNS["flat"])
     for variable in variables:
         if not allowed.fullmatch(variable.name):
             fault = f"{variable.name!r} is no name of the naming convention {convention!r}"
@@ -189,7 +189,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
 
 
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
-    """Yield variables of terminals that do not exist, and names that occur twice: FMI 3.0, 2.4.9.2."""
+    """Yield faults of terminals: missing variables, and names that occur twice (FMI 3.0, 2.4.9.2)."""
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
             for repeated in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):

@@ -11,8 +11,8 @@ from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
 from chain_impact.recording.text import few
 
-OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
-_THIRD = {OUTPUTS: "Output", DERIVATIVES: "ContinuousStateDerivative", INITIAL: "InitialUnknown"}
+OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
+_THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}
 """Name of a list in FMI 2.0 → name of the element in FMI 3.0."""
 _FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
@@ -65,7 +65,7 @@ class Structure:
 
         Unknowns may be missing, superfluous, listed twice or not in order, and dependencies may be wrong.
         """
-        variables, derivatives = self.known, set(self.listed(DERIVATIVES))
+        variables, derivatives = self.known, set(self.listed(DERIVATIVE_LIST))
         states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}
         outputs = {reference for reference in variables if variables[reference].causality == "output"}
         start = {reference for reference in outputs | states | derivatives if not variables[reference].exact}
@@ -74,14 +74,14 @@ class Structure:
         }
         clocked = {reference for reference in variables if "clocks" in variables[reference].attributes}
         rates = {reference for reference in variables if "derivative" in variables[reference].attributes}
-        yield from self._complete(OUTPUTS, outputs, outputs, "each output")
-        yield from self._complete(DERIVATIVES, (), rates, "variables with the attribute derivative")
+        yield from self._complete(OUTPUT_LIST, outputs, outputs, "each output")
+        yield from self._complete(DERIVATIVE_LIST, (), rates, "variables with the attribute derivative")
         which = "each output, state and derivative that is calculated at the start, each calculatedParameter"
-        yield from self._complete(INITIAL, start - clocked, start | clocked, which)
+        yield from self._complete(INITIAL_LIST, start - clocked, start | clocked, which)
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
-            if name == INITIAL:  # only FMI 2.0 has this list
+            if name == INITIAL_LIST:  # only FMI 2.0 has this list
                 yield from _rising(self.listed(name), path)
         for path, node in self._nodes():
             yield from self._dependencies(path, node, states)
@@ -95,7 +95,7 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """Yield the variables that a list lacks, and variables that the list must not have."""
+        """Yield a fault for the variables that a list lacks, and one for those that it must not have."""
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
@@ -109,7 +109,7 @@ class Structure:
     def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # event indicators are for debugging only and may also depend on outputs: FMI 3.0, table 23
         debugging = node.tag == "EventIndicator"
-        depends, initial = _depends(node), INITIAL[:-1] in path
+        depends, initial = _depends(node), INITIAL_LIST[:-1] in path
         yield from twice(depends, self.key, path)
         if self.second:
             yield from _rising(depends, path)

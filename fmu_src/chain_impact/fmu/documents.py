@@ -45,7 +45,7 @@ EVENTS = (
     "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
     "there as arrays, too, such as point.position.</p>"
 )
-TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
 EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 """The edges of the icon in its coordinate system."""
 
@@ -62,7 +62,7 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
         "documentation/index.html": page(prepared, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
         ICONS[fmi]: icon(prepared.scene),
-        **({TERMINALS: terminals_and_icons(prepared.variables)} if fmi == 3 else {}),  # noqa: PLR2004
+        **({TERMINALS_FILE: terminals_and_icons(prepared.variables)} if fmi == 3 else {}),  # noqa: PLR2004
     }
 
 

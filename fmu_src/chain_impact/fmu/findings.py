@@ -24,7 +24,7 @@ LARGEST_FILE = 2**30
 The check uses the sizes that the zip declares. Python never unpacks more than this.
 """
 NAMED_VARIABLES = 5  # largest number of variables that one sentence names
-MANY = 10  # more findings than this that differ only in the variable share one line
+MOST_ALIKE_FINDINGS = 10  # more findings than this that differ only in the variable share one line
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
         alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []
     for first, *others in alike.values():
-        if len(others) < MANY:
+        if len(others) < MOST_ALIKE_FINDINGS:
             lines += [str(first), *map(str, others)]
         else:
             names = few([finding.variable for finding in (first, *others)], NAMED_VARIABLES)

@@ -29,24 +29,25 @@ from chain_impact.variables.prepared import PreparedScene
 
 FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
-ROWS = 100  # approximate number of communication steps in the scene's time
+REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's time
 # if the results up to a time are not reliable, the reference ends at this time / SHORTER instead
 SHORTER = 10
 # A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
 # tolerance, differs from the reference by more than max(ASTRAY, tolerance). The allowed error of a user's
-# result is MARGIN times the largest difference of the second run before this end, and at least LEAST. ASTRAY
-# and LEAST are relative to the largest value of all outputs with the same unit.
-ASTRAY, MARGIN, LEAST = 1e-5, 10.0, 1e-9
+# result is TOLERANCE_FACTOR times the largest difference of the second run before this end, and at least
+# LEAST_TOLERANCE. ASTRAY and LEAST_TOLERANCE are relative to the largest value of all outputs with the same
+# unit.
+ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared at times closer than this to the onset or end of a contact, because they change too
 # fast there. The limit is relative to the communication step.
-CLOSE = 1e-4
+EVENT_DISTANCE = 1e-4
 # a reference run ends when evaluations × links reach this number, which takes about 0.2 s
 MOST_WORK = 2_000_000
 SWING = 0.1  # amplitude of torques and forces, relative to the magnitudes in `nominal_values`
 MOVED = 0.01  # amplitude of a moving base or wall, relative to the length of the longest link
-# FEWEST: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
+# FEWEST_ROWS: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
 # digits of a value in the file.
-FEWEST, DIGITS = 2, 12
+FEWEST_ROWS, DIGITS = 2, 12
 
 
 class Reference(NamedTuple):
@@ -74,7 +75,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
-    if len(solution.times) < FEWEST:
+    if len(solution.times) < FEWEST_ROWS:
         log.info("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
     text = io.StringIO()
@@ -97,10 +98,10 @@ def reference(prepared: PreparedScene) -> Reference:
     """
     stop, shortest = prepared.scene.simulation.stop_time, prepared.scene.simulation.step_size
     while True:
-        step = shortest * max(1, round(stop / shortest / ROWS))
+        step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
         count = max(1, math.floor(stop / step * (1 + 1e-12)))
         solution = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
-        if np.isfinite(solution.values[:, 0]).sum() > ROWS / SHORTER or step == shortest:
+        if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTER or step == shortest:
             return solution
         stop /= SHORTER
 
@@ -125,9 +126,9 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
     apart = (
         np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
-        > CLOSE * times[1]
+        > EVENT_DISTANCE * times[1]
     )
-    until = _agreed_until(contacts["onset"], others["onset"], CLOSE * times[1] / MARGIN)
+    until = _agreed_until(contacts["onset"], others["onset"], EVENT_DISTANCE * times[1] / TOLERANCE_FACTOR)
     rows = np.flatnonzero(apart & (times[:count] < until))
     largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
     scale = np.array([largest[units == unit].max() for unit in units]) + REFERENCE_TOLERANCE
@@ -141,7 +142,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     return Reference(
         inputs={name: column[:length] for name, column in inputs.items()},
         outputs=names,
-        tolerances=np.where(whole, 0.0, np.maximum(MARGIN * worst, LEAST * scale)),
+        tolerances=np.where(whole, 0.0, np.maximum(TOLERANCE_FACTOR * worst, LEAST_TOLERANCE * scale)),
         times=times[:length],
         values=values,
     )
@@ -162,7 +163,7 @@ def _run(
             chain.step_to(time)
             rows.append(chain.get(names))
         except SimulationError:
-            if len(rows) < FEWEST:
+            if len(rows) < FEWEST_ROWS:
                 raise
             break
         if chain.get("solver.rhs_evaluations") * links >= MOST_WORK:
@@ -228,7 +229,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         table = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
         allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
         time, columns = table[:, 0], dict(zip(head, table.T, strict=True))
-        if len(time) < FEWEST or not (np.diff(time) > 0.0).all():
+        if len(time) < FEWEST_ROWS or not (np.diff(time) > 0.0).all():
             raise ValueError("it must have two times or more, and the times must increase")
     except (ValueError, IndexError, csv.Error) as error:
         return (False, f"must be a table of numbers with a row of tolerances: {error}")

@@ -21,13 +21,13 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 MAGIC = b"chaintab"
-TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
+TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 VARIABLE = {
     **dict.fromkeys(("low", "high"), "d"),  # lowest and highest value that can be set, both included
     # words of the record: of the value in use and of the set value; a new value is written to both
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on; more than one for an array
-    **dict.fromkeys(("type", "kind"), "i"),  # indices in TYPES and KINDS
+    **dict.fromkeys(("type", "kind"), "i"),  # indices in TABLE_TYPES and TABLE_KINDS
     **dict.fromkeys(("name", "allowed"), "i"),  # offsets of texts
 }
 """Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted
@@ -93,7 +93,7 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     def row(variable: list[Any], length: int) -> dict[str, float]:
         name, type_, word, kind, low, high, allowed, set_word = variable
         numbers = {"low": low, "high": high, "word": word, "set_word": set_word, "length": length}
-        numbers |= {"type": TYPES.index(type_), "kind": KINDS.index(kind)}
+        numbers |= {"type": TABLE_TYPES.index(type_), "kind": TABLE_KINDS.index(kind)}
         return numbers | {"name": text(name), "allowed": text(allowed)}
 
     parts_of_scene = parts_in_words(prepared.scene)

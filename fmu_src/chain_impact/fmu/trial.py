@@ -27,7 +27,7 @@ from chain_impact.fmu.references import FILE, check_references
 
 T = TypeVar("T")
 # the largest relative difference of values that count as equal: a start value may be written with six digits
-CLOSE = 1e-6
+START_ROUND_OFF = 1e-6
 TINY = 1e-12
 SAID = 300  # a message of the FMU is cut after this number of characters
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
@@ -203,7 +203,7 @@ def _close(value: Value, other: Value) -> bool:
     if isinstance(value, str) or isinstance(other, str):
         return value == other
     both = math.isnan(value) and math.isnan(other)
-    return both or math.isclose(value, other, rel_tol=CLOSE, abs_tol=TINY)
+    return both or math.isclose(value, other, rel_tol=START_ROUND_OFF, abs_tol=TINY)
 
 
 def _all_close(some: Sequence[Value], others: Sequence[Value]) -> bool:

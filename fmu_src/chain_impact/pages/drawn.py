@@ -39,7 +39,7 @@ OF_IMPACT = {
     "depth": "max_penetration",
 }
 """Quantity of an impact in the pages → its column in a list of impacts."""
-NEEDED = {"contacts": {"force"}, "loads": {"x", "y"}}
+NEEDED_QUANTITIES = {"contacts": {"force"}, "loads": {"x", "y"}}
 """Group → the quantities without which an entry cannot be drawn."""
 
 if unknown := DRAWN.keys() - _NAMES:
@@ -62,7 +62,7 @@ def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str,
         group: [
             {"n": n, "name": name, "columns": columns}
             for (n, name), columns in entries.items()
-            if columns.keys() >= NEEDED.get(group, set())
+            if columns.keys() >= NEEDED_QUANTITIES.get(group, set())
         ]
         for group, entries in groups.items()
     }

@@ -44,7 +44,7 @@ WITH_STOPS = SimpleNamespace(stops=True, links=())
 """A stand-in for a chain with stops, to evaluate defaults that depend on whether the chain has stops."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
-LONGEST = 1e9
+LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD.items()},
@@ -79,7 +79,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "inputs": [_group(block, partial(_input_row, choices)) for block in inputs],
         "motions": [_group(block, _driven_row) for block in INPUTS if block not in inputs],
         "times": [
-            _setting_row(choices, kind) | {"high": LONGEST, "word": None, "given": None}
+            _setting_row(choices, kind) | {"high": LONGEST_TIME, "word": None, "given": None}
             for kind in EXPERIMENT
         ],
         "outputs": [_group(block, _output_row) for block in OUTPUTS],

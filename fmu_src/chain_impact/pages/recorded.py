@@ -21,8 +21,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
-PROGRAM = "player/recorded_page.js"
-MOST_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
+RECORDED_PROGRAM = "player/recorded_page.js"
+MOST_PAGE_ROWS = 80_000  # the largest number of rows of a page; of a longer recording some rows are left out
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
@@ -35,23 +35,23 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
     """
     shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("player/recorded_page.html")
-    return assembled(template, recording.name, styles(), program(PROGRAM), data=script_data(shown))
+    return assembled(template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown))
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """Return a recording without most of its rows, if it has more than MOST_ROWS rows.
+    """Return a recording without most of its rows, if it has more than MOST_PAGE_ROWS rows.
 
-    These rows stay: MOST_ROWS rows at equal distances, the rows next to a frame that the page shows at the
-    speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
+    These rows stay: MOST_PAGE_ROWS rows at equal distances, the rows next to a frame that the page shows at
+    the speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
     """
     time, impacts = recording.time, recording.impacts
-    if len(time) <= MOST_ROWS:
+    if len(time) <= MOST_PAGE_ROWS:
         return recording
     start, stop, usual = float(time[0]), float(time[-1]), frame_rate(recording)
     frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual=usual)
     shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
     after = np.searchsorted(time, shown[np.isfinite(shown)])
-    even = np.linspace(0, len(time) - 1, MOST_ROWS).astype(int)
+    even = np.linspace(0, len(time) - 1, MOST_PAGE_ROWS).astype(int)
     return recording.at(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
 
 

@@ -1,4 +1,4 @@
-"""Numbers, names and words that stand in Python and that the pages need, too.
+"""Constants of Python modules that pages need, too: numbers, names and words.
 
 The program of each page begins with them, as the constant ``SHARED``. They do not depend on a scene; kit.py
 has the data on scenes, which only the page that simulates needs. A page computes some things again that
@@ -41,8 +41,9 @@ FINEST = 65535  # the largest integer of 16 bits, to which the largest value of 
 CONSTANTS = {
     "pacing": (
         pacing,
-        "FLIGHT_STEP FRAMES_OF_A_PERIOD FRAME_RATE IMPACT_TIME LONGEST LONGEST_IMPACT MOST_FRAMES NEAR RAMP"
-        " REAL SHORTEST SLOW SLOWEST SLOW_COUNT SLOW_SPEED TAIL TENS WITHIN",
+        "CONTACT_SHARES FLIGHT_STEP FRAMES_OF_A_PERIOD FRAME_RATE IMPACT_TIME LEAST_DURATION"
+        " LONGEST_IMPACT LONGEST_SLOW MOST_FRAMES RAMP RAMP_DISTANCES REAL SLOWEST SLOW_COUNT SLOW_RATE"
+        " SLOW_SPEED TAIL TENS",
     ),
     "view": (view, "ALONE DECADES LEAST LONGEST_ARROW MARGIN NEAR PIN PIN_LINES ROOM UPRIGHT"),
     "jointStops": (joint_stops, "ARC CORNERS OPEN TICK"),

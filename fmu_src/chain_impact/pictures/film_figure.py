@@ -39,7 +39,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.pictures.trace import trace_of
 from chain_impact.recording.joint_stops import range_lines, touching_place
-from chain_impact.recording.pacing import SLOW, TAIL, rate_text
+from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.bodies import placed
@@ -230,7 +230,7 @@ class Film:
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
         self.caption.set_text(self._last_impact(time) if self.tells_energies else "")
-        self.rate.set_color(self._suited(INK if rate < SLOW else MUTED))
+        self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.patches, self.ranges)

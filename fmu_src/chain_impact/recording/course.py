@@ -14,7 +14,7 @@ from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times at which the course of an impact is computed
-MANY = 4000  # the number of equally spaced times in a contact that lasts longer than its impact
+LASTING_SAMPLES = 4000  # the number of equally spaced times in a contact that lasts longer than its impact
 SOON = 1e-6  # in such a contact, the first time after the onset, relative to the duration of the contact
 
 Rerun = Callable[[np.ndarray], np.ndarray]
@@ -71,7 +71,7 @@ def course_of(
     end = until if math.isnan(end) else end
     inside = np.linspace(onset, end, SAMPLES if end > onset else 0)
     if 0.0 < near < end - onset:
-        shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, MANY))
+        shares = np.union1d(np.geomspace(SOON, 1.0, SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES))
         times = np.union1d((end - onset) * shares, np.linspace(0.0, near, SAMPLES))
         inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)

@@ -17,7 +17,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.text_file import check_separator, likely_time, text_of
 
-NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
+NEEDED_COLUMNS = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
 class NeedsSceneError(SceneError):
@@ -84,7 +84,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         rows = _numbers(names, text)
     except ValueError as error:  # a cell is not a number, a line is too long, or the encoding is wrong
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
-    missing = [name for name in NEEDED if name not in names]
+    missing = [name for name in NEEDED_COLUMNS if name not in names]
     if missing:
         likely = likely_time(names) if missing[0] == "time" else ""
         raise SceneError(

@@ -17,9 +17,9 @@ from chain_impact.variables.prepared import PreparedScene
 # WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
 # them
 WITHIN, FOLLOWED = 50, 400
-CLOSE = 1000  # the number of times in a close view of one impact
+CLOSE_TIMES = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
-LONGEST = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
+LASTING_SHARE = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
 # the duration shown for an impulse, which has no duration, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
@@ -111,14 +111,14 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
         raise ValueError(f"{recording.name}: around = {around!r} must be {impact_numbers(count)}")
     impact = recording.impacts[around - 1]
     onset, run = float(impact["onset"]), end - start
-    lasting = LONGEST * run if lasts(impact) else float(impact["end"]) - onset
+    lasting = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
     if not lasting > 0.0:
         lasting = IMPULSE_SHOWN * run
     return onset, max(start, onset - BEFORE * lasting), min(end, onset + (1.0 + AFTER) * lasting)
 
 
 def impact_numbers(count: int) -> str:
-    """Return words that say which numbers of impacts exist, for an error."""
+    """Return the existing numbers of impacts in words, for an error: "from 1 to 3: the run has 3 impacts"."""
     if count <= 1:
         return "1: the run has 1 impact" if count else "left out: the run has no impact"
     return f"from 1 to {count}: the run has {count} impacts"
@@ -127,7 +127,7 @@ def impact_numbers(count: int) -> str:
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
     """Return additional times [s]: everywhere in a close view, else within the first FOLLOWED impacts."""
     if close:
-        return np.linspace(low, high, CLOSE)
+        return np.linspace(low, high, CLOSE_TIMES)
     impacts = recording.impacts[:FOLLOWED]
     ended = impacts[impacts["end"] > impacts["onset"]]
     inside = np.linspace(ended["onset"], ended["end"], WITHIN).ravel()

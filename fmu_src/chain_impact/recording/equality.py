@@ -1,4 +1,4 @@
-"""Equality of dataclasses that contain arrays, for which ``==`` returns an array."""
+"""Equality of dataclasses with arrays; ``==`` of two arrays returns an array."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The ratio of simulated time to time on the screen in a film: smaller during impacts, to show them slowly.
+"""The rate of a film: simulated seconds per second on the screen; it is smaller during impacts.
 
-``pages/browser/recording/pacing.js`` computes the same ratio for pages, with the constants of this module.
+``pages/browser/recording/pacing.js`` computes the same rate for pages, with the constants of this module.
 """
 
 from __future__ import annotations
@@ -15,30 +15,30 @@ IMPACT_TIME = 0.6  # [s] the default for the time on the screen for one impact
 RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
 # [s] the longest time after an onset that is shown in slow motion; in a contact that lasts longer, the chain
 # only rests or leans
-LONGEST = 0.1
-SHORTEST = 1e-4  # [s] the least duration assumed for an impact; an impulse has none
+LONGEST_SLOW = 0.1
+LEAST_DURATION = 1e-4  # [s] the least duration assumed for an impact; an impulse has none
 FRAME_RATE = 60.0  # [1/s] frames per second on the screen
 FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
-FLIGHT_STEP = 1 / 240  # [s] far from impacts, the distance of the times at which the ratio is computed
-# before and after an impact, the distances from the impact at which the ratio is computed, relative to RAMP
-NEAR = np.geomspace(1e-3, 1.0, 48)
-# within a contact, the times after the onset at which the ratio is computed, relative to the contact's
+FLIGHT_STEP = 1 / 240  # [s] far from impacts, the distance of the times at which the rate is computed
+# before and after an impact, the distances from the impact at which the rate is computed, relative to RAMP
+RAMP_DISTANCES = np.geomspace(1e-3, 1.0, 48)
+# within a contact, the times after the onset at which the rate is computed, relative to the contact's
 # duration
-WITHIN = np.linspace(0.0, 1.0, 25)
+CONTACT_SHARES = np.linspace(0.0, 1.0, 25)
 # the least speed of an impact that is shown in slow motion, relative to the speed of the fastest impact
 SLOW_SPEED = 0.05
 SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
 # For a film, an impact ends at the latest LONGEST_IMPACT times δ/v after its onset, where δ is the
-# penetration and v the approach speed: a contact that lasts longer is no impact any more, but a rest.
+# penetration and v the approach speed: a contact that lasts longer rests from then on.
 LONGEST_IMPACT = 5.0
 # [m/s, at a stop of a joint rad/s] v in δ/v is at least this large; otherwise a point that rests at a wall
 # from the onset on (v = 0) would give an infinite time
 SLOWEST = 1e-6
 MOST_FRAMES = 20_000  # the largest number of frames for which simulated times are computed
 TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
-# The rate is simulated seconds per second on the screen. REAL: a rate that differs less from 1 is called real
-# time; SLOW: a smaller rate has a stronger colour; TENS: a factor from this one on has no decimals.
-REAL, SLOW, TENS = 0.02, 0.5, 9.95
+# REAL: a rate that differs less from 1 is called real time; SLOW_RATE: a smaller rate has a stronger colour;
+# TENS: a factor from this one on has no decimals.
+REAL, SLOW_RATE, TENS = 0.02, 0.5, 9.95
 
 Span = tuple[float, float]
 
@@ -126,10 +126,12 @@ def frame_times(
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
     """
-    shown = [(a, a + min(max(b - a, SHORTEST), LONGEST)) for a, b in spans] if impact_time > 0.0 else []
+    spans = spans if impact_time > 0.0 else []
+    shown = [(a, a + min(max(b - a, LEAST_DURATION), LONGEST_SLOW)) for a, b in spans]
     parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
     for onset, end in shown:
-        parts += [onset - RAMP * NEAR, onset + (end - onset) * WITHIN, end + RAMP * NEAR]
+        far = RAMP * RAMP_DISTANCES
+        parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
     slowness = 1.0 / rate(grid, shown, impact_time)
     # the time on the screen: ∫ dt / rate, by the trapezoidal rule

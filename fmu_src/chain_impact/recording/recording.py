@@ -130,7 +130,7 @@ class Recording:
 
     @property
     def passing(self) -> list[str]:
-        """Sentences on points that pass through walls that they cannot touch; empty if this is unknown."""
+        """Sentences on points that pass through walls without touching; empty if this is unknown."""
         return []
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:

@@ -11,7 +11,7 @@ from chain_impact.recording.recording import Recording
 
 # the largest speed of a point that counts as at rest, relative to a reference speed: the extent of the
 # largest path of a point, divided by the duration of the run
-SLOW = 0.02
+REST_SPEED = 0.02
 SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
 
 
@@ -39,7 +39,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     ways = np.hypot(*np.moveaxis(np.diff(places, axis=0), -1, 0)).max(axis=1)
     for moved in recording.moved_walls.values():
         ways = np.maximum(ways, np.abs(np.diff(moved)))
-    still = ways * span <= SLOW * size * np.diff(time)
+    still = ways * span <= REST_SPEED * size * np.diff(time)
     hit = np.searchsorted(time, recording.impacts["onset"], side="right") - 1
     still[hit.clip(0, len(still) - 1)] = False
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
@@ -48,7 +48,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line with the start of the rest at the end, and places of free ends; nothing without a rest."""
+    """Yield a line on the rest at the end: its start, and where the free ends are; nothing without a rest."""
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         start, last = rests(recording)[-1][0], recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}

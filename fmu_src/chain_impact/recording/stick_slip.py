@@ -78,7 +78,7 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """A contact of a point with a wall, or of a joint or slider with a stop; or dry friction of these two.
+    """A contact with a wall or with a stop of a joint or slider; or dry friction in a joint or on a slider.
 
     Attributes:
         point: the number of the point; for a joint its number, 1…N; for a slider 0.

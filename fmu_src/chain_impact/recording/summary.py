@@ -33,8 +33,8 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
 """The columns of the list of impacts, with their units at walls and at stops of joints."""
 NONE = "—"  # the text for a number that does not exist
 LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
-# numbers from LONG to MILLION are written without an exponent, although a number has only four digits
-LONG, MILLION = 1e4, 1e6
+# numbers from FIVE_DIGITS to MILLION are written without an exponent, although a number has only four digits
+FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
@@ -140,7 +140,7 @@ def digits(value: float) -> str:
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"
-    return f"{float(text):.0f}" if LONG <= abs(float(text)) < MILLION else text
+    return f"{float(text):.0f}" if FIVE_DIGITS <= abs(float(text)) < MILLION else text
 
 
 def load_lines(result: Recording) -> Iterator[str]:

@@ -14,7 +14,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
-SIZE = (960, 540)  # [pixels] width and height of a film
+FILM_SIZE = (960, 540)  # [pixels] width and height of a film
 
 
 class AnimationError(ValueError):
@@ -27,7 +27,7 @@ def animate(
     *,
     speed: float | None = None,
     impact_time: float = IMPACT_TIME,
-    size: tuple[int, int] = SIZE,
+    size: tuple[int, int] = FILM_SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
     """Write an animation of a recording, or return its page, as ``chain_impact.animate`` describes."""

@@ -32,7 +32,7 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
 # above this share of the quantity, the text says that an effect holds for smaller changes only
 LARGE_SHARE = 0.2
-ROUND_OFF = 1e-12  # the largest effect that counts as round-off, relative to the quantity
+LEAST_EFFECT = 1e-12  # the largest effect that counts as round-off, relative to the quantity
 MOST_BARS = 16  # the largest number of bars
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
 """The units that get a prefix in the picture."""
@@ -248,7 +248,7 @@ def ranking_of(
     left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
     chosen = np.array([name in like and name not in left_out for name in names])
     finite = np.isfinite(changes) & chosen
-    nothing = finite & (np.abs(changes) <= ROUND_OFF * size)
+    nothing = finite & (np.abs(changes) <= LEAST_EFFECT * size)
     at_zero = np.array([sensitivities.parameters[name] == 0.0 for name in names])
     order = [k for k in np.lexsort((-np.abs(np.where(finite, changes, 0.0)), at_zero)) if finite[k]]
     effects = tuple(

@@ -11,8 +11,8 @@ import numpy as np
 from chain_impact.pages.inline import InlinePage
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.pacing import (
+    CONTACT_SHARES,
     IMPACT_TIME,
-    WITHIN,
     frame_rate,
     frame_times,
     impact_ends,
@@ -26,7 +26,7 @@ from chain_impact.simulation.inputs import InputSource, input_course
 from chain_impact.simulation.instance import Instance, WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
-MOST_ROWS = 40_000
+MOST_FILM_ROWS = 40_000
 
 
 def animate(
@@ -35,7 +35,7 @@ def animate(
     *,
     speed: float | None = None,
     impact_time: float = IMPACT_TIME,
-    size: tuple[int, int] = results.SIZE,
+    size: tuple[int, int] = results.FILM_SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
     """Write an animation, or show it in a notebook.
@@ -96,10 +96,10 @@ def record_slowly(
     result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
-    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS, usual=usual)
+    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
     # an impact that is too weak for slow motion also gets rows, for its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
-    others = (onsets[:, None] + lasting * WITHIN).ravel()[:MOST_ROWS]
+    others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
     course = input_course(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
     instance = Instance(result.prepared, course, varied=())
     rows = WordRows(len(course.times), result.prepared.output_words)

@@ -78,7 +78,7 @@ class Comparison(LawRuns):
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
-        columns = {name: [value(run) for run in self.runs] for name, value in COLUMNS.items()}
+        columns = {name: [value(run) for run in self.runs] for name, value in LAW_COLUMNS.items()}
         return require("pandas", "pandas").DataFrame(columns)
 
     def plot(
@@ -109,11 +109,11 @@ class Comparison(LawRuns):
         """Write the table as CSV with all digits; missing values are empty."""
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([_cell(value(run)) for value in COLUMNS.values()] for run in self.runs)
+            writer.writerow(LAW_COLUMNS)
+            writer.writerows([_cell(value(run)) for value in LAW_COLUMNS.values()] for run in self.runs)
 
 
-COLUMNS: dict[str, Callable[[LawRun], object]] = {
+LAW_COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "law": lambda run: run.law,
     "exponent": lambda run: run.exponent,
     "stiffness [N/m^exponent]": lambda run: run.stiffness,

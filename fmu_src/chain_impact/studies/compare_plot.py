@@ -41,7 +41,7 @@ from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
 COLOURED_LAWS = 6  # largest number of laws that get a colour
-FINE = 400  # number of penetrations at which a band is computed
+BAND_POINTS = 400  # number of penetrations at which a band is computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
@@ -217,7 +217,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     """Fill the area that loops of force over penetration, shape (2, K) each, cover together."""
     if not loops:
         return
-    depths = np.linspace(0.0, max(loop[0].max() for loop in loops), FINE)
+    depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
     branches = []
     for depth, force in loops:
         turn = int(depth.argmax())

@@ -15,7 +15,7 @@ from chain_impact.studies.law_runs import LawRun, LawRuns
 
 # the largest difference from the prescribed restitution with which a law realises it, relative to the
 # restitution
-NEAR = 0.05
+REALISED_WITHIN = 0.05
 NAMED_LAWS = 3  # the largest number of laws that the advice names
 DASH = "–"
 
@@ -96,8 +96,8 @@ def advice(comparison: LawRuns) -> str:
     gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
     """
     e = comparison.contact.restitution
-    near = [run.law for run in comparison.runs if abs(run.restitution - e) <= NEAR * e]
-    within = f"within {100 * NEAR:g} % of e = {e:g} in this impact: "
+    near = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
+    within = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
         return within + (_few(near) or "none of these laws") + _choice(comparison, near)
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
@@ -112,7 +112,7 @@ def _few(laws: Sequence[str]) -> str:
 
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
-    """Return words that name one of several laws that realise the restitution, with the reason."""
+    """Return words that advise one of two or more laws ``near`` the restitution; else ""."""
     if len(near) < 2:  # noqa: PLR2004
         return ""
     if EXACT_LAW in near:
@@ -123,7 +123,7 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
 
 
 def _reach(comparison: LawRuns) -> str:
-    """Return a sentence on the restitution that forces reach in an impact that is not free."""
+    """Return a sentence on the restitution of an impact that is not free, also at stiffer contacts."""
     e = comparison.contact.restitution
     values = ", ".join(
         f"{formatted(at.lossless, '.2f')} and {formatted(at.exact, '.2f')} at K = {at.stiffness:.4g}"

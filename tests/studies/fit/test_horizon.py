@@ -51,7 +51,7 @@ def test_standard_deviations_are_estimated_by_column():
     assert sigma["peak_force"] == pytest.approx(0.02 * one.value[one.group == 2])
     # at the end the estimates no longer change
     again = estimate_sigma(one, found.search.best, found.sigma)
-    np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED)
+    np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED_SIGMA)
 
 
 @pytest.mark.parametrize("seed", range(8))

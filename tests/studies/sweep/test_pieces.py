@@ -19,9 +19,9 @@ from chain_impact.simulation import instance
 from chain_impact.studies.sweep.design import grid
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.pieces import (
-    LONGEST,
-    LONGEST_PIECE,
-    SHORTEST,
+    LONGEST_PIECE_TIME,
+    MOST_RUNS,
+    SHORTEST_PIECE_TIME,
     Pieces,
     missing,
     run_in_threads,
@@ -62,11 +62,11 @@ def test_pieces_take_a_part_of_the_time_so_far():
     pieces = list(taken(Pieces([(0, 1_000_000)], 2), 1e-3))
     sizes = [end - first for first, end in pieces]
     for (first, _), size in zip(pieces[2:], sizes[2:], strict=True):
-        assert size <= max(1000 * SHORTEST, 0.11 * first)
-    assert max(sizes) == 1000 * LONGEST
+        assert size <= max(1000 * SHORTEST_PIECE_TIME, 0.11 * first)
+    assert max(sizes) == 1000 * LONGEST_PIECE_TIME
     assert len(sizes) < 150
     assert sizes[-1] < 0.1 * max(sizes)  # at the end, all threads get a share
-    assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == LONGEST_PIECE
+    assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == MOST_RUNS
 
 
 SCENE = with_values(

@@ -30,7 +30,7 @@ LARGEST_LOGARITHM = 700.0
 ROUGH_BELOW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
 # seconds
-LONG = 100.0
+MOST_STOP_TIMES = 100.0
 OF_FORCE = ("peak_force", "max_penetration")
 """The quantities that an impact has only under a law with a force."""
 
@@ -232,7 +232,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
         "its time must be in s, not in ms"
         for source, last in lasting
-        if last >= LONG * stop_time
+        if last >= MOST_STOP_TIMES * stop_time
     ]
 
 

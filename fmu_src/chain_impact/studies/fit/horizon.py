@@ -17,9 +17,9 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# The first horizon contains ROWS values for each parameter, but not more than a ROWS-th of all values, and at
-# least one value for each parameter.
-ROWS = 3
+# The first horizon contains this number of values for each parameter, but at most all values divided by this
+# number, and at least one value for each parameter.
+VALUES_PER_PARAMETER = 3
 # the model follows the data as long as their difference, relative to the size of the column, is at most this
 # number; one number for the first trial, one for the second
 FAR = (0.01, 0.0025)
@@ -27,9 +27,10 @@ FAR = (0.01, 0.0025)
 # early data. A mean square less than LEAST_SQUARE counts as LEAST_SQUARE, so that round-off
 # causes no second trial.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
-MANY = 20  # with fewer values, a mean square is too random to be compared
+MANY_VALUES = 20  # with fewer values, a mean square is too random to be compared
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
-ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that ends a rough search and a fine search
+# relative change of the sum of squares that ends a rough search and a fine search
+ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
 # the smallest standard deviation, relative to the size of a column; a smaller one is an error of the solver,
 # not noise
@@ -37,9 +38,9 @@ LEAST_SIGMA = 1e-8
 # Fewer degrees of freedom are round-off and count as none. A larger limit is not needed: a column with few
 # degrees of freedom gets more of them as its σ grows.
 NO_FREEDOM = 1e-9
-# SETTLED: the relative change of an estimated standard deviation that ends the rounds; ROUNDS: the largest
-# number of rounds
-SETTLED, ROUNDS = 0.01, 20
+# SETTLED_SIGMA: the relative change of an estimated standard deviation that ends the rounds; MOST_ROUNDS: the
+# largest number of rounds
+SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 
 @dataclass(frozen=True)
@@ -84,18 +85,18 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     horizons = [_first_horizon(problem, whole, far)]
     best = math.inf
     while horizons[-1] < math.inf:
-        result, sigma = _minimized(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
-        if result.best.usable.sum() >= MANY:
+        result, sigma = _minimized(problem, whole, sigma, horizons[-1], enough=ROUGH_CHANGE, most=ROUGH_STEPS)
+        if result.best.usable.sum() >= MANY_VALUES:
             best = min(best, _squares(result.best, sigma))
         whole = problem.evaluate(result.best.coordinates)
         horizons.append(_next_horizon(problem, whole, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
     early = sigma
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         present = sigma
-        result, sigma = _minimized(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
+        result, sigma = _minimized(problem, whole, present, math.inf, enough=FINE_CHANGE, most=FINE_STEPS)
         whole = result.best
-        if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED, atol=0.0):
+        if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED_SIGMA, atol=0.0):
             break
     worse = _squares(whole, early) / max(best, LEAST_SQUARE)
     return Found(result, sigma, (*horizons[:-1], last), worse)
@@ -167,7 +168,7 @@ def _estimated(problem: Problem) -> list[tuple[int, float]]:
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot be fitted, and data of which the model has no value.
+    """Refuse data that cannot be fitted, and data for which the model gives no value.
 
     A column cannot be fitted if only some of its values have a σ, or if it has one value without σ.
     """
@@ -189,13 +190,13 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s], before which are at least the early values that ROWS asks for.
+    """Return the first horizon [s], before which lie the values that VALUES_PER_PARAMETER asks for, or more.
 
     It is infinity if all data are used at once.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
-    rows = max(least, min(ROWS * least, len(times) // ROWS))
+    rows = max(least, min(VALUES_PER_PARAMETER * least, len(times) // VALUES_PER_PARAMETER))
     return (
         _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH, far)
         if rows <= len(times)

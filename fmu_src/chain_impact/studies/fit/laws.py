@@ -14,7 +14,7 @@ from chain_impact.studies.law_change import first_number, law_values, needed_exp
 
 # number of decimals to which the criterion is rounded; laws with the same rounded criterion keep their order,
 # with the scene's own law first
-DIGITS = 1
+CRITERION_DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
 
@@ -79,7 +79,7 @@ def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     """Return the key that sorts laws: first those that use all values, each by the criterion; last no fit."""
     if law_fit.fit is None:
         return True, True, math.inf
-    return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, DIGITS)
+    return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, CRITERION_DIGITS)
 
 
 def _noted(law_fit: LawFit, most: int) -> LawFit:

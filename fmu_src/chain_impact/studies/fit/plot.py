@@ -45,10 +45,10 @@ from chain_impact.variables.prepared import PreparedScene
 
 MOST_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
-POINTS = 1500  # number of points of the model's curve
-WIDTH, HEIGHT = 5.2, 2.9  # [inch] size of a panel
+CURVE_POINTS = 1500  # number of points of the model's curve
+PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
-DOTS = 0.8  # the opacity of measured values over time
+DOT_OPACITY = 0.8  # the opacity of measured values over time
 # [points] the widths of the model's curve and of the white rim that sets it off from the dots
 CURVE, RIM = 0.9, 1.7
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
@@ -75,8 +75,8 @@ def plot_fit(
 ) -> Figure | None:
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_PANELS)
-    width = 1.5 * WIDTH if count == 1 else 2.0 * WIDTH
-    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * HEIGHT))
+    width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
+    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * PANEL_HEIGHT))
 
 
 @styled()
@@ -110,7 +110,7 @@ def _model(fit: Estimates, k: int) -> Result:
         for parameter in fit.parameters
         if parameter.name not in scene.values and parameter.run in (None, k)
     }
-    rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / POINTS, "output": data.outputs}
+    rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / CURVE_POINTS, "output": data.outputs}
     return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
@@ -142,7 +142,8 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         else:
             look = INK if not several else colour
             has_lines |= _curve(axes, results[part.run], scale * results[part.run][name], part.at.max(), look)
-            values.plot(part.at, scale * measured[part.rows], **mark_style, label=dots_label, alpha=DOTS)
+            mark_style |= {"label": dots_label, "alpha": DOT_OPACITY}
+            values.plot(part.at, scale * measured[part.rows], **mark_style)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
         )

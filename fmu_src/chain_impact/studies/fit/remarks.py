@@ -23,13 +23,13 @@ SIMULATED = 1e-6
 IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, below which a remark follows
 # a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
 # residuals exceed it in 2 % of all cases
-ALIKE = 2.0
-ALONE = 1e-9  # a smaller 1 − h is round-off of 0
+ALIKE_NEIGHBOURS = 2.0
+LEAST_FREEDOM = 1e-9  # a smaller 1 − h is round-off of 0
 NAMED_VALUES = 3  # the largest number of values that the remark names
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
-    """Yield a remark that names the values that the other values contradict, the largest contradiction first.
+    """Yield a remark with the values that contradict all others, the largest contradiction first.
 
     A fit without a value of residual r and leverage h differs from the value by r / (1 − h), to first order.
     Its ratio to the other residuals has Student's t distribution (Cook & Weisberg 1982, *Residuals and
@@ -49,7 +49,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)  # 1 − h
-    alone = kept < ALONE  # without this value, nothing determines a parameter
+    alone = kept < LEAST_FREEDOM  # without this value, nothing determines a parameter
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():
@@ -113,7 +113,7 @@ def unusual(result: Estimates) -> Iterator[str]:
 
 
 def not_random(result: Estimates) -> Iterator[str]:
-    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE.
+    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE_NEIGHBOURS.
 
     Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
     normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
@@ -128,7 +128,7 @@ def not_random(result: Estimates) -> Iterator[str]:
         if square <= VISIBLE:
             continue
         alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
-        if math.sqrt(len(pairs)) * alike > ALIKE:
+        if math.sqrt(len(pairs)) * alike > ALIKE_NEIGHBOURS:
             texts.append(f"{name} ({alike:.2f})")
     if texts:
         yield (

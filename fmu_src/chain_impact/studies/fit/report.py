@@ -14,7 +14,7 @@ from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation is larger than this
-MANY = 8  # the largest number of horizons that the report lists
+MOST_HORIZONS = 8  # the largest number of horizons that the report lists
 EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion has no meaning
 
 
@@ -104,7 +104,7 @@ def _columns(fit: Estimates) -> list[Sequence[str]]:
 def _quality(fit: Estimates) -> str:
     state = "converged" if fit.converged else "not converged"
     ends = [f"{end:.3g}" for end in fit.horizons]
-    if len(ends) > MANY:
+    if len(ends) > MOST_HORIZONS:
         ends[2:-2] = ["…"]
     text = state
     if len(ends) > 1:

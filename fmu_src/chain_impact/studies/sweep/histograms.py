@@ -19,7 +19,7 @@ from chain_impact.studies.sweep.runs import Runs
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """The quantiles that a panel shows, and the styles of their lines."""
 MOST_BINS = 60  # the largest number of bars: with more bars, a panel of usual width shows only noise
-ROUND_OFF = 1e-9  # the relative spread of values below which they share one bar
+ONE_BAR_SPREAD = 1e-9  # the relative spread of values below which they share one bar
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
@@ -60,6 +60,6 @@ def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarra
         width = max(1.0, math.ceil((np.ptp(values) + 1.0) / MOST_BINS))
         return np.arange(values.min(), values.max() + width + 0.5, width) - 0.5
     low, high = values.min(), values.max()
-    if high - low <= ROUND_OFF * max(abs(low), abs(high)):
-        return np.array([low, low]) + np.array([-0.5, 0.5]) * (ROUND_OFF * abs(low) or 1.0)
+    if high - low <= ONE_BAR_SPREAD * max(abs(low), abs(high)):
+        return np.array([low, low]) + np.array([-0.5, 0.5]) * (ONE_BAR_SPREAD * abs(low) or 1.0)
     return np.linspace(low, high, count + 1)

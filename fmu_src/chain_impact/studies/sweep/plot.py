@@ -52,13 +52,14 @@ from chain_impact.studies.sweep.variation import Variation
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-NAMES, DOTS_WIDTH = 0.9, 2.0  # [inch] width of the names of choices, and smallest width of a panel with dots
+# [inch] width of the names of choices, and smallest width of a panel with dots
+NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_VARIED = 2  # largest number of parameters that vary
 MOST_DRAWN = 2**18  # largest number of runs in a picture
 # over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
 # smallest one: a power law is then a straight line
 DECADE = 10.0
-ALONE = 6.5  # [inch] the width of a figure with one panel
+ONE_PANEL_WIDTH = 6.5  # [inch] the width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] the least width of a figure with three maps in a row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
@@ -151,10 +152,10 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
     """Return the default size of the figure [inches]; a given ``width`` determines how many panels fit."""
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
-        width = width or NAMES + DOTS_WIDTH * min(count, 4) + 0.5
+        width = width or NAMES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
         rows = math.ceil(count / _dots_across(count, width))
         return width, 0.7 + rows * (0.6 + 0.22 * len(varying_in(runs.design)[0].values))
-    usual = ALONE if count == 1 else 10.8 if kind == MAPS else 10.0
+    usual = ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
     return usual, 0.6 + 2.7 * math.ceil(count / _across(count, kind, width or usual))
 
 
@@ -203,7 +204,7 @@ def _across(count: int, kind: str, width: float) -> int:
 
 def _dots_across(count: int, width: float) -> int:
     """Return the number of panels with dots in a row, so that rows are equally full; ``width`` in inches."""
-    most = max(1, int((width - NAMES) / DOTS_WIDTH))
+    most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 
 

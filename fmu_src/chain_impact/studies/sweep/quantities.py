@@ -19,7 +19,7 @@ from chain_impact.variables.prepared import PreparedScene
 # MOST_ASKED: the largest number of additional outputs that get a panel without being named in ``panels``;
 # MOST_PANELS: the largest number of panels that a user may name
 MOST_ASKED, MOST_PANELS = 4, 8
-ROUND_OFF = 1e-9  # the largest difference of equal results, relative to their size
+EQUAL_RESULTS = 1e-9  # the largest difference of equal results, relative to their size
 
 
 @dataclass(frozen=True)
@@ -184,4 +184,4 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
 def _differs(values: np.ndarray) -> bool:
     """Return whether finite values differ by more than round-off, or no value is finite."""
     finite = values[np.isfinite(values)]
-    return not finite.size or bool(np.ptp(finite) > ROUND_OFF * np.abs(finite).max())
+    return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())

@@ -21,7 +21,7 @@ from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
-STOP_TIME = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed")
+STOP_TIME_VARIABLE = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # the largest number of values in a range such as 0.1:0.9:9
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
@@ -73,7 +73,7 @@ class Variation:
 
 def sweepable(source: Scene | PreparedScene) -> dict[str, Variable]:
     """Return the parameters that can be varied, and the stop time, as name → variable."""
-    return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME)}
+    return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME_VARIABLE)}
 
 
 def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:

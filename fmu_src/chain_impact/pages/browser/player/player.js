@@ -99,7 +99,7 @@ export class Player {
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;
     find("rate").textContent = clock.hasEnded ? "" : rateText(clock.rate);
-    document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW * clock.speed);
+    document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW_RATE * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
     if (find("caption").textContent !== caption) Object.assign(find("caption"), { textContent: caption, title: caption }); // it may be cut

@@ -1,6 +1,6 @@
-// The ratio of simulated time to time on the screen: smaller during impacts, to show them slowly. `pacing.py` computes the
-// same ratio for films, and has the constants. In an impact the ratio is such that the impact takes a given time on the
-// screen; it is 1 for an impact that lasts longer. Before and after the impact the ratio grows in proportion to the distance
+// The rate: simulated seconds per second on the screen; smaller during impacts, to show them slowly. `pacing.py` computes the
+// same rate for films, and has the constants. In an impact the rate is such that the impact takes a given time on the
+// screen; it is 1 for an impact that lasts longer. Before and after the impact the rate grows in proportion to the distance
 // in time from the impact.
 
 export const PACING = SHARED.pacing;
@@ -34,11 +34,11 @@ function interpolated(allX, nodes, values) {
  * if there are not too many frames.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
-  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.SHORTEST), PACING.LONGEST)]) : [];
+  const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];
   const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
-    for (const near of PACING.NEAR) moments.push(onset - PACING.RAMP * near, end + PACING.RAMP * near);
-    for (const share of PACING.WITHIN) moments.push(onset + (end - onset) * share);
+    for (const near of PACING.RAMP_DISTANCES) moments.push(onset - PACING.RAMP * near, end + PACING.RAMP * near);
+    for (const share of PACING.CONTACT_SHARES) moments.push(onset + (end - onset) * share);
   }
   const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
