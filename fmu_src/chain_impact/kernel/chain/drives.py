@@ -1,8 +1,8 @@
-"""Drives: a motor, a damper and a spring along one coordinate q, the angle of a joint or the slider's place.
+"""Drives: a motor, a damper and a spring along a coordinate q, a joint's angle or the slider's position.
 
 Drive i acts in the proximal joint of link i, counted from 0. If the chain has a slider, drive N acts along
-the slider's line. It has lengths, forces and masses in place of angles, torques and moments of inertia. The
-force or torque of a drive is
+the slider's line. Drive N has lengths, forces and masses in place of angles, torques and moments of inertia.
+The force or torque of a drive is
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
@@ -38,7 +38,7 @@ def drive_count(d):
 
 
 def along_drive(d, values, first, i):
-    """Return the component along the coordinate of drive i of ``values``, a state or changes of coordinates.
+    """Return the component of ``values``, a state or changes of coordinates, along the coordinate of drive i.
 
     The values of the base begin at index ``first``: 0 for coordinates, and velocity_at(N) for their rates.
     """
@@ -144,10 +144,10 @@ def drive_mode(wanted, limit):
 
 
 def mode_margin(d, y):
-    """Return the least distance [N·m] of a drive with a limit > 0 from the end of its mode, plus round-off.
+    """Return the least distance [N·m] of a drive with a limit > 0 from the end of its mode.
 
-    The distance is negative where a mode has ended, and ∞ if there is no such drive. The forces of a slider
-    are multiplied by the longest link, to compare them with torques.
+    Round-off is added, so the result is negative only where a mode has surely ended. It is ∞ if there is no
+    such drive. The forces of a slider are multiplied by the longest link, to compare them with torques.
     """
     least = math.inf
     for i in range(drive_count(d)):

@@ -6,7 +6,7 @@ a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that 
 equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
-equations remain. The accelerations follow from the middle outward. The two arms are independent, so a
+equations remain. The accelerations are then found from the middle outward. The arms are independent, so a
 processor overlaps their operations, which halves the time of a short chain. In a pinned chain the base takes
 the place of the middle joint.
 
@@ -33,12 +33,12 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 @inlined
 def arm(d, link, i, outward):
-    """Return data of link i about the joint that is nearer to the middle of the chain.
+    """Return data of link i, relative to its joint that is nearer to the middle of the chain.
 
-    ``outward``: whether this is the proximal joint.
+    ``outward``: whether that joint is the proximal one.
 
     Returns:
-        L [m], m c [kg·m] and I + m c² [kg·m²].
+        L [m], x and y; m c [kg·m], x and y; and I + m c² [kg·m²].
     """
     lx, ly = link.x[i], link.y[i]
     beside_x, beside_y = 0.0, 0.0
@@ -100,7 +100,7 @@ def eliminate_end(d, y, i, outward):
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
 
-    The function stores the data of the link that ``accelerate`` and ``solve`` need.
+    The function stores h/H, 1/H and h₀/H of the link for ``accelerate`` and ``take_factors``.
     """
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
@@ -141,14 +141,15 @@ def accelerations(d, y, rate):
     """Solve the equations of motion for the accelerations.
 
     Args:
-        d: the instance; reads ``work.link`` (L_i), ``work.load`` (external force on each point 0..N) [N] and
-            ``work.moment`` (net joint torque on each link) [N·m].
+        d: the instance; reads ``work.link`` (L_i) [m], ``work.load`` (external force on each point 0…N [N]
+            and moment on each link [N·m]), ``work.moment`` (net joint torque on each link) [N·m] and, with a
+            slider, ``work.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, and of the
             links [rad/s²]. The function also stores the factors that ``take_factors`` needs for the response
             to other loads.
     """
-    # In the first call the middle joint is a constant, for which the compiler makes faster code.
+    # The first of these calls has a constant middle joint, for which the compiler makes faster code.
     if d.model.has_base_joint:
         arms(d, y, rate, 0)
     else:
@@ -190,8 +191,8 @@ def arms(d, y, rate, middle):
         kept = d.work.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
-    # accelerations from the middle outward; the state does not contain the given acceleration of a moving
-    # base
+    # accelerations from the middle outward; the points of a moving base have its given acceleration, but in
+    # the rate the base has 0
     cx, cy = ax, ay
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]

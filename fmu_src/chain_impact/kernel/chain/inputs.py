@@ -8,15 +8,15 @@ EACH_DRIVE = 0  # in place of a number of values: one value for each drive (driv
 # field of the record → number of values
 FIELDS = {
     "motor": EACH_DRIVE,  # N·m, torque of the motor in a joint; N, force on the carriage of a slider
-    # rad or m, position at which the spring has no force: an input, or a value of the scene
+    # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
     "target": EACH_DRIVE,
     "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
     "tip_force": 2,  # N, x and y
 }
 NAMES = tuple(FIELDS)
-# The number of an input is its position in NAMES. The velocity of a target follows the target.
+# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
-CHANNEL = len(NAMES)  # stands for a prescribed motion where the number of an input is given
+CHANNEL = len(NAMES)  # in place of the number of an input: a prescribed motion
 
 
 def input_field(part, k):
@@ -38,5 +38,5 @@ def is_target(k):
 
 
 def is_used(d, k):
-    """Return whether input k acts on the chain and can change: targets need servos."""
+    """Return whether input k can change in this scene: targets and their velocities only if it has servos."""
     return k in (MOTOR, TIP_FORCE) or d.model.has_servos

@@ -36,7 +36,7 @@ def polar(radius, y, first, horizontal, vertical):
         return
     # The copy shows the compiler that the results do not overwrite the angles.
     copy(y, first, count, vertical)
-    # Therefore the compiler uses vector instructions in this loop.
+    # With the copy, the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -111,9 +111,9 @@ def place_points(d, y):
 
 
 def place_joints(d, values, first, vectors):
-    """Set the vectors of the joints' places from the links' angles or angular velocities.
+    """Set x of the joints' places to the lever arm times the joints' own angles, their rates or changes.
 
-    The numbers of the N links begin at index ``first`` of ``values``.
+    The angles of the N links, or their rates or changes, begin at index ``first`` of ``values``.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.model.size * relative(values, first, i)

@@ -86,7 +86,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate the largest distance [m] that a channel moves in the present piece of the inputs."""
+    """Estimate how far [m] a channel moves in the present piece of the inputs, plus ``sway_of_signals``."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0

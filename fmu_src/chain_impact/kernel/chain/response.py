@@ -106,8 +106,8 @@ def factorize(d, links, space, row, coupled):
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        space: record with ``impedance``, which has ``xx, xy, yy`` of each point, D [kg], and ``joint``, shape
-            (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
+        space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
+            ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
         row: the row of ``factors`` that is set.
         coupled: whether joints may transmit moments; otherwise κ and μ are zero, and are not read.
     """
@@ -277,8 +277,10 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
 def spread(links, space, row, coupled, i, outward, x, y, before, change):
     """Add to the change of ω_i the effect of the inner joint's motion a and of the inner link's rotation β.
 
+    ``x`` and ``y`` are the components of a, and ``before`` is β.
+
     Returns:
-        The changes of the outer joint's velocity and of ω_i.
+        The change of the outer joint's velocity, x and y, and the change of ω_i.
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)

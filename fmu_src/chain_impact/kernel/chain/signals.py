@@ -1,7 +1,7 @@
 """Signals: inputs that the scene itself gives as functions of time.
 
-A signal is a sequence of polynomials; each begins at a time t_k, called a knot. In some forms a sine is
-added:
+A signal is a sequence of polynomials; each begins at a time t_k, called a knot. In a signal of the form SINE
+a sine is added:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
@@ -22,7 +22,7 @@ from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
 SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
-SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5  # number of knots; other forms have any number
+SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5  # number of knots; steps and tables have any number
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # largest degree of the polynomials: a ramp that drives an acceleration is integrated twice
 SIGNAL_DEGREE = RAMP_DEGREE + 2
@@ -192,7 +192,7 @@ def set_segment(d, j, k, lap):
 
 
 def knot_count(form, shape):
-    """Return the number of knots that a signal of a form and a shape needs, at least 1."""
+    """Return the number of knots of a signal of a form and a shape; for steps and tables the least one, 1."""
     if form == SINE:
         return SINE_KNOTS
     if form == RAMP:
@@ -305,7 +305,7 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Return whether the knots of all signals are finite and in order, and integrals of sines exist."""
+    """Return whether the knots of all signals are finite and in order, and all required integrals exist."""
     signal = d.signal
     for j in range(d.signals):
         i, total = signal.source[j], 0.0

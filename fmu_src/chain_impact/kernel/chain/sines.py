@@ -160,11 +160,11 @@ def part(m, k, s, rise):
 
 
 def at_standstill(d, i, begins_up):
-    """Return the phase Φ(s*) [rad] and the integral C, in two parts, at the time s* of frequency zero.
+    """Return Φ(s*) [rad], and real and imaginary part of the integral C, at the time s* of frequency zero.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
     start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up``: whether ω > 0 at the
-    start. The parts of C are the real and the imaginary part.
+    start or, if ω = 0 there, after it.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]

@@ -46,7 +46,7 @@ def site_arm(d, links, s):
 
 
 def place_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites; the links' angular velocities begin at index ``first``."""
+    """Set positions and velocities of the sites; ω of the links begins at index ``first`` of the state y."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.work.link, s)

@@ -3,11 +3,11 @@
 Its coordinate is s = u·(p₀ − o), from the initial position o of the base. For an acceleration a of the base
 the chain needs the force A a + b at the base (chain/elimination.py). Along the line the equation of motion is
 
-    a = s̈ u,   (u·A u + m) s̈ = F + u·(m g − b),
+    a = s̈ u,   (u·A u + m) s̈ = F + u·(f + m g − b),
 
-with m the mass of the carriage, g gravity, and F the force of the slider's drive (drives.py). Across the line
-the guide carries every force. Dry friction is an element (forces/friction.py), and ends of the line are stops
-(rows/geometry.py), which the base touches.
+with m the mass of the carriage, g gravity, f the load on the base, and F the force of the slider's drive
+(drives.py). Across the line the guide carries every force. Dry friction is an element (forces/friction.py),
+and ends of the line are stops (rows/geometry.py), which the base touches.
 """
 
 from chain_impact.kernel.chain.state import velocity_at

@@ -1,6 +1,6 @@
 """The record that holds all data of a running simulation.
 
-Each part has a function that returns its layout. Of the values that the kernel does not derive,
-variables/filling.py sets those of the scene, variables/driving.py those of signals, and simulation/inputs.py
-the inputs over time.
+Each part has a function that returns its layout. The kernel derives some values. Of the others,
+variables/filling.py sets the scene's values, variables/driving.py those of signals, and simulation/inputs.py
+the inputs at each time.
 """

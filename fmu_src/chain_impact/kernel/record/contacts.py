@@ -9,8 +9,7 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# number of changes between sticking and sliding, for each element, that the log can store until they are
-# collected
+# number of changes of modes, for each element on average, that the log can store until they are collected
 CHANGES_OF_EACH = 4
 # number of finished contacts that the log can store until they are collected, in addition to one for each
 # candidate
@@ -26,12 +25,12 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # number of the point, 0…N; N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N; 0
         # for a stop of the slider
         ("point", INTEGER),
-        # index of the wall in WALLS, or 4 plus the index in `walls`; stops have the numbers after the walls
+        # index in the scene's wall_names: of the box in WALLS, 4 plus the index in `walls`, or of the kind of
+        # stop after all walls
         ("wall", INTEGER),
         ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
         # ---- derived at initialization
-        # index of the place of the point, of the stop's joint (N plus the joint's number), or of the site (N
-        # plus the site's number)
+        # index of the place: ``point``, but N + ``point`` for a stop of a joint and for a site
         ("place", INTEGER),
         ("radius", REAL),  # m, radius of the point
         ("normal_x", REAL),  # x of the inward normal n of the wall
@@ -44,7 +43,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
 def law_dtype(candidates: int) -> np.dtype:
     """Return the layout of the contact law of each candidate.
 
-    For a stop in a joint the law is that of its place, at a lever arm (rows/geometry.py).
+    A stop in a joint has the law of a wall for the joint's place, at a lever arm (rows/geometry.py).
     """
     return table(
         candidates,
@@ -58,7 +57,8 @@ def law_dtype(candidates: int) -> np.dtype:
         # coefficient of static friction, not less than the coefficient of sliding friction
         ("static_friction", REAL),
         # ---- derived from the parameters
-        ("damping_factor", REAL),  # factor f(e) of the damping; λ of the Hunt–Crossley family
+        # factor f(e) of the damping, which is λ in the Hunt–Crossley family (forces/laws.py)
+        ("damping_factor", REAL),
         ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
         ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
@@ -85,8 +85,8 @@ def touch_dtype(candidates: int) -> np.dtype:
     those of its place: angles times a lever arm (rows/geometry.py).
     """
     return record(
-        # counter of the packings of the active contacts: stages at another count do not predict the stages of
-        # the next step
+        # how often the active contacts have been packed; stages from before the last packing do not predict
+        # the stages of the next step
         ("listings", INTEGER),
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
@@ -107,9 +107,12 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step, for the search for peaks
         ("speed", REAL, (candidates,)),
-        ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, for the search for peaks
-        ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of the rate
-        ("beyond_kink", INTEGER, (candidates,)),  # 1: the force is continued from the side beyond its kink
+        # N/s, dF/dt at the start of the step, of which the search for peaks uses the sign
+        ("force_rate", REAL, (candidates,)),
+        ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
+        # side of the kink (forces/contact_force.py) whose force a step continues smoothly: 1 beyond the kink,
+        # else 0
+        ("beyond_kink", INTEGER, (candidates,)),
         # m/s, how far the rate of the penetration may be on the wrong side of the kink before this counts as
         # a crossing; 0 if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
@@ -120,8 +123,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration so far
         ("joint_square", REAL, (candidates,)),  # N², largest square of a joint force during the contact
         ("joint", INTEGER, (candidates,)),  # number of the joint with the largest force, 1…N; 0 for none
-        # m, errors in the clearances of the active contacts by the two error estimates of a tried step,
-        # packed
+        # m, errors in the clearances of the active contacts, packed, for each of the two error estimates of a
+        # tried step
         ("gap_error", REAL, (2, candidates)),
     )
 
@@ -142,7 +145,7 @@ def impact_dtype() -> np.dtype:
 
 @written_by("events/contact_log.py")
 def latest_dtype() -> np.dtype:
-    """Return the layout of the list of the latest impacts, newest first, which is filled with the outputs.
+    """Return the layout of the list of the latest impacts, newest first, written whenever outputs are filled.
 
     If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
     """
@@ -173,11 +176,12 @@ def latest_dtype() -> np.dtype:
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
-    Contacts with a force law are not in the active set. The caller decides on the units:
+    Contacts with a force law have rows, but are never in the active set. The function that states the problem
+    decides what ``start``, ``target`` and ``reached`` are:
 
-    - of positions [m], with impulses in kg·m: release_contacts, and project_state first
-    - of speeds [m/s], with impulses in N·s: apply_impulses, and project_state then
-    - of accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
+    - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
+    - speeds [m/s], with impulses in N·s: apply_impulses, and project_state in its second pass
+    - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
     rows = constraint_count(candidates, elements)
     return record(
@@ -191,38 +195,37 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("start", REAL, (rows,)),  # motion along the constraint without impulses
         ("reached", REAL, (rows,)),  # motion along the constraint with impulses
         ("target", REAL, (rows,)),  # the least required motion along the constraint
-        # the missing part of the required motion; later this part times the impedance
+        # target − reached in the active set, else 0; during a correction this times the impedance
         ("residual", REAL, (rows,)),
         ("impulse", REAL, (rows,)),  # impulse or force of the constraint
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
-        # kg, resistance of a contact with a force law to a projection; else 0
+        # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (rows,)),
-        # N, the force near a fold, and a difference of forces that is small if the force is smooth, see
-        # kernel/ode/folds.py
+        # N, ``refined``: the force near a fold; ``uneven``: a difference of forces that is small if the force
+        # is smooth (kernel/ode/folds.py)
         ("refined", REAL, (rows,)),
         ("uneven", REAL, (rows,)),
-        ("sample", REAL, (2, candidates)),  # N, the two most recent samples of the force of the constraint
-        # N, the smallest force of a held candidate in the stages of the step, or 0 if the force never pulls;
-        # not packed
+        ("sample", REAL, (2, candidates)),  # N, the last two samples of the force of a held candidate, packed
+        # N, the least force of a rigid wall in the stages of the step; 0 if it never pulls; not packed
         ("least_force", REAL, (candidates,)),
     )
 
 
 @written_by("rows/limits.py")
 def share_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the search for forces within the limits of friction, for the constraints."""
-    # number of rows: not less than in `constraints`, as every candidate is an element; 0 without friction
+    """Return the layout of the search for constraint forces within the limits of friction."""
+    # at least the number of rows in `constraints`, as every candidate is an element; 0 without friction
     rows = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates by the forces
         ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
-        # ±1: the sign of a sticking element's force at its limit; 0: the force is below it; packed
+        # ±1: a sticking element's force is at its limit and has this sign; 0: it is below the limit; packed
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (rows,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
         ("center", REAL, (rows,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
-        # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺
+        # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺ of the force p⁺
         ("wanted", REAL, (rows,)),
         ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
         # N, impedance times residual of a row inside the limits, else the change of its force p
@@ -235,9 +238,9 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
-    latest LATEST impacts, because the entries after any of these are at most the other latest impacts and one
-    contact of each other candidate. The row of a stop in a joint has angles and moments: rad/s for speeds,
-    N·m for ``peak_force``, rad, kg·m² and N·m·s.
+    latest LATEST impacts: after the entry of such an impact come at most the other ones and, of each other
+    candidate, one contact that began earlier. The row of a stop in a joint has angles and moments: rad/s for
+    speeds, N·m for ``peak_force``, rad, kg·m² and N·m·s.
     """
     log = LOG_SIZE + candidates
     return record(
@@ -247,9 +250,10 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("point", INTEGER, (log,)),  # as in `candidate.point`
         ("wall", INTEGER, (log,)),  # as in `candidate.wall`
         ("onset", REAL, (log,)),  # s, time of the onset
-        ("end", REAL, (log,)),  # s, end of the contact; NaN while the contact lasts
-        ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
-        ("separation_speed", REAL, (log,)),  # m/s, NaN while the contact lasts
+        # s, end of the contact; of an active contact NaN or, after `latest` was written, the present time
+        ("end", REAL, (log,)),
+        ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.onset_speed`
+        ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN
         ("peak_force", REAL, (log,)),  # N, peak force
         ("max_penetration", REAL, (log,)),  # m, largest penetration
         ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset
@@ -262,10 +266,10 @@ def contact_log_dtype(candidates: int) -> np.dtype:
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
-    """Return the layout of the largest values in the whole run, over all contacts in the log."""
+    """Return the layout of the largest values in the whole run, over all contacts that were ever logged."""
     return record(
         ("force", REAL),  # N, largest force of a wall on a point, or of a stop of the slider
-        ("penetration", REAL),  # m, largest penetration
+        ("penetration", REAL),  # m, largest penetration at a wall or a stop of the slider
         ("moment", REAL),  # N·m, largest moment of a stop on a joint
         ("rotation", REAL),  # rad, largest rotation of a joint beyond its stop
     )
@@ -275,15 +279,16 @@ def peaks_dtype() -> np.dtype:
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
-    The quadratures that are integrated in a step are packed.
+    ``total`` and ``rate`` have an entry for each quadrature. In the fields after these, the quadratures that
+    are integrated in a step are packed.
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: integrated; 0: nobody reads impulses or work of friction
-        ("impulse_at_onset", REAL, (candidates,)),  # N·s, the impulse at the onset of the contact
-        # value of each quadrature since the start, at the most recent time at which contacts began or ended
+        ("computed", INTEGER),  # 1: quadratures are integrated; 0: none, because no output needs them
+        ("impulse_at_onset", REAL, (candidates,)),  # N·s, value of ``total`` at the onset of the contact
+        # integral from the start of the run to the most recent event or re-initialization
         ("total", REAL, (count,)),
-        # rate of each quadrature at the most recent time at which contacts began or ended
+        # rate of each quadrature at this time; 0 if it was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),
         # indices in ``total`` of the quadratures that are integrated, packed
@@ -299,7 +304,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
 
 @written_by("forces/friction.py")
 def friction_dtype(elements: int) -> np.dtype:
-    """Return the layout of the counts of elements with dry friction: candidates, joints and the slider."""
+    """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
     return record(
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
         # number of elements with friction now: active contacts, then joints, then the slider
@@ -307,7 +312,7 @@ def friction_dtype(elements: int) -> np.dtype:
         ("contact_count", INTEGER),  # number of contacts among the elements with friction now
         ("stuck_count", INTEGER),  # number of sticking elements
         ("stuck_joints", INTEGER),  # number of joints, and the slider, among the sticking elements
-        ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation
+        ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
     )
 
 
@@ -326,23 +331,23 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # 0: the motion determines the mode; 1: the forces do; 2: STOPPED of kernel/tangent/friction.py
+        # 0: the motion has determined the mode; 1: the forces have; 2: STOPPED of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, how fast an element may move backward, because of errors, when its sliding begins
+        # m/s, largest speed at which an element may move against its direction of sliding because of errors
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which an element sticks
-        ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of the rate
-        # N, the largest static friction at the last evaluation; constant for a joint and the slider
+        ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
+        # N, the largest static friction at the last evaluation of ẏ; constant for a joint and the slider
         ("limit", REAL, (elements,)),
-        # how far the mode was beyond its end in a stage of the tried step, a number ≤ 0: m/s for sliding, N
-        # for sticking
+        # least margin to the end of the mode in the stages of the tried step, 0 if no stage is beyond the
+        # end: m/s, speed in the direction of sliding; N, limit less size of the force of a sticking element
         ("margin", REAL, (elements,)),
     )
 
 
 @written_by("events/friction_modes.py")
 def changes_dtype(elements: int) -> np.dtype:
-    """Return the layout of the log of changes between sticking and sliding.
+    """Return the layout of the log of changes of modes; friction that begins or ends is a change, too.
 
     A caller that collects the changes sets ``count`` to 0.
     """

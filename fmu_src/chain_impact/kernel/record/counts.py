@@ -11,10 +11,10 @@ class Counts(NamedTuple):
 
     links: int  # N
     candidates: int  # C, pairs of a point or site and a wall, and stops
-    # F, parts that may have dry friction: candidates, joints and a slider; 0 in a scene without dry friction,
-    # whose record has no room for it
+    # F, parts that may have dry friction: all candidates, joints and a slider; 0 in a scene without dry
+    # friction
     elements: int = 0
-    loads: int = 0  # L, joints and walls together, if their loads are requested; else 0
+    loads: int = 0  # L, number of joints plus number of walls if loads are requested, else 0
     channels: int = 0  # K, given motions of the base and of walls (chain/motion.py)
     sites: int = 0  # P, points of links beside the joints (chain/sites.py)
     signals: int = 0  # D, inputs that the scene drives (chain/signals.py)

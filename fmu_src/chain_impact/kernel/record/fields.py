@@ -29,15 +29,15 @@ def bounded(least: int, most: int) -> np.dtype:
 
 
 OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
-"""Part of the record → field → modules that write the field; "" stands for all other fields."""
+"""Part of the record → field → modules that write the field; "" stands for the fields that are not named."""
 
 
 def written_by(*owners, **fields):
     """Declare which modules of the kernel write a part of the record, and which write single fields.
 
-    A field that is used after a step has one owner; other modules call the owner's functions.
-    tests/repository/test_owners.py compares the declarations with the code. Modules in kernel/tangent/ also
-    set fields of tangent instances.
+    A field that is used after a step has one owner, and other modules call the owner's functions; there are
+    few exceptions, which tests/repository/test_owners.py lists. This test compares the declarations with the
+    code. Modules in kernel/tangent/ also set fields of tangent instances.
     """
 
     def declare(layout):

@@ -26,7 +26,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 @settable(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of the chain and its box."""
+    """Return the layout of the chain's data, and of the walls of the box."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", POSITIVE, (links,)),  # m
@@ -36,7 +36,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
         ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
-        # m, distance of the centre of mass to the left of the link's line
+        # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
         ("center_of_mass_offset", FINITE, (links,)),
         # kg·m², inertia of the drive's rotor, which acts on the relative rotation in the joint
         ("joint_armature", NOT_NEGATIVE, (links,)),
@@ -57,7 +57,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
         ("has_armatures", INTEGER),  # 1: some joint has an armature
         ("has_drive_limits", INTEGER),  # 1: some drive has a limit
-        # 1/s, upper bound on the rates of the motions that dampers and springs cause
+        # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs cause
         ("joint_rate_bound", REAL),
         # distance of the centre of mass from the proximal joint, divided by the length
         ("center_of_mass_ratio", REAL, (links,)),
@@ -66,13 +66,13 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
         # first site of each link; entry N is the number of sites
         ("first_site", bounded(0, sites), (links + 1,)),
-        # joint at which the two arms of the elimination meet; for a pinned chain, the base
+        # number of the point at which the two arms of the elimination meet; 0, the base, if it has a joint
         ("meeting_joint", bounded(0, links)),
         ("gravity_size", REAL),  # m/s²
-        ("reach", REAL),  # m, length of the stretched chain, or to a site that is farther from the base
+        ("reach", REAL),  # m, largest distance of a point or site of the stretched chain from the base
         ("size", REAL),  # m, length of the longest link: the absolute scale of positions
-        # J, twice the kinetic energy of the whole mass at one `size` per second, plus that of the armatures
-        # at 1 rad/s: the absolute scale of energies
+        # J, M s² + Σ I_a per second squared, with the mass M of chain and carriage, s = ``size`` and the
+        # armatures I_a: the absolute scale of energies
         ("energy_scale", REAL),
     )
 
@@ -140,7 +140,7 @@ def drive_dtype(links: int) -> np.dtype:
         ("mode", INTEGER, rows),  # ±1: the torque is ± the limit; 0: the torque is below the limit
         ("chosen", INTEGER, rows),  # in a tangent instance: the mode that the primal instance has chosen
         ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
-        # N·m, the least result of `mode_margin` in the tried step; 0 if no mode has ended
+        # N·m, the least result of `mode_margin` in the stages of the tried step; 0 if none is negative
         ("margin", REAL),
     )
 
@@ -171,7 +171,7 @@ def solver_dtype() -> np.dtype:
 
 
 def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
-    """Return a field for each input: an array of its values, or a table with ``rows`` of them.
+    """Return a field for each input: an array of its values or, if ``rows`` is given, a table with such rows.
 
     ``target`` is the type of the targets of springs.
     """
@@ -190,7 +190,8 @@ def piece_dtype(links: int) -> np.dtype:
         ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of change of the argument x
         ("until", REAL),  # s, the end of the piece
-        ("change_rate", REAL),  # 1/s, how fast the inputs change: for a sine its angular frequency
+        # 1/s, how fast the inputs change relative to their size: for a sine its angular frequency
+        ("change_rate", REAL),
         *input_fields(links, DEGREE + 1),  # coefficients of polynomials
     )
 
@@ -200,8 +201,8 @@ def piece_dtype(links: int) -> np.dtype:
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
-    The kernel applies new values when the instance is advanced next, and a piece of the inputs that continues
-    the last piece at the start of a step.
+    The kernel applies new values at the beginning of the next advance. A piece of the inputs that continues
+    the last piece is applied at the start of a step.
     """
     return record(
         # REINITIALIZE: a value was set since the last step; CONTINUES: only the next piece of the inputs was
@@ -215,8 +216,8 @@ def given_dtype(links: int) -> np.dtype:
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
-        ("drive_damping", NOT_NEGATIVE, (links + 1,)),  # N·m·s/rad or N·s/m
-        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),  # N·m/rad or N/m
+        ("drive_damping", NOT_NEGATIVE, (links + 1,)),  # N·m·s/rad; of the slider N·s/m
+        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),  # N·m/rad; of the slider N/m
         *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
     )
@@ -224,10 +225,10 @@ def given_dtype(links: int) -> np.dtype:
 
 @written_by("forces/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """Return the layout of the inputs in use, and of values of drives that can be set at any time, in use."""
+    """Return the layout of the values in use: the inputs, and the damping and stiffness of drives."""
     return record(
-        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad or N·s/m
-        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad or N/m
+        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad; of the slider N·s/m
+        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad; of the slider N/m
         *input_fields(links),
         ("piece", piece_dtype(links)),
     )
@@ -238,34 +239,36 @@ def inputs_dtype(links: int) -> np.dtype:
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py."""
     return record(
-        # 1: the motion leads through the values at communication points; 0: the scene gives polynomials
+        # 1: cubics through the values given at communication points; 0: ``piece`` is given
         ("interpolates", INTEGER),
         ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
         ("position", REAL, (channels,)),  # m; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s
         ("acceleration", REAL, (channels,)),  # m/s²; 0 for a belt
-        ("piece", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
+        # m, coefficients of the position in the next piece of the inputs
+        ("piece", REAL, (DEGREE + 1, channels)),
     )
 
 
 @written_by("forces/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
 def moved_dtype(channels: int) -> np.dtype:
-    """Return the layout of the motions of base and walls in use, and of the values that they follow."""
+    """Return the layout of the motions of base and walls in use, and of the given values behind them."""
     return record(
         ("began", REAL),  # s, the start of the run
-        ("until", REAL),  # s, the communication point up to which the given values are followed
+        ("until", REAL),  # s, the communication point at which the present cubics end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
         # none
         ("contradiction", INTEGER),
-        ("distance", REAL),  # m, distance by which the contradicting channel was moved
-        ("lasted", REAL),  # s, time in which the contradicting channel was moved
-        ("speed", REAL),  # m/s, given velocity of the contradicting channel
-        ("position", REAL, (channels,)),  # m, position at the time of the located points
-        ("velocity", REAL, (channels,)),  # m/s, velocity at the time of the located points
-        ("acceleration", REAL, (channels,)),  # m/s², acceleration at the time of the located points
-        ("piece", REAL, (DEGREE + 1, channels)),  # m, coefficients of polynomials
-        # the given values of a channel after their most recent change
+        ("distance", REAL),  # m, its displacement since the previous given values
+        ("lasted", REAL),  # s, time since its previous given values
+        ("speed", REAL),  # m/s, its given velocity
+        ("position", REAL, (channels,)),  # m, position after the last `move` (chain/motion.py)
+        ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move`
+        ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move`
+        # m, coefficients of the position in the present piece of the inputs
+        ("piece", REAL, (DEGREE + 1, channels)),
+        # values that were given to a channel at their most recent change
         ("given_position", REAL, (channels,)),  # m, given position
         ("given_velocity", REAL, (channels,)),  # m/s, given velocity
         ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration
@@ -276,7 +279,8 @@ def moved_dtype(channels: int) -> np.dtype:
         ("from_velocity", REAL, (channels,)),
         # 1: a position was given at the last change; 0: the position follows from the velocity
         ("anchored", INTEGER, (channels,)),
-        ("mean", REAL, (channels,)),  # m/s, the mean velocity of a base without a given velocity
+        # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
+        ("mean", REAL, (channels,)),
         # numbers with the value 0 that have derivatives with respect to given values (tangent/replay.py)
         ("added", REAL, (channels,)),  # m, added to `position`
         ("added_rate", REAL, (channels,)),  # m/s, added to `velocity`
@@ -329,9 +333,10 @@ def walls_dtype(candidates: int) -> np.dtype:
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
         ("y", FINITE, (candidates,)),
         ("angle", FINITE, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
-        # N/m^exponent; 0: the stiffness of `contact`. The walls of the box come first.
+        # N/m^exponent; 0: `given.stiffness`. The walls of the box come first.
         ("stiffness", REAL, (len(WALLS) + candidates,)),
-        # restitution; −1: the restitution of `contact`. Friction is given in the same way.
+        # −1: `given.restitution`. Likewise, −1 as friction stands for `given.friction`; as static friction
+        # for `given.static_friction` or, if the wall has its own friction, for this friction.
         ("restitution", REAL, (len(WALLS) + candidates,)),
         ("friction", REAL, (len(WALLS) + candidates,)),
         ("static_friction", REAL, (len(WALLS) + candidates,)),

@@ -1,4 +1,4 @@
-"""The layout of an instance, one flat record that holds all data of a running simulation, and of its outputs.
+"""The layout of an instance, a flat record of all data of a running simulation, and the layouts of outputs.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
 record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes (a
@@ -93,18 +93,19 @@ def output_dtype(
         ("slider_position", REAL),  # m, position along the line, 0 at the start
         ("slider_velocity", REAL),  # m/s
         ("slider_acceleration", REAL),  # m/s²
-        # N, force of the line on the carriage along the left normal, if loads are requested
+        # N, force of the line on the carriage along the left normal; set only if loads are requested
         ("slider_reaction", REAL),
-        ("slider_moment", REAL),  # N·m, moment of the line on the carriage, if loads are requested
+        ("slider_moment", REAL),  # N·m, moment of the line on the carriage; set only if loads are requested
         ("force", REAL, (candidates,)),  # N, force of the wall on the point along the inward normal
         ("penetration", REAL, (candidates,)),  # m, 0 without contact
         ("penetration_rate", REAL, (candidates,)),  # m/s, positive during compression, 0 without contact
         ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
         ("kinetic", REAL),  # J
         ("potential", REAL),  # J, energy of gravity, zero at the origin
-        ("elastic", REAL),  # J, energy stored in the contacts and in springs that belong to no drive
+        ("elastic", REAL),  # J, energy in the contacts and in springs of passive drives (chain/drives.py)
         ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
-        ("supplied", REAL),  # J, energy supplied by inputs, drives and given motions since the start
+        # J, energy supplied by inputs, active drives and given motions since the start
+        ("supplied", REAL),
         ("total", REAL),  # J, sum of kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
@@ -120,7 +121,7 @@ STATE_OUTPUTS = (
     *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
     *("dissipated", "supplied", "total", "channel", "signal"),
 )
-"""The outputs that follow from the state without the forces and accelerations, which take longer."""
+"""The outputs that the state determines; forces and accelerations, which take longer, are not needed."""
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
@@ -129,10 +130,10 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        # N·m on the outer link of each joint, then N on the slider; the other entries are not used
+        # entries 0…N−1: N·m on the outer link of each joint; entry N: N on the slider; later entries: 0
         ("joint_or_slider_friction", REAL, (elements,)),
-        ("joint_or_slider_sticking", REAL, (elements,)),  # 1: the joint or the slider sticks
-        ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `dissipated`
+        ("joint_or_slider_sticking", REAL, (elements,)),  # 1: this joint or slider sticks
+        ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `output.dissipated`
     )
 
 
@@ -145,7 +146,7 @@ def load_output_dtype(loads: int) -> np.dtype:
         # N, force on each joint's outer link by the link before or the ground; or force on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
-        # N·m, moment on each joint's outer link; or moment on the wall about its point
+        # N·m, moment on each joint's outer link; or on the wall, about its point in `walls`, else the origin
         ("moment", REAL, (loads,)),
         ("impulse_x", REAL, (loads,)),  # N·s, impulse of the force since the start
         ("impulse_y", REAL, (loads,)),
@@ -155,7 +156,7 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the work data on the forces in joints, with the rows of the outputs of loads."""
+    """Return the layout of the work data for loads; the rows are those of the outputs of loads."""
     return record(
         ("start_time", REAL),  # s, start of the run
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
@@ -163,13 +164,14 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("start_y", REAL, (loads,)),
         ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
         ("largest_square", REAL, (loads,)),  # N², largest square in the last step, found so far
-        # N², largest square in the whole step that was searched last
+        # N², largest square in the last step that was searched as a whole
         ("searched_square", REAL, (loads,)),
         ("searched_breaks", INTEGER),  # value of `step.breaks` at this search
         ("searched_end", REAL),  # s, value of `step.end` at this search
         ("x", REAL, (loads,)),  # N, forces at a sample
         ("y", REAL, (loads,)),
-        ("before", REAL, (loads,)),  # N², squares of the forces at three successive samples
+        # N², ``before``, ``middle``, ``after``: squares of the forces at three successive samples
+        ("before", REAL, (loads,)),
         ("middle", REAL, (loads,)),
         ("after", REAL, (loads,)),
     )

@@ -12,7 +12,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 
 
 def marked(layout, mark):
-    """Return the fields that have a mark: path → layout of the field."""
+    """Return the fields whose type has a ``mark``, "range" or "least": path → layout of the field."""
     found: dict[tuple[str, ...], np.dtype] = {}
     for name in layout.names:
         field = layout[name]
@@ -27,7 +27,7 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths of the reals with a range."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# the owner of each of these fields
+# what has the entries of a field of RANGED: links, sites, stops in joints, or the whole chain
 OF_LINKS, OF_SITES, OF_STOPS, OF_ALL = 0, 1, 2, 3
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS}
 RANGE_OWNERS = tuple(

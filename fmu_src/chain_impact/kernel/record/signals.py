@@ -36,7 +36,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("first", INTEGER, (signals,)),  # index of the first knot
         ("last", bounded(0, knots - 1), (signals,)),  # index of the last knot
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
-        ("gain", REAL, (signals,)),  # growth of an integral in a period of the table
+        ("gain", REAL, (signals,)),  # by how much the value of a table grows from one period to the next
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
         ("mean", REAL, (signals,)),
         ("amplitude", FINITE, (signals,)),
@@ -50,7 +50,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("duration", REAL, (signals,)),  # s
         # ---- derived at initialization
         ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
-        # number of times that the kernel has integrated the signal: `order` in the end, but 0 for a table
+        # number of times that the kernel integrates the signal: ``order``, but 0 for a table
         ("integrals", bounded(0, 2), (signals,)),
         # m, constant that is added to an integral: the base's position at the start; else 0
         ("begin", REAL, (signals,)),
@@ -64,7 +64,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
 def knot_dtype(knots: int) -> np.dtype:
     """Return the layout of the knots of all signals, the starts of the polynomials.
 
-    The knots of a table are given.
+    ``time`` and ``powers`` of a table are given; those of other signals are derived.
     """
     return record(
         ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value

@@ -41,27 +41,28 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # s, time at which the time t in the state is 0: the start of the last or the tried step
         ("clock", REAL),
         ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
-        # s, delay of the event with which the step begins, after `start`: 0, only its derivatives matter
+        # s, time from `start` to the event that begins the step: 0, with derivatives in a tangent instance
         ("start_delay", REAL),
         ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
         ("kept", REAL),  # fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
-        # s, proposed size at the onset of the first of the present contacts, for the flight after them
+        # s, ``next_size`` before the first of the present contacts, for the flight after them
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
-        # J, the parts of the dissipated energy at `start` and at `end` that are below its last digit in y
+        # J, the parts of the dissipated energy at `start` and at `end` that rounding of y has lost
         ("remainder", REAL),
         ("remainder_end", REAL),
         ("remainder_whole", REAL),  # J, the same part at the end of the whole step of `size`
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", bounded(0, SOLVER)),  # the user of the dense output, see kernel/ode/last_step.py
+        # the user of the dense output, or 0 if there is none yet, see kernel/ode/last_step.py
+        ("dense_for", bounded(0, SOLVER)),
         # the method of the last step, see kernel/ode/control.py
         ("last_method", bounded(EXPLICIT, IMPLICIT)),
-        # number of breaks in the sequence of steps, where a step did not continue from the end of the last
-        # step
+        # number of breaks in the sequence of steps: a step began elsewhere than at the end of the last step,
+        # or in another integration variable
         ("breaks", INTEGER),
         # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
         # time
@@ -69,7 +70,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("method", bounded(EXPLICIT, IMPLICIT)),  # the current method, see kernel/ode/control.py
         ("explicit_size", REAL),  # s, size of the last explicit step before implicit steps; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that favoured the other method
-        ("switch_hysteresis", INTEGER),  # number of steps in a row that causes a change of the method
+        ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
 
 
@@ -80,8 +81,8 @@ def trial_dtype(links: int) -> np.dtype:
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
         ("outcome", bounded(ACCEPTED, DIVERGED)),  # whether the step is accepted, see kernel/ode/control.py
-        # error relative to the tolerance, or the lost energy relative to the allowed loss if this is larger;
-        # of a step that is ACCEPTED or INACCURATE
+        # error relative to the tolerance or, if larger, lost energy relative to the allowed loss; set for a
+        # step that is ACCEPTED or INACCURATE
         ("error", REAL),
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
@@ -89,9 +90,9 @@ def trial_dtype(links: int) -> np.dtype:
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Return the layout of the reason for a refusal."""
-    # number of the part that is the reason: first the candidates, from 1, then the links, then the base at
-    # the wall of each candidate; 0: none
+    """Return the layout of the reason for a fault status."""
+    # number of the part that is the reason: 1…C the candidates, then the N links, then, for each candidate,
+    # the base at its wall; 0: none
     return record(("part", INTEGER))
 
 
@@ -109,7 +110,7 @@ def statistics_dtype() -> np.dtype:
 
 @written_by("status.py")
 def limits_dtype() -> np.dtype:
-    """Return the layout of the counts of events and work, which are limited in windows of time."""
+    """Return the layout of the counts of events and of work, each limited in a window of simulated time."""
     return record(
         ("event_start", REAL),  # s, start of the window of events
         ("event_count", INTEGER),
@@ -117,7 +118,8 @@ def limits_dtype() -> np.dtype:
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
         # all work before the communication step, in evaluations; UNLIMITED: the step may take any work
         ("call_count", INTEGER),
-        ("other_work", INTEGER),  # work other than evaluations: located points, responses to impulses
+        # work other than evaluations (located points, responses to impulses), in evaluations of equal cost
+        ("other_work", INTEGER),
     )
 
 
@@ -127,7 +129,7 @@ def balance_dtype() -> np.dtype:
     return record(
         ("at_end", REAL),  # J, energy balance at the end of the last step
         ("at_start", REAL),  # J, energy balance at the start of the last step
-        ("breaks", INTEGER),  # value of `step.breaks` at the most recent renewed evaluation of the balance
+        ("breaks", INTEGER),  # value of `step.breaks` when the balance was last evaluated at a step's start
         ("start", REAL),  # s, start of the window of time
         # J, energy balance at the start of the window, plus later changes by parameters
         ("reference", REAL),
@@ -135,18 +137,19 @@ def balance_dtype() -> np.dtype:
         ("least_allowed", REAL),  # J, the change that is allowed to every step
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
-        ("available_at_start", REAL),  # J, the largest available energy up to the start of the last step
-        ("available", REAL),  # J, the largest available energy up to the end of the last step
-        ("unit_motion", REAL),  # √J, square root of E₁, see kernel/ode/balance.py
-        ("unit_scale", REAL),  # J, the constant part of the scale S of the energy
+        # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
+        ("available_at_start", REAL),
+        ("available", REAL),  # J, the same up to the end of the last step
+        ("unit_motion", REAL),  # √J, √E₁ in the scale S of the energy, see kernel/ode/balance.py
+        ("unit_scale", REAL),  # J, M g (s + Σ L_i) + E₂ in this scale
         ("weight", REAL),  # N, weight of the chain
     )
 
 
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
-    """Return the layout of the factors of M + Jᵀ D J + K, with a row for each use (chain/response.py)."""
+    """Return the layout of the factors of ``rows`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # h/(H + κ), 1/(H + κ), κ/(H + κ) and H/(H + κ) of each link, see kernel/chain/response.py
+        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``share`` κ/(H + κ), ``rest`` H/(H + κ)
         *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
         ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; 0: ``share`` and ``rest`` are not used
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
@@ -179,7 +182,7 @@ def elimination_dtype(links: int) -> np.dtype:
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def work_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of the work space, which is valid within a step only."""
+    """Return the layout of the work space; a field is valid within a step only, if no comment says more."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
@@ -204,10 +207,11 @@ def work_dtype(links: int, sites: int) -> np.dtype:
         ("acceleration", places),  # m/s², accelerations of all places
         # 1: the places are those at the end of the step, and remain valid after the step
         ("at_end", INTEGER),
-        # change of the coordinates or of their rates, for example 1/kg by a unit impulse
+        # a change of the coordinates or of their rates, such as the response to an impulse or a force
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motion of the places that belongs to a motion of the coordinates
-        # m/s², bound on the links' contribution to the acceleration of each point
+        ("motion", places),  # motions of all places that a change of the coordinates causes
+        # m/s², bound on the links' part of the second derivative of each point's position in the step's
+        # variable
         ("reach", REAL, (points,)),
     )
 
@@ -219,24 +223,24 @@ def search_dtype(candidates: int) -> np.dtype:
         # which data are known at the end of a step, see kernel/events/exclusion.py
         ("known", bounded(0, FAR)),
         ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
-        # m, lower bound on the clearances at the end of a step, if the clearances were not evaluated
+        # m, lower bound on the clearances of candidates without contact at the end of a step
         ("safe_distance", REAL),
-        ("speed", REAL),  # m/s, speed of the fastest point at the end of a step
-        ("acceleration", REAL),  # m/s², largest acceleration of a point at the end of a step
+        ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
+        ("acceleration", REAL),  # m/s², bound on the accelerations of places relative to walls there
         # number of candidates that the search follows; the other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
         # m/s², bound over the step on the second derivative of each suspect's clearance in the step's
         # variable
         ("curvature", REAL, (candidates,)),
-        # clearance φ [m] of each candidate at the start of the interval; in contact its penetration or u
-        # (events/exclusion.py)
+        # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
+        # u, or ∞ at a rigid wall (events/exclusion.py)
         ("clear_start", REAL, (candidates,)),
         ("clear_end", REAL, (candidates,)),
-        # rate φ′ of each candidate's clearance at the start of the interval
+        # derivative φ′ in the step's variable at the start of the interval
         ("clear_start_rate", REAL, (candidates,)),
         ("clear_end_rate", REAL, (candidates,)),
-        # second derivative φ″ of each candidate's clearance at the start of the step
+        # second derivative φ″ at the start of the whole step
         ("clear_start_curve", REAL, (candidates,)),
         ("clear_end_curve", REAL, (candidates,)),
     )
@@ -256,12 +260,12 @@ def search_dtype(candidates: int) -> np.dtype:
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
     """Return the layout of the work space of an implicit step, and of the data of the last implicit step.
 
-    The vector z consists of y, the clearances of active contacts, the rates of these clearances, and impulses
-    (kernel/ode/extended.py).
+    The vector z consists of y without its last two entries, the clearances of active contacts with a force
+    law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for each pair of complex shifts, the data that ``work`` holds for a real shift
+    # for the complex shifts, one of each conjugate pair, the data that ``work`` holds for the real shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -275,14 +279,15 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
         # the extended state that is evaluated; in `correct_stages` the largest changes of its entries
         ("z", REAL, (extended,)),
-        ("weight", REAL, (extended,)),  # weights of errors in z, relative to the tolerance
+        # weights of errors in z, 1/(tolerance × scale); in an explicit step the scales of y and clearances
+        ("weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
         # residuals in the eigenvectors of the matrix Q, later corrections (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step
-        ("listing", INTEGER),  # ``last`` can be extrapolated while `touch.listings` has this value
+        ("listing", INTEGER),  # value of `touch.listings` for which ``last`` can be extrapolated
         ("iterations", INTEGER),  # number of iterations in the tried step
         ("correction", REAL),  # largest component of the last correction, relative to the tolerance
         ("contraction", REAL),  # last convergence rate θ of the iteration
@@ -290,7 +295,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
-        # m or m/s, clearances or their rates to which the coordinates are moved
+        # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `work.factors` holds the
         # elimination
