@@ -42,7 +42,7 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
         assert np.hypot(*(0.5 * (box.min + box.max) - place)) < 24.0  # pixels
 
 
-def test_impacts_of_two_points_with_a_common_mark_share_a_number_and_are_both_seen():
+def test_impacts_of_two_points_with_a_common_mark_share_a_number():
     impacts = [hit(1.0, 0, "y_max", 2.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 1, "y_max", 1.0)]
     *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
     assert sorted(texts(speeds)) == ["1, 2", "3"]

@@ -23,6 +23,7 @@ SLAVE = ROOT / "fmu_src" / "slave.py"
 SCRIPTS = [file for file in PACKAGE.rglob("*.js") if file.parent.name != "vendor"]
 MODULES = sorted(PACKAGE.rglob("*.py"))
 LONGEST = 400  # lines of a file
+LONGEST_NAME = 70  # characters of the name of a test
 WIDEST = {".js": 140, ".c": 120, ".h": 120}  # characters of a line; ruff checks the lines of Python
 FILES = {
     ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): file
@@ -259,6 +260,12 @@ def test_files_that_import_what_the_quick_tier_lacks_are_named_with_it():
     named = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in found}
     assert {name: modules - found[name] for name, modules in named.items() if modules - found[name]} == {}
     assert {name for name, modules in found.items() if modules} == {name for name in named if named[name]}
+
+
+def test_names_of_tests_are_short():
+    files = (ROOT / "tests").rglob("test_*.py")
+    names = {name for file in files for name in re.findall(r"^def (test_\w+)", file.read_text("utf-8"), re.M)}
+    assert {name for name in names if len(name) > LONGEST_NAME} == set()
 
 
 def test_no_file_imports_from_a_file_of_tests_or_fixtures():

@@ -115,7 +115,7 @@ def rows_before_fold(scene, turn, distances):
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10], ids=str)
 @pytest.mark.parametrize("turn", [0.0, 0.3], ids=str)
-def test_force_and_acceleration_in_rows_near_a_fold_are_those_of_the_closed_form(turn, tolerance):
+def test_rows_near_a_fold_have_the_forces_of_the_closed_form(turn, tolerance):
     """Nearer than about 3e-4 rad, the error of the state over the mobility would exceed the force."""
     for row in rows_before_fold(pair(turn, tolerance, 0.0), turn, 10.0 ** np.arange(-3.5, -9.0, -0.5)):
         acceleration, force = pair_motion(row["angle"][0] - turn, row["angular_velocity"][0], 0.0)

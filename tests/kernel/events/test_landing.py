@@ -65,7 +65,7 @@ def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear
     assert credible(d, 1.1 * EARLY)
 
 
-def test_an_early_touch_in_a_regularized_step_has_to_agree_with_the_motion_in_time():
+def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     """At dt/ds = ½ a point with ġ = −2 m/s moves by 1 m in 1 s of the step's variable s."""
     theta = 0.9 * EARLY
     _, d = chain(np.random.default_rng(0), 2)
