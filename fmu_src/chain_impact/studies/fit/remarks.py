@@ -24,7 +24,7 @@ IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, belo
 # a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
 # residuals exceed it in 2 % of all cases
 ALIKE_NEIGHBOURS = 2.0
-LEAST_FREEDOM = 1e-9  # a smaller 1 − h is round-off of 0
+LEVERAGE_ROUND_OFF = 1e-9  # a smaller 1 − h is round-off of 0
 NAMED_VALUES = 3  # the largest number of values that the remark names
 
 
@@ -49,7 +49,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)  # 1 − h
-    alone = kept < LEAST_FREEDOM  # without this value, nothing determines a parameter
+    alone = kept < LEVERAGE_ROUND_OFF  # without this value, nothing determines a parameter
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():
