@@ -28,7 +28,8 @@ def header() -> str:
         f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
         _structure("Variable", VARIABLE),
         _structure("Table", HEAD),
-        "/* kernel/record/counts.py: the sizes at the start of a record, the last for tangent instances */\n"
+        "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "
+        "tangent instances */\n"
         f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};",
         "/* kernel/status.py: statuses of the kernel that are no faults */\n"
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",

@@ -13,8 +13,8 @@ SAMPLES = (
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     tuple(2 * number + k % 3 for k, number in enumerate(_FIRST)),
 )
-"""The counts of some example records. All constants of an affine number follow from its values for these
-records; the value for the last record is only a check."""
+"""The counts of example records: the first, then one with each count larger by 1, and a last one. The values
+of an affine number for all records but the last give its constant and slopes; the last value checks them."""
 
 
 class Affine(NamedTuple):

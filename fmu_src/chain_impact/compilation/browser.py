@@ -1,7 +1,7 @@
-"""The kernel for a web page: a WebAssembly module for any number of links, which imports nothing.
+"""The kernel for a web page: a WebAssembly module for any number of links.
 
-The module has the same code as a native library, without the C interface of FMUs. With a user's law, it
-imports the functions of the browser's ``Math`` that the law calls.
+The module has the same code as a native library, without the C interface of FMUs. It imports nothing except,
+with a user's law, the functions of the browser's ``Math`` that the law calls.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Code for functions of the kernel that act on whole parts of an instance, in place of their Python code."""
+"""numba's code for functions that find, copy or clear parts of a record, in place of their Python code."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 def _chosen(
     builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
 ) -> list[ir.Value]:
-    """Return the values of the maker with a number, counted from 0."""
+    """Return the values that ``makers[number]`` makes; without such a maker, those of ``makers[0]``."""
     blocks = [builder.append_basic_block() for _ in makers]
     end = builder.append_basic_block()
     choice = builder.switch(number, blocks[0])
@@ -91,7 +91,7 @@ def _chosen(
 
 
 def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
-    """Give the code of a function of (instance, k) that returns field ``paths[k]`` as an array."""
+    """Give numba the code of a function of (instance, k) that returns field ``paths[k]`` as an array."""
 
     @type_callable(function)
     def _type_of_field(_context: Any) -> Any:
@@ -117,7 +117,7 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 
 
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
-    """Give the code of a function of (instance, k) that returns number k of ``bounds``."""
+    """Give numba the code of a function of (instance, k) that returns ``bounds[k]`` for the instance."""
 
     @type_callable(function)
     def _type_of_bound(_context: Any) -> Any:
@@ -240,7 +240,7 @@ def _type_of_copy_given(_context: Any) -> Any:
 def _has_dual(source: types.Type, target: types.Type) -> bool:
     """Return whether ``target`` is the part of an instance of dual numbers that corresponds to ``source``.
 
-    ``source`` must be a part of an instance of ordinary numbers.
+    The result is False, too, if ``source`` is no part of an instance of ordinary numbers.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
@@ -264,7 +264,7 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of the wanted fields of an instance to an instance of dual numbers."""
+    """Copy the values of the ``wanted`` fields to an instance of dual numbers; its derivatives stay."""
     source, target = instances
     for path, field in TABLES["instance"].items():
         if path and wanted(path) and not field.fields:

@@ -27,7 +27,7 @@ from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
 
-UNUSED = 30 * 24 * 3600.0  # [s] age after which an unused folder for other sources is removed
+UNUSED = 30 * 24 * 3600.0  # [s] time without use after which a folder of other sources or linkers is removed
 # first part of the name of the folder that the linker uses as a cache; the linker's version follows
 LINKER = "chain-impact-zig-"
 # regular expression for the names of the cache's folders: for some sources and compilers, or for a linker
@@ -96,7 +96,7 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Return whether a file is in the cache, so that it can disappear when the cache is cleared."""
+    """Return whether a file is in the cache; such a file disappears when the cache is cleared."""
     return base_folder() in file.parents
 
 
@@ -147,9 +147,9 @@ def _locked(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _scratch(folder: Path, name: str) -> Iterator[Path]:
-    """Give a temporary folder in which a file can be made.
+    """Give a temporary folder in which the file ``name`` can be made, and remove this folder at the end.
 
-    The folder is removed at the end, and so are folders that killed processes have left under the same lock.
+    Folders that killed processes have left there for the same name are removed at the start.
 
     Raises:
         BuildError: when another process has removed the folder meanwhile.
@@ -203,7 +203,7 @@ def entries() -> list[Entry]:
 
 
 def clear() -> int:
-    """Remove everything in the cache, and return the number of removed bytes."""
+    """Remove the folders that ``entries`` returns, and return the number of removed bytes."""
     removed = entries()
     for entry in removed:
         with removal():

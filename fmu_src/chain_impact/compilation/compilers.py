@@ -174,8 +174,8 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
         LawError: when the law cannot be compiled.
         BuildError: when numba fails, or the sources have changed meanwhile.
     """
-    # by default numba uses the features of this machine's processor, and orders by hash; the code would then
-    # differ between machines and between runs
+    # by default numba uses the features of this machine's processor, and writes code in the order of hashes,
+    # which Python changes in each run; the code would then differ between machines and between runs
     cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
     settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     given = [str(law)] if law else []
@@ -269,7 +269,7 @@ def interface_sources() -> list[Path]:
 
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
-    """Compile the parts that are not compiled yet, and link them to a library."""
+    """Compile the inputs that are not compiled yet, and link all inputs to a library."""
     target, _ = ZIG_TARGETS[platform]
     options = ["-shared", "-s"]
     if "linux" in target:
@@ -286,7 +286,7 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """Write substitutes for functions that a kernel lacks; return the files to link: a law and these."""
+    """Write a C file of the functions that a kernel lacks; return the files to link: a law, and this file."""
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))
     for name, (result, arguments, nothing) in missing.items():

@@ -37,11 +37,14 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
-        """Return how numba converts another number, to a dual number without derivatives; else None."""
+        """Return how numba converts another type to this type; None if it is no type of numbers.
+
+        The derivatives of a converted number are 0.
+        """
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable that may be a dual number or an ordinary number; else None."""
+        """Return this type for a variable of both types; None if ``other`` is no type of ordinary numbers."""
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 
@@ -249,7 +252,10 @@ for _function, _relation in ((max, ">"), (min, "<")):
 
 
 def _chain(function: Any, slope: Code) -> None:
-    """Lower a function f of one number: f(x)′ = f′(a) a′, for ``slope(context, builder, a, f(a))``."""
+    """Give a function f of one number its code for a dual number: value f(a), derivatives f′(a) a′.
+
+    ``slope(context, builder, a, f(a))`` writes the code of f′(a).
+    """
 
     def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
         a, da = _parts(builder, x)
@@ -263,7 +269,7 @@ def _chain(function: Any, slope: Code) -> None:
 def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
     """Return the derivative ½/√a of a root; 0 at a = 0, where ½/√a is infinite.
 
-    The kernel takes the root of a clearance that stays 0. Without the 0, its derivative would be ∞ · 0, NaN.
+    The kernel takes the root of a clearance that stays 0: with ½/√a this root would have the derivative NaN.
     """
     slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
     zero = ir.Constant(root.type, 0.0)

@@ -42,12 +42,12 @@ def log_contacts(d):
 
 
 def record_words(d):
-    """Return the number of words of 8 bytes in the record of an instance and in the data after the record."""
+    """Return the number of words of 8 bytes in an instance's record and in the tangent instances after it."""
     return len(as_words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
-    """Fill rows with numbers of the record, and return the number of filled rows."""
+    """Advance to each of the times, fill a row with numbers of the record, and return how many are filled."""
     wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
     return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
 
@@ -55,7 +55,7 @@ def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, indices, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
-    """Run repeatedly with different parameters, and return the number of finished runs."""
+    """Run from the start for each row of parameters, and fill a row at the end; return the number of runs."""
     return entry.run_each(
         d,
         as_words(d),

@@ -65,10 +65,12 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Replace an error of the operating system by one sentence if nothing can be stored in a folder.
+    """Replace an error by one sentence if nothing can be stored in a folder.
+
+    The error is one of the operating system, or a compiler's error on a full disk.
 
     Raises:
-        BuildError: with the sentence.
+        BuildError: with the sentence; a compiler's error is unchanged if the disk is not full.
         OSError: unchanged, if it has another cause or concerns another place.
     """
     try:

@@ -1,7 +1,7 @@
 """A user's own contact law as a C function, to be linked to a kernel.
 
-A law has the kernel's own functions for exponentials, logarithms, powers, sines and cosines, which have the
-same bits on every machine. Other functions of ``math`` are those of the platform's C library.
+A law has the kernel's own exp, expm1, log, log1p, pow, sin and cos, whose results have the same bits on every
+machine. Other functions of ``math`` are those of the platform's C library.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
 
 
 def _reason(error: NumbaError) -> str:
-    """Return the lines of numba's message that give the fault and its place, joined to one line."""
+    """Return the first line of numba's message that gives a fault, and the last line number in it."""
     text = re.sub(r"\x1b\[\d*m", "", str(error))  # removes the colours of the message
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     messages = [line for line in lines if not line.startswith("Failed in")]

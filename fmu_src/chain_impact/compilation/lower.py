@@ -32,7 +32,7 @@ FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Return some C functions, and all functions that they call, as one module without a target and sizes."""
+    """Return C functions, and all functions that they call, as one module that fixes no target or sizes."""
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():

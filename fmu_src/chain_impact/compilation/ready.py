@@ -55,15 +55,15 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether the wheel is for release, with kernels for special numbers of links."""
+    """Return whether a wheel for release is built, with additional kernels, each for one number of links."""
     return os.environ.get(RELEASE) == "1"
 
 
 def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the sizes of the kernel that runs a chain with the ``wanted`` sizes.
+    """Return the sizes of the kernel that is compiled for a chain with the ``wanted`` sizes.
 
-    A number of links is returned if a special kernel for it exists; else None, for the kernel for any number
-    of links. GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
+    A number of links is returned only while a wheel for release is built that gets a kernel for it; else
+    None, for any number of links. GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
@@ -90,7 +90,7 @@ def find(name: str) -> Path | None:
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel of a kind for these sizes, else that for any number of links, else None."""
+    """Return the ready kernel of a kind for these sizes or, for a number of links, any number; else None."""
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
@@ -115,7 +115,7 @@ def _usable() -> bool:
 def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -> Path:
     """Return a compiled part of a kernel from the cache; compile the part if it is not in the cache.
 
-    ``text`` is called only in this case, and returns the lowered part.
+    ``text`` returns the lowered part; it is called only if the part must be compiled.
     """
     name = Path(library_name(wanted, platform, what=what)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, what=what, sizes=wanted)

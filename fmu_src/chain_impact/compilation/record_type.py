@@ -72,7 +72,7 @@ def _kind(dtype: np.dtype) -> types.Type:
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Return every part of the instance by path, from the layouts with the sizes of ``SAMPLES``."""
+    """Return path → part, for all parts of the instance, from its layouts for the counts of ``SAMPLES``."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
@@ -152,7 +152,7 @@ class _Fields(AttributeTemplate):
 
 
 def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """Return the LLVM value of an affine number: a constant plus factors times counts of the instance."""
+    """Return the LLVM value of an affine number for the counts of the instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number.slopes, COUNT_FUNCTIONS.values(), strict=True):
         if factor:

@@ -40,7 +40,8 @@ MAGIC = b"chainsv2"
 class _Access:
     """Where a variable is stored in the record, and which values it may have.
 
-    The value is read at the index ``word``, and written at the indices ``word`` and ``set_word``.
+    ``word`` is the index of the value in use, ``set_word`` that of the value that was set; a new value is
+    written to both.
     """
 
     word: int
@@ -59,7 +60,7 @@ class _Selection:
     """Several variables that are read together.
 
     ``words`` are their indices in the record, and ``whole`` says which of them are integers. ``observed``
-    says whether any of them must be computed before it is read: an output, or a value that can be derived.
+    says whether the outputs must be computed first: one variable is an output, or the solver may derive it.
     """
 
     words: np.ndarray
@@ -340,7 +341,7 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint: what in the scene would make an absent variable exist; else None."""
+        """Return a hint what in the scene would make an absent variable exist; None if nothing would."""
         key = input_key(name)
         if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
             return absent_hint(name) or fixed_hint(self.scene, name)

@@ -37,7 +37,7 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
-"""The least error of derivatives that is reported to users, relative to the largest derivative.
+"""The error of derivatives, relative to the largest one, above which the error is reported to users.
 
 Smaller errors are not reported, because the tolerance allows errors of this size anyway.
 """
@@ -49,8 +49,8 @@ class DifferentiatedInstance(Instance):
     """An initialized instance with its derivatives.
 
     Attributes:
-        varied: the P parameters and inputs.
-        parameters: the names of the parameters and inputs.
+        varied: the P parameters and inputs with respect to which it has derivatives.
+        parameters: the names of ``varied``.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class DifferentiatedInstance(Instance):
         """Make the instance as ``Instance`` does, with derivatives with respect to P parameters and inputs.
 
         Raises:
-            SceneError: when there is no parameter.
+            SceneError: when ``varied`` is empty.
             SimulationError: when the scene cannot start.
         """
         if not varied:
@@ -134,7 +134,8 @@ class DifferentiatedInstance(Instance):
         rows = super().collect()
         if len(rows):
             last = int(self.record["contact_log"]["count"])
-            # if a step failed, a contact may have ended in the instance only; it then has no derivatives
+            # if a step failed, the last contact may have ended in the instance, but not in the tangent
+            # instances; its derivatives are then NaN
             self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
@@ -143,7 +144,8 @@ class DifferentiatedInstance(Instance):
         rows = super().open_contacts()
         if len(rows):
             log, slots = self._log, self._lasting % self._log_at.room
-            # after a fault, the derivatives at these slots may belong to other contacts, and are not used
+            # after a fault, these slots of the tangent instances may belong to other contacts; derivatives
+            # are then NaN
             same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
             self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
         return rows
@@ -258,7 +260,9 @@ class DifferentiatedRun:
         self._instance = DifferentiatedInstance(self._prepared, varied)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
-        """Run from the start with some values of the parameters; all results are NaN if this start fails.
+        """Run from the start with some values of the parameters.
+
+        If this start fails, all outputs and their derivatives are NaN, and there are no impacts.
 
         Args:
             values: the values of the parameters, shape (P,). The value for an input with a signal is not

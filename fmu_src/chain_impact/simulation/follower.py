@@ -2,8 +2,8 @@
 
 A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. The ends of a piece are
 not among these points, so the exact value at a jump does not matter. A piece whose series does not converge
-is halved, or split where the function changes from one polynomial to another. A short rest around a jump or a
-kink is dropped.
+is halved, or split where the function changes from one polynomial to another. A part around a jump or kink
+that is shorter than ``SHORTEST`` is dropped.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -28,17 +28,17 @@ CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
 SHORTEST = 4e-13  # a piece shorter than this, relative to the length of the run, is dropped
 ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
-# an interval longer than 2^FAR times the last piece is halved without a fit, which would probably fail
+# an interval longer than 2^FAR times the last piece is halved at once, because a fit would probably fail
 FAR = 2
-# log₂ of the largest number of pieces that are fitted in one call; if pieces fail, more of them waste more
-# calls
+# log₂ of the largest number of pieces that are fitted in one call; with more pieces, a fit that fails would
+# waste more calls
 TOGETHER = 4
-PATIENCE = 32  # if fits of a length have failed, the length is tried again after at most this many pieces
-NOISE = 4  # if more successive parts than this are too short to fit, a function counts as smooth nowhere
+PATIENCE = 32  # after failed fits of a length, this many pieces at most are found before it is tried again
+NOISE = 4  # if more than NOISE parts in succession are shorter than SHORTEST, the functions are not smooth
 # calls for a piece shorter than this, relative to the length of the run, count against the limit CALLS
 FINE = 1 / 65536
 CALLS = 15_000  # the largest number of calls in a run for short pieces, jumps and kinks; more raise an error
-CALLS_PER_PIECE = 50  # the number of calls in addition to CALLS for each piece of the held signals
+CALLS_PER_PIECE = 50  # the limit CALLS is raised by this number for each piece of the held signals
 SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
 # a value belongs to the nearer of two polynomials only if its distance is less than NEARER times the other
 # distance
@@ -86,8 +86,8 @@ class Follower:
             stop: end of the run, which begins at 0 [s].
             accuracy: allowed error of a piece, as a part of each function's largest value, shape (M,), or one
                 number for all functions.
-            resolved: round-off of a time, relative to the time, from which the functions' values have an
-                error; shape (M,), or one number.
+            resolved: round-off of a time, relative to the time; it causes an error of the functions' values.
+                Shape (M,), or one number.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
@@ -99,11 +99,11 @@ class Follower:
         # for each function, the number of fits that failed because of it
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval that no piece fits: its fit failed, or was not tried after failures
+        # [s] length of the last interval without a fit: the fit failed, or ``_is_vain`` forbade it
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # _again: binary exponent of a length → the number of found pieces from which on a fit of this length
-        # is tried again; _patience: the number of pieces by which the last failure has delayed such fits
+        # _again: binary exponent of a length → number of found pieces at which a fit of this length is tried
+        # again; _patience: the same exponent → number of pieces by which the last failed fit delayed this
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
         # start and end of an interval [s] → its fit, which was made in advance; _foreseen_until: the end [s]
@@ -178,9 +178,9 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces have the lengths of the halves of the last interval that no piece fits.
+        """Return whether two pieces are as long as the halves of the last interval without a fit.
 
-        Only the lengths are compared. It is not tried to join such pieces.
+        Only the lengths are compared. Such pieces are not joined: one polynomial would probably not fit both.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
@@ -191,8 +191,8 @@ class Follower:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # only a simple interval is searched for a jump or kink; one that follows a piece of high degree is
-        # not simple
+        # simple: the interval does not follow a piece of a degree > SIMPLE; other intervals are not searched
+        # for a jump or kink
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
         _, length = math.frexp(end - start)
@@ -223,7 +223,10 @@ class Follower:
         return self._count < self._again.get(length, 0)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Return two times [s] just before and after a jump or kink; None if there is not exactly one."""
+        """Return two times [s] just before and after the only jump or kink.
+
+        Returns None if there is none or more than one, or the pieces on its two sides are not simple.
+        """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
         # the first round extrapolates polynomials from afar, to find on which side of the break a time is;
@@ -246,8 +249,8 @@ class Follower:
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
         """Return the last time [s] with values of the left piece, and the first with values of the right.
 
-        The search ends when the two times are closer than ``until``, or earlier if a value belongs to neither
-        piece. If a value belongs to both pieces, its time is returned twice.
+        The search ends when the two times are closer than ``until``; in the first round of ``_break`` also at
+        a value that belongs to neither piece. If a value belongs to both pieces, its time is returned twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -283,9 +286,9 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Fit all pieces of an interval in one call, if all of them will be as long as the last piece.
+        """Fit all pieces of an interval in one call, if halving it gives pieces as long as the last piece.
 
-        This is certain only while longer pieces are not tried: see ``_is_vain``.
+        This is certain if ``_is_vain`` forbids fits of the longer pieces.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -50,7 +50,7 @@ NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
-"""The field of the record with the coefficients of motions."""
+"""The name of the field with the coefficients of followed motions, in the record's part ``motion``."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class InputCourse:
         paths: path of each of the M inputs in the instance record; for the position of a followed motion,
             the path of the motion's coefficients.
         pieces: the inputs as polynomials.
-        first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
-            row 0 at the start.
+        first: number of the first row of each piece, shape (P,). Row k has the inputs from ``times[k - 1]``
+            to ``times[k]``, row 0 those at the start.
         restarts: whether the solver re-initializes at each piece, shape (P,).
         slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
     """
@@ -109,8 +109,8 @@ class InputCourse:
             if part != MOTION:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # the settings of polynomials are not written if motions follow values at communication points: all
-        # other inputs are then constant, and the kernel itself computes the polynomials of motions
+        # with ``hold``, motions follow values at communication points: the kernel itself then writes the
+        # settings of the motions' polynomials, and no other input needs them, as all others are constant
         steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or piece["order"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())
@@ -191,7 +191,7 @@ def input_course(
         resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # no limit here: ``refuse_jumps`` finds the jumps of motions
+    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions; ``refuse_jumps`` checks them
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))

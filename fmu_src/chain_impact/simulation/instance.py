@@ -70,7 +70,7 @@ class Rows(Protocol):
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s] and fill rows from ``start`` on.
 
-        Returns the number of filled rows, which is smaller in the cases of ``Instance.trajectory``.
+        Returns the number of filled rows; ``Instance.trajectory`` says when it is smaller than that of times.
         """
 
 
@@ -133,7 +133,7 @@ class Instance:
         prepared: the prepared scene.
         record: the data of the instance.
         words: a view of the whole record as numbers, one for each word.
-        changes: the changes between sticking and sliding that the runs since the start have collected.
+        changes: arrays of the changes between sticking and sliding that ``collect`` has read since the start.
     """
 
     def __init__(
@@ -259,8 +259,8 @@ class Instance:
     def _ended(self) -> np.ndarray:
         """The numbers, from 0, of the contacts that have ended since the last collection.
 
-        The log has limited room, which contacts that have not ended also need. If it is full, the contacts
-        that ended first are lost.
+        The log has limited room, also for contacts that have not ended. If it is full, the contacts that
+        ended first are lost.
         """
         at, number = self._log_at, self._integers.item
         ended = number(at.ended)
@@ -352,7 +352,7 @@ _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
 
 
 def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:
-    """Return the kernel for a scene, and keep it for later calls.
+    """Return the kernel for a scene, and keep it for later calls if the scene has no user's law.
 
     Args:
         scene: the scene.

@@ -21,11 +21,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.follower import Follower
 from chain_impact.simulation.pieces import Pieces, joined_points
 
-# for motions: the allowed error of a piece and the round-off of a time, both relative, as in follower.py
+# the arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
-# Up to these differences between two pieces, the position, the speed and the acceleration do not jump,
-# relative to the largest value of a channel. The limits are large because the time of a kink, and so the
-# speed at the kink, is known only up to the square root of round-off.
+# The largest differences between two pieces that are no jump of the position, the speed and the acceleration,
+# each relative to its largest value. They are large because the time of a kink, and so the speed there, is
+# known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
 # a given velocity, acceleration or start contradicts the motion if it differs from the motion's value by more
 # than this, relative to the larger one

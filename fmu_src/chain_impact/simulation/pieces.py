@@ -81,7 +81,8 @@ class Pieces:
     def _changes(self) -> tuple[np.ndarray, np.ndarray]:
         """The degree of each piece, and how fast it changes in x, at its middle; both of shape (P,).
 
-        The rate of change is the largest (|u⁽ᵐ⁾|/|u|)^(1/m) of all signals u and all derivatives m.
+        The rate of change is the largest (|u⁽ᵐ⁾|/U)^(1/m) of all signals u and all orders m of derivatives; U
+        is the bound ``_largest`` of u.
         """
         count = self.powers.shape[1]
         used = self.powers.any(axis=2) * np.arange(count)

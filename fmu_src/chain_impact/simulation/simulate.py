@@ -199,7 +199,7 @@ def check_result_size(source: str, stop: float, step: float, columns: int) -> No
         source: the name of the scene in an error.
         stop: stop time [s].
         step: time between the rows [s].
-        columns: number of outputs.
+        columns: number of outputs and derivatives, without the time.
 
     Raises:
         SceneError: when the result would be too large.
@@ -211,7 +211,7 @@ def check_result_size(source: str, stop: float, step: float, columns: int) -> No
 
 
 def _size(count: float, columns: int) -> float:
-    """Return the size of rows of outputs [byte]; the time is a column as well."""
+    """Return the size of ``count`` rows [byte], each with the time and ``columns`` other numbers."""
     return count * WORD * (1 + columns)
 
 
@@ -253,7 +253,7 @@ class Rerun:
 class _Stepwise(Mapping[str, np.ndarray]):
     """The outputs that change only at events and steps: name → column.
 
-    A column is read from the rows of words only when it is asked for.
+    A column is taken from the numbers of all rows only when it is asked for.
     """
 
     def __init__(

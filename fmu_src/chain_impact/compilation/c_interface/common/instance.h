@@ -1,4 +1,4 @@
-/* An instance of the native FMU, and the table that describes the model to it: common to FMI 2.0 and 3.0.
+/* An instance of the native FMU, and the table with the data of its scene: common to FMI 2.0 and 3.0.
 
    The interface is the same for every scene. It reads the data of a scene from resources/model.bin, which
    chain_impact/fmu/table.py writes: the word of the record for each value reference, when a variable may be set and
@@ -50,9 +50,9 @@ struct Instance {
     int event_mode;  /* 1: the importer uses event mode */
     int32_t (*advance)(Word *record, double time); /* the function of the kernel that makes steps */
     int set_up;      /* 1: start and stop time are given */
-    int initialized; /* 1: the record holds the start for the present parameters */
+    int initialized; /* 1: the start was computed with all values that were set before the first step */
     const Word *observed; /* the record with the outputs of the present time; NULL if no record has them */
-    int warned; /* 1: a warning of a motion that contradicts its velocity was sent */
+    int warned; /* 1: the importer was warned that positions and velocities of a motion contradict each other */
     double time, stop_time;
 };
 
@@ -69,7 +69,7 @@ int terminate(Instance *instance, const char *call);
 int reset(Instance *instance, const char *call);
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due);
 int start(Instance *instance, const char *call); /* computes the start if it is not computed yet */
-int fail(Instance *instance, int status, int fault); /* after a fault of the kernel no step can follow */
+int fail(Instance *instance, int status, int fault); /* logs a fault of the kernel; no step can follow */
 
 /* variables.c */
 typedef enum { FLOAT64S, INT32S, INT64S } ArrayType; /* type of the importer's arrays */
@@ -77,7 +77,7 @@ int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr
         size_t length);
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length);
-int none(const Instance *instance, const char *call, size_t count, const char *missing); /* accepts an empty list */
+int none(const Instance *instance, const char *call, size_t count, const char *missing); /* accepts only empty lists */
 
 /* states.c */
 int get_state(Instance *instance, const char *call, void **handle);
@@ -89,17 +89,18 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
 
 /* messages.c */
 #define ALL_CATEGORIES (~0u)
-/* the messages with debug logging off: reasons why a call was refused */
+/* the categories that are logged with debug logging off: reasons why a call was refused or failed */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
 unsigned category_bit(const char *name); /* the bit of a category, all bits for logAll; 0 if no category has the name */
 /* Send a sentence to the importer's log if the importer wants its category; return the status. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* Return whether a call is allowed in the present phase, or whether an argument is not NULL; else log an error. */
+/* Return whether a call is allowed in the present phase (allowed), or an argument is not NULL (given); else log an
+   error. */
 int allowed(const Instance *instance, const char *call, unsigned phases);
 int given(const Instance *instance, const char *call, const char *name, const void *argument);
 const char *when(const Instance *instance); /* the present phase in words */
 typedef struct { char text[1000]; } Sentence;
-/* sentence of a status, with words for the part of the scene that is the reason */
+/* the sentence for a status and, if the record names a part of the scene as its cause, the words for this part */
 Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
 Number number(double value); /* the fewest digits from which the same number is read */
@@ -107,7 +108,7 @@ Number rounded(double value); /* nine digits */
 
 /* table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
-int is_whole(const Table *table); /* whole.c: whether all offsets in the table are valid */
+int is_whole(const Table *table); /* whole.c: whether the table is valid for this binary */
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32, as in zlib and PNG */
 static inline const void *in_table(const Table *table, int64_t offset) { return (const char *)table + offset; }
 const char *text_of(const Table *table, int64_t offset);

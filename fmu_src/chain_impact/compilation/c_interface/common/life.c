@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
 
-/* The largest difference of the importer's clock, relative to the step: importers may round their clock to 1 us. With
-   a much larger tolerance, a step that the importer skips or repeats would not be noticed. */
+/* The largest allowed difference between the importer's time and that of the instance, relative to the step: importers
+   may round their time to 1 us. With a much larger tolerance, a skipped or repeated step would not be noticed. */
 static const double TIME_TOLERANCE = 1e-2;
 /* The round-off of a clock that adds up the steps, relative to the time. */
 static const double ROUND_OFF = 1e-12;
@@ -165,7 +165,7 @@ int fail(Instance *instance, int status, int fault) {
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;
-    const Word *words = instance->record + table->contradiction_word; /* channel from 1, distance, time, velocity */
+    const Word *words = instance->record + table->contradiction_word; /* channel (0: none), distance, time, speed */
     if (words->integer == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
     const char *name = "a motion";

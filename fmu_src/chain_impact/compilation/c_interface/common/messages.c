@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
 
 enum { LONGEST = 2000 }; /* [bytes] of a message */
 

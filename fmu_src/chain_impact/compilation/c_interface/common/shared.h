@@ -46,7 +46,7 @@ typedef struct {
     int64_t record_size;
 } Table;
 
-/* kernel/record/counts.py: the sizes at the start of a record, the last for tangent instances */
+/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of tangent instances */
 enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
 
 /* kernel/status.py: statuses of the kernel that are no faults */

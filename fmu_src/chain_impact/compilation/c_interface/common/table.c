@@ -91,7 +91,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     if (file < 0) return NULL;
     *reason = "has a file model.bin that is damaged";
     Table head, *table = NULL;
-    const size_t begin = offsetof(Table, guid); /* size of the checked bytes */
+    const size_t begin = offsetof(Table, guid); /* of the bytes that the checksum covers, up to the end */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, TABLE_MAGIC, sizeof head.magic) == 0 &&
         head.size > sizeof head && !(table = draft->allocate(1, head.size)))
         *reason = "needs more memory than there is";
@@ -111,8 +111,8 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Compute the CRC-32 four bytes at a time, with eight tables of 16 entries, one table for each four bits. The first
-   table belongs to the last four bits; each table follows from the table before it by a shift of four bits. */
+/* Compute the CRC-32 four bytes at a time, with eight tables of 16 entries: one table for each group of four bits.
+   tables[0] belongs to the last group; each further table follows from the one before by a shift of four bits. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
@@ -22,7 +22,8 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Return whether the kernel computes a value: outputs and, after the start is computed, derived parameters. */
+/* Return whether the kernel computes a value: that of an output or, from initialization mode on, of a parameter that
+   the kernel may derive from others. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
@@ -56,7 +57,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
     return seen;
 }
 
-/* Return whether the number of given values equals the number of values of the variables, which are valid. */
+/* Return whether variables, all valid, have as many values as are given; else log an error. */
 static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
@@ -71,7 +72,7 @@ static void store(Word word, ArrayType array, void *values, size_t i) {
         ((double *)values)[i] = word.real;
     else if (array == INT64S)
         ((int64_t *)values)[i] = word.integer;
-    else /* a count may have more bits than the result */
+    else /* a count can be larger than 32 bits hold: INT_MAX then stands for it */
         ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
 }
 

@@ -3,7 +3,7 @@
    change the checksum. */
 #include "instance.h"
 
-/* Return the largest allowed size number `i` at the start of a record, far more than any chain has. */
+/* Return the largest allowed value of size `i` at the start of a record; it is far larger than in any chain. */
 static int64_t largest_size(int i) {
     if (i < COUNTS) return 1 << 24;
     return i < COUNTS + FEATURES ? 1 : 1 << 16;
@@ -16,8 +16,8 @@ static int lies_in(const Table *table, int64_t offset, int64_t count, uint64_t s
     return from <= table->size && (uint64_t)count <= (table->size - from) / size;
 }
 
-/* Return whether an offset, counted from the start of the texts, lies inside the texts. Each text ends, at the latest
-   with the last byte of the file, which is 0. */
+/* Return whether an offset, counted from the start of the texts, lies inside the texts. Every text there has an end,
+   because the last byte of the file is 0. */
 static int is_text(const Table *table, int64_t offset) {
     return offset >= 0 && offset < (int64_t)table->size - table->texts_at;
 }
@@ -53,7 +53,7 @@ static int is_record(const Table *table) {
 
 int is_whole(const Table *table) {
     const char *bytes = (const char *)table;
-    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* the last text has no end */
+    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* a text has no end */
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
         !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { AS_C_SAYS = 2 }; /* a truncated text ends with 0; returns the full length */
+enum { AS_C_SAYS = 2 }; /* as the C standard says: a text that is cut ends with 0, and the result is the full length */
 
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale,
                             va_list values);

@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard; its status is the status of the call `made`, which gets the function's name. */
+/* Define a function of the standard; it makes the call `made` and returns the status of this call. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -115,7 +115,7 @@ FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
     return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
 }
 
-/* Define a function for the status of the last step: the value is `found` if the kind of status is KIND. */
+/* Define a function for the status of the last step: it gives `found` for the kind KIND, and discards other kinds. */
 #define STATUS(NAME, TYPE, KIND, found)                                                                      \
     FMI2_Export fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {                   \
         const Instance *instance = c;                                                                             \

@@ -5,9 +5,9 @@
 #include <fmi3Functions.h>
 #include <stdlib.h>
 
-#pragma STDC FENV_ACCESS ON /* arithmetic stays between the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
 
-/* Define a function of the standard; its status is the status of the call `made`, which gets the function's name. */
+/* Define a function of the standard; it makes the call `made` and returns the status of this call. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -49,7 +49,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return instance;
 }
 
-/* Define a function for a kind of instance that this FMU does not have: it logs the reason. */
+/* Define a function for a kind of instance that this FMU does not have: it logs this, and returns NULL. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
