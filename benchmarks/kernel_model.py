@@ -309,16 +309,16 @@ def cvode_weights(d, careful, y, weight):
     have no relative part, and during a contact no more than a part of the static penetration.
     """
     n, tolerance = d.links, d.solver.tolerance
-    position = tolerance * d.model.size
+    position = tolerance * d.model.longest_link
     if careful and d.touch.active_count > 0:
         position = min(position, POSITION_ERROR * static_depth(d))
     for j in range(2 * n + 5):
         if j < n + 2:
-            allowed = position if j < 2 else position / d.model.size
+            allowed = position if j < 2 else position / d.model.longest_link
             if not careful:
                 allowed += tolerance * abs(y[j])
         else:
-            scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy_scale
+            scale = d.model.longest_link if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy_scale
             allowed = tolerance * (scale + abs(y[j]))
         weight[j] = 1.0 / allowed
     return 0

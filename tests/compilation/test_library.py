@@ -23,7 +23,7 @@ from tests.tiers import needs_compilers
 
 ENTRY_POINTS = {
     *("initialize", "advance", "advance_awhile", "advance_to_onset", "event_update"),
-    *("observe", "sound", "log_contacts", "trajectory", "run_each", "record_words"),
+    *("observe", "is_sound", "log_contacts", "trajectory", "run_each", "record_words"),
 }
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")

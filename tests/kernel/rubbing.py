@@ -66,9 +66,9 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
             row, i = np.zeros(d.links + 2), joint_or_slider(d, e)
-            row[2 + i] = d.model.size
+            row[2 + i] = d.model.longest_link
             if i > 0:
-                row[1 + i] = -d.model.size
+                row[1 + i] = -d.model.longest_link
             rows.append(row)
     return np.array(rows).reshape(-1, d.links + 2)
 
@@ -134,7 +134,7 @@ class AtRest:
         held = [
             d.law.static_friction[e] * d.touch.force[e]
             if e < d.candidates
-            else d.drive.friction[e - d.candidates] / d.model.size
+            else d.drive.friction[e - d.candidates] / d.model.longest_link
             for e in self.elements
         ]
         own = [d.law.friction[e] * d.touch.force[e] if e < d.candidates else 0.0 for e in self.elements]

@@ -15,14 +15,7 @@ from chain_impact.kernel.ode.control import (
     IMPLICIT,
     conclude,
 )
-from chain_impact.kernel.status import (
-    ENERGY_NOT_KEPT,
-    LOG_FULL,
-    NOT_FINITE,
-    OK,
-    PAUSED,
-    STEP_TOO_SMALL,
-)
+from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.friction import pendulum

@@ -8,7 +8,8 @@ from chain_impact.kernel.advance import advance
 from chain_impact.kernel.entry import advance_awhile, advance_to, observe_now, run_each, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
-from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED, UNLIMITED
+from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED
+from chain_impact.kernel.work import UNLIMITED
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene

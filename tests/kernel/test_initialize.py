@@ -54,7 +54,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     model, links = d.model, scene.chain.links
     for name in ("proximal_inertia", "distal_inertia", "center_of_mass_ratio"):
         model[name][:] = math.nan
-    model.size = model.reach = model.energy_scale = 99.0
+    model.longest_link = model.reach = model.energy_scale = 99.0
     derive_chain(d)
     for i, link in enumerate(links):
         alone = link.inertia + link.mass * link.center_of_mass**2
@@ -65,7 +65,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
         assert model.distal_inertia[i] == pytest.approx(other, rel=1e-13)
     assert model.proximal_inertia[-1] == pytest.approx(mass_matrix(scene, np.zeros(count))[-1, -1], rel=1e-13)
     lengths, mass = [link.length for link in links], sum(link.mass for link in links)
-    assert model.size == max(lengths)
+    assert model.longest_link == max(lengths)
     assert model.reach == pytest.approx(sum(lengths), rel=1e-14)
     assert model.energy_scale == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
     assert model.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
@@ -230,7 +230,7 @@ def test_a_start_beyond_a_wall_is_refused(depth, status):
     _, d = prepared()
     for c in range(d.candidates):
         d.candidate.offset[:] = -1e6
-        d.model.size, d.candidate.radius[:] = 1.0, 0.0
+        d.model.longest_link, d.candidate.radius[:] = 1.0, 0.0
         d.candidate.normal_x[c], d.candidate.normal_y[c] = 0.0, 1.0
         d.step.state[:] = 0.0
         d.candidate.offset[c] = depth

@@ -20,12 +20,7 @@ from chain_impact.kernel.ode.control import (
 )
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
-from chain_impact.kernel.status import (
-    NOT_FINITE,
-    OK,
-    STEP_TOO_SMALL,
-    TOO_MUCH_WORK,
-)
+from chain_impact.kernel.status import NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from tests.kernel.chains import chain
 
 SIZE = 0.01  # s, proposed for the next step

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import entry, hooks
-from chain_impact.kernel.entry import sound, within_bounds
+from chain_impact.kernel.entry import is_sound, within_bounds
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
@@ -37,7 +37,7 @@ def d():
 
 
 def test_a_record_of_a_run_is_sound(d):
-    assert sound(d) == 1
+    assert is_sound(d) == 1
 
 
 def test_the_last_status_is_the_last():
@@ -47,17 +47,17 @@ def test_the_last_status_is_the_last():
 def test_without_candidates_no_contact_is_regularized():
     still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
     d = record_of(table([{"length": 0.3, "mass": 1.0}] * 3, initial=still))
-    assert sound(d) == 1
+    assert is_sound(d) == 1
     d.step.regularized = 0
-    assert sound(d) == 0
+    assert is_sound(d) == 0
 
 
 def test_each_candidate_has_a_law_once_a_run_has_started(d):
     d.touch.active_count = d.touch.compliant_count = 0
     d.law.number[3] = 0
-    assert sound(d) == 0
+    assert is_sound(d) == 0
     d.statistics.status = UNKNOWN_LAW  # a start that failed
-    assert sound(d) == 1
+    assert is_sound(d) == 1
 
 
 # lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
@@ -151,7 +151,7 @@ def test_a_law_may_be_missing_only_before_a_start_without_contacts():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
     assert not within_bounds(d)
-    d.model.size = 0.0  # the start derives the size
+    d.model.longest_link = 0.0  # the start derives the size
     assert within_bounds(d)
     touch(d, [1])
     assert not within_bounds(d)
@@ -214,15 +214,15 @@ def test_a_users_law_is_one_more(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     d.law.number[0] = LAW_COUNT + 1
     assert not within_bounds(d)
-    monkeypatch.setattr(entry, "present", lambda: 1)
+    monkeypatch.setattr(entry, "is_present", lambda: 1)
     assert within_bounds(d)
 
 
 def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
-    assert sound(d) == 1
+    assert is_sound(d) == 1
     monkeypatch.setattr(hooks, "indices_valid", lambda d: 0)
-    assert sound(d) == 0
+    assert is_sound(d) == 0
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,8 @@ from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
-from chain_impact.kernel.status import OK, UNLIMITED, work_done
+from chain_impact.kernel.status import OK
+from chain_impact.kernel.work import UNLIMITED, work_done
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.kernel.plain import Plain, record_of

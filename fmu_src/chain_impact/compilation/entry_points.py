@@ -17,7 +17,7 @@ from chain_impact.compilation.record_type import INSTANCE, matrix, vector
 from chain_impact.compilation.signatures import SIGNATURES, Signature
 from chain_impact.kernel import entry, hooks
 from chain_impact.kernel.advance import advance_to_onset, event_update
-from chain_impact.kernel.entry import sound
+from chain_impact.kernel.entry import is_sound
 from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.tangent.duals import as_words
@@ -82,7 +82,7 @@ def entry_points() -> Entries:
         "advance_to_onset": advance_to_onset,
         "event_update": event_update,
         "observe": entry.observe_now,
-        "sound": sound,
+        "is_sound": is_sound,
         "log_contacts": log_contacts,
         # the C interface calls this function to check the size of a record that it reads from a file
         "record_words": record_words,

@@ -38,7 +38,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
 }
 # Python function of the kernel → numba's type of the C function that is linked to a library in its place
 EXTERNAL: dict[Any, types.Type] = {
-    user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
+    user_law.is_present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }

@@ -18,7 +18,7 @@ int32 advance_awhile(record* d, double time)
 int32 advance_to_onset(record* d, double time)
 int32 event_update(record* d)
 int32 observe(record* d)
-int32 sound(record* d)
+int32 is_sound(record* d)
 int32 log_contacts(record* d)
 int64 record_words(record* d)
 int64 trajectory(record* d, double* times, int64 count, int64* spans, int64 span_count, double* rows,

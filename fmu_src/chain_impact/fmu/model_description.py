@@ -253,7 +253,7 @@ def rate_of(variable: Variable) -> DataPath | None:
 def nominal_values(scene: Scene) -> dict[str, float]:
     """Return the usual magnitudes of the outputs, by the names in the table of variables.
 
-    Magnitudes of the motion are the absolute scales of the solver (``model.size``, ``model.energy_scale``).
+    Magnitudes of the motion are the absolute scales of the solver, ``longest_link`` and ``energy_scale``.
     With the length L of the longest link, the whole mass M and the speed v = L / 1 s, they are L, v and M v².
     Magnitudes of contacts follow from a collision of the whole mass at v without damping. The penetration δ
     obeys K δⁿ⁺¹/(n+1) = M v²/2, with stiffness K and exponent n; the momentum is M v. Magnitudes of stops

@@ -74,21 +74,22 @@ from chain_impact.kernel.status import (
     ONSET_DUE,
     PAUSED,
     TOO_MUCH_WORK,
+    set_status,
+)
+from chain_impact.kernel.work import (
     UNLIMITED,
     begin_call,
     check_events,
     check_work,
     count_rejected_step,
     count_step,
-    set_status,
     work_done,
     work_exceeded,
 )
 
 # [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
 LONGEST_STEP = 1.0
-# [s] The shortest step, far below the resolution of floating-point time except near t = 0. A run that needs
-# a shorter step ends with a fault.
+# [s] The shortest step, far below the resolution of time except near t = 0. A shorter one is a fault.
 SHORTEST_STEP = 1e-18
 
 

@@ -1,8 +1,8 @@
 """The functions that callers of an instance use; compilation/entry_points.py makes C functions of them.
 
-``sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with: it
-checks every number that the kernel uses as an index or as the number of iterations of a loop. Any other wrong
-number leads to a fault or to wrong results, never to an access outside the record.
+``is_sound`` checks that a record from outside, such as a restored state of an FMU, is safe to compute with:
+it checks every number that the kernel uses as an index or as the number of iterations of a loop. Any other
+wrong number leads to a fault or to wrong results, never to an access outside the record.
 """
 
 from chain_impact.kernel import hooks
@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.signals import knot_count
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
-from chain_impact.kernel.forces.user_law import present
+from chain_impact.kernel.forces.user_law import is_present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_motion
 from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state
@@ -22,6 +22,8 @@ from chain_impact.kernel.status import (
     LOG_FULL,
     OK,
     PAUSED,
+)
+from chain_impact.kernel.work import (
     UNLIMITED,
     allow_any_length,
     counted_work,
@@ -31,7 +33,7 @@ from chain_impact.kernel.status import (
 )
 
 
-def sound(d):
+def is_sound(d):
     """Return 1 if all indices in the record, and in the data of the hooks, are within bounds, else 0.
 
     The caller must check the sizes at the start of the record, such as the number of links.
@@ -56,7 +58,7 @@ def indices_within_bounds(d):
 
 def relations_hold(d):
     """Return whether the indices and counts whose bounds depend on other numbers are within these bounds."""
-    laws = LAW_COUNT + present()
+    laws = LAW_COUNT + is_present()
     fits = d.contact_log.count >= 0 and within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and within(d.model.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
@@ -94,7 +96,7 @@ def friction_counts_fit(d):
 
 def least_law(d):
     """Return the least valid number of a law: 1 in a run without a fault or with active contacts, else 0."""
-    started = d.model.size != 0.0 and d.statistics.status == OK
+    started = d.model.longest_link != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
 

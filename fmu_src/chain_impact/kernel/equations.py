@@ -220,7 +220,7 @@ def joint_moments(d, y):
 def add_place_moments(d):
     """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
     for i in range(d.links):
-        add_joint_moment(d, i, d.model.size * d.work.load.x[joint_place(d, i)])
+        add_joint_moment(d, i, d.model.longest_link * d.work.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):

@@ -54,11 +54,13 @@ from chain_impact.kernel.status import (
     STARTS_INSIDE_WALL,
     STOPS_REVERSED,
     UNKNOWN_METHOD,
-    begin_windows,
     refuse_candidate,
     refuse_drive,
     refuse_link,
     set_status,
+)
+from chain_impact.kernel.work import (
+    begin_windows,
 )
 
 
@@ -148,7 +150,7 @@ def derive_chain(d):
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
     model.meeting_joint = 0 if model.has_base_joint else len(model.length) // 2
-    model.size, model.reach = 0.0, 0.0
+    model.longest_link, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
         c = in_use(model.given_center_of_mass[i], middle(model.length[i]))
         model.center_of_mass[i] = c
@@ -164,7 +166,7 @@ def derive_chain(d):
             model.offset_ratio[i] = beside / model.length[i]
             model.proximal_inertia[i] += model.mass[i] * beside * beside
             model.distal_inertia[i] += model.mass[i] * beside * beside
-        model.size = max(model.size, model.length[i])
+        model.longest_link = max(model.longest_link, model.length[i])
         model.reach += model.length[i]
     if d.sites > 0:
         derive_sites(d)
@@ -172,7 +174,7 @@ def derive_chain(d):
     for i in range(len(model.length)):
         total += model.mass[i]
         armatures += joint_armature(d, i)
-    model.energy_scale = total * model.size * model.size + armatures
+    model.energy_scale = total * model.longest_link * model.longest_link + armatures
     model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.has_stops = 0

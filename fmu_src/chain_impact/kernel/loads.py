@@ -32,7 +32,7 @@ from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate,
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, link_of, normal, stop_moment, tangent
-from chain_impact.kernel.status import counted_work, uncount_work
+from chain_impact.kernel.work import counted_work, uncount_work
 
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.

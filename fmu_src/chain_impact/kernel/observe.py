@@ -22,7 +22,7 @@ from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_with
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, stop_moment
-from chain_impact.kernel.status import counted_work, uncount_work
+from chain_impact.kernel.work import counted_work, uncount_work
 
 
 def observe(d):

@@ -198,7 +198,7 @@ class Instance:
         """Return whether the words of a record are a valid record for this kernel."""
         # with other sizes at the start of the record, the kernel would read outside of the record
         same_sizes = words[:HEAD].tobytes() == self.words[:HEAD].tobytes()
-        return same_sizes and bool(self._kernel.sound(words.ctypes.data))
+        return same_sizes and bool(self._kernel.is_sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], which must not be before the present time, and return the status."""

@@ -19,13 +19,7 @@ import numpy as np
 
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.status import (
-    BASE_BEYOND_WALL,
-    EVENT_STORM,
-    NO_ROOM,
-    STEP_TOO_SMALL,
-    TOO_MUCH_WORK,
-)
+from chain_impact.kernel.status import BASE_BEYOND_WALL, EVENT_STORM, NO_ROOM, STEP_TOO_SMALL, TOO_MUCH_WORK
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.scene.signals import inputs_of

@@ -119,14 +119,14 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     assert d.contact_log.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.model.size
+        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.model.longest_link
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.touch.event.any()
 
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = impacts.TOUCHES * d.model.size
+    limit = impacts.TOUCHES * d.model.longest_link
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
@@ -257,7 +257,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         d.law.minimum_impact_speed[:] = 1e-12
         d.step.state_end[6:12] = 0.0
         d.model.gravity[:] = 0.0, -9.81
-        slow = math.sqrt(2.0 * 9.81 * RISE * d.model.size)
+        slow = math.sqrt(2.0 * 9.81 * RISE * d.model.longest_link)
         locate_points(d, d.step.state_end)
         d.constraints.impulse[0] = 1.0
         d.constraints.reached[0] = times * slow
@@ -309,7 +309,9 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
-    np.testing.assert_allclose(gaps, [0.0, impacts.RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
+    np.testing.assert_allclose(
+        gaps, [0.0, impacts.RELEASE_GAP * d.model.longest_link, 0.0], rtol=0, atol=3e-14
+    )
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
     before = d.step.state_end.copy()

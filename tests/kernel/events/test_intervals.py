@@ -19,7 +19,7 @@ from tests.kernel.chains import chain, stopped_chain, stops_of
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
     """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.size, d.step.regularized, d.model.size = size, -1, 1.0
+    d.step.size, d.step.regularized, d.model.longest_link = size, -1, 1.0
     d.touch.active[0] = active
     search = d.search
     search.clear_start[:], search.clear_end[:] = 9.0, 9.0
@@ -105,7 +105,7 @@ def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
 def test_a_curvature_of_round_off_counts_as_small(part):
     """The curvature term A w²/8 is below 1e-15 of a link length."""
     d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
-    d.model.size = 3.0
+    d.model.longest_link = 3.0
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
     for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
         d.search.curvature[0] = curvature
@@ -143,7 +143,7 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
         turn, change = rate_bounds(d.step, 0)
         d.step.state[0], d.step.dense[:, 0] = before, kept
         # at the lever arm of a stop, the longest link
-        assert found == pytest.approx((d.model.size * turn, d.model.size * change), rel=1e-12)
+        assert found == pytest.approx((d.model.longest_link * turn, d.model.longest_link * change), rel=1e-12)
     assert joints == {1, 2, 3}
 
 

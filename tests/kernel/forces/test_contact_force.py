@@ -237,7 +237,7 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
         d.solver.tolerance, d.touch.impact_speed[0] = tolerance, speed
-        at_rest = tolerance * d.model.size
+        at_rest = tolerance * d.model.longest_link
         margin = forces.turning_margin(d, 0)
         assert ((margin - at_rest) / speed) ** 2 == pytest.approx(forces.TURNED**2 * tolerance, rel=1e-9)
         d.touch.impact_speed[0] = 0.0
@@ -255,7 +255,7 @@ def own(monkeypatch):
     """Return a contact under this law."""
     d = contact_of()
     d.law.number[0] = contact_law.USER_LAW
-    monkeypatch.setattr(user_law, "present", lambda: 1)
+    monkeypatch.setattr(user_law, "is_present", lambda: 1)
     monkeypatch.setattr(user_law, "force", own_force)
     return d
 

@@ -154,7 +154,7 @@ def stiff_joint(damping, tolerance=1e-8):
     rho = damping * across @ vector
     fast = vector * (across @ d.work.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
     speeds = d.step.state_end[velocity_at(N) : 2 * N + 4]
-    scale = np.where(np.arange(N + 2) < 2, d.model.size, 1.0) + np.abs(speeds)
+    scale = np.where(np.arange(N + 2) < 2, d.model.longest_link, 1.0) + np.abs(speeds)
     return d, rho, (np.abs(fast) / scale).max() / tolerance
 
 

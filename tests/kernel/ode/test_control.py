@@ -62,7 +62,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance):
     y = struck(rng, d, [0])
     d.touch.depth_scale[0], d.touch.impact_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
     y[control.ANGLES + 1] = -4e3
-    size, gap = d.model.size, control.sundman_u_at(2)
+    size, gap = d.model.longest_link, control.sundman_u_at(2)
     before, after = np.ones((2, gap + 1))
     control.set_scales(d, y, before, 1)
     control.set_scales(d, y, after, 1)

@@ -35,7 +35,7 @@ def deep(depth=1e-3, **more):
 
 def scales(d, y):
     """Return the error scale of each component of a state: its allowed error over the tolerance."""
-    n, size = d.links, d.model.size
+    n, size = d.links, d.model.longest_link
     energy = d.model.energy_scale + abs(y[dissipated_at(n)]) + control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
     return np.concatenate(
@@ -58,7 +58,10 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
         d.work.error[ONE][j], d.work.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # a smaller error does not count beside a larger error
-        d.work.error[ONE][0], d.work.error[OTHER][0] = 5e-6 * d.model.size, -5e-6 * d.model.size
+        d.work.error[ONE][0], d.work.error[OTHER][0] = (
+            5e-6 * d.model.longest_link,
+            -5e-6 * d.model.longest_link,
+        )
         assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
     d.work.error[:] = 0.0
     d.work.error[:, supplied_at(LINKS) :] = 1e3
@@ -111,7 +114,7 @@ def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
 def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     """The scale is δ for fast impacts and larger for slow impacts; the error stays below 1 % of δ."""
     _, d, touched, _ = deep(depth=1e-4)
-    c, size = touched[0], d.model.size
+    c, size = touched[0], d.model.longest_link
     depth = d.touch.depth_scale[c]
     for speed, leeway in (
         (4.0 * size, 1.0),
@@ -143,7 +146,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.work.error[:] = rng.uniform(-1e-3, 1e-3, d.work.error.shape)
-    unit = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.size)
+    unit = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
     for row in (ONE, OTHER):
         turns = np.diff(d.work.error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)

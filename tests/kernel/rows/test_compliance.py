@@ -41,7 +41,9 @@ def made(case, resist=True):
     walls = [c for c in range(d.candidates) if c not in stops]
     of_walls = dict(zip(walls, gradients(scene, d, y[2 : count + 2], walls), strict=True))
     rows = [
-        of_walls[c] if c in walls else d.candidate.stop[c] * d.model.size * across[d.candidate.point[c] - 1]
+        of_walls[c]
+        if c in walls
+        else d.candidate.stop[c] * d.model.longest_link * across[d.candidate.point[c] - 1]
         for c in range(d.candidates)
     ]
     touched = np.array([rows[c] for c in d.touch.active_index[: d.touch.active_count]]).reshape(-1, count + 2)
@@ -62,7 +64,7 @@ def assert_moved(scene, d, angles, change):
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.work.motion), moved, rtol=0, atol=1e-9)
     if d.model.has_stops:
-        turns = d.model.size * (relative_motion(count) @ change)
+        turns = d.model.longest_link * (relative_motion(count) @ change)
         np.testing.assert_allclose(d.work.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
 
@@ -73,7 +75,7 @@ def assert_loads(scene, d, angles, added, work):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
-    for i, turn in enumerate(d.model.size * relative_motion(count) if d.model.has_stops else ()):
+    for i, turn in enumerate(d.model.longest_link * relative_motion(count) if d.model.has_stops else ()):
         work = work - d.work.load.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
     np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)

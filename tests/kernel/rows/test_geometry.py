@@ -134,7 +134,7 @@ def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
     size, angles, joints = (
-        d.model.size,
+        d.model.longest_link,
         np.diff(y[2:5], prepend=0.0),
         [1, 2, 3] if d.model.has_base_joint else [2, 3],
     )
@@ -205,7 +205,7 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
     for c in stops_of(d):
         joint = d.candidate.point[c] - 1
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
-        expected = d.candidate.stop[c] * d.model.size * turn
+        expected = d.candidate.stop[c] * d.model.longest_link * turn
         assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
 
 
@@ -223,7 +223,7 @@ def test_any_place_may_be_the_fastest(place):
 
 def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     d = stopped_chain(3, "pinned")[1]
-    y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.size
+    y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.longest_link
     position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
     y[2:5] = 0.5, -1.5, 4.0
     joints = {1: 0.5, 2: 2.0, 3: 5.5}
@@ -271,6 +271,6 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
         e = d.candidates + i
         assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
         speed = tangential_rate(d, e)
-        assert speed == pytest.approx(d.model.size * rates[i], rel=1e-12, abs=1e-14)
+        assert speed == pytest.approx(d.model.longest_link * rates[i], rel=1e-12, abs=1e-14)
     change = any_change(d)
     assert_adjoint(d, [tangent(d, e) for e in range(d.elements)], change)

@@ -176,7 +176,7 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
         t.touch.speed[2], t.law.number[2], t.work.at_end = dual(rates[0]), number, at_end
-        monkeypatch.setattr(trust.user_law, "present", lambda present=present: present)
+        monkeypatch.setattr(trust.user_law, "is_present", lambda present=present: present)
         assert asked == []
         trust.check_turns(t)
         if not (present and number == trust.USER_LAW):

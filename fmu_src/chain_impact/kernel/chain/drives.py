@@ -63,7 +63,7 @@ def coordinates_of_drive(d, y, i):
 
 def lever_arm(d, i):
     """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
-    return 1.0 if d.slides and i == d.links else d.model.size
+    return 1.0 if d.slides and i == d.links else d.model.longest_link
 
 
 def drive_damping(d, i):
@@ -156,7 +156,7 @@ def mode_margin(d, y):
             wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
             margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
-            least = min(least, margin * (d.model.size / lever_arm(d, i)))
+            least = min(least, margin * (d.model.longest_link / lever_arm(d, i)))
     return least
 
 

@@ -116,7 +116,7 @@ def place_joints(d, values, first, vectors):
     The angles of the N links, or their rates or changes, begin at index ``first`` of ``values``.
     """
     for i in range(d.links):
-        vectors.x[joint_place(d, i)] = d.model.size * relative(values, first, i)
+        vectors.x[joint_place(d, i)] = d.model.longest_link * relative(values, first, i)
 
 
 def accelerate_points(d, y, rate):

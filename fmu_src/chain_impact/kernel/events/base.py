@@ -12,7 +12,8 @@ from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
 from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
-from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, count_other_work, refuse_base, work_exceeded
+from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
+from chain_impact.kernel.work import count_other_work, work_exceeded
 
 
 def end_at_base(d):

@@ -32,7 +32,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever
-from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
+from chain_impact.kernel.work import count_evaluations, counted_work, uncount_work
 
 HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
 

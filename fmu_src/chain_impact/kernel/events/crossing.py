@@ -24,7 +24,7 @@ from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_b
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal
-from chain_impact.kernel.status import count_other_work, work_exceeded
+from chain_impact.kernel.work import count_other_work, work_exceeded
 
 FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
 
@@ -160,7 +160,11 @@ def check_candidate(d, c, a, b):
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # `not sag >= …`, because `sag < …` is false for a NaN, and the interval would be halved without end
-    if settled or not sag >= CROSSING_RESOLUTION * d.model.size or (b - a <= FINE and skims(d, c, width)):
+    if (
+        settled
+        or not sag >= CROSSING_RESOLUTION * d.model.longest_link
+        or (b - a <= FINE and skims(d, c, width))
+    ):
         # An onset: at a loose tolerance the interpolant can put a point deep inside a wall although the
         # point does not move inward. No end: a point in contact that moves inward has not left, even where
         # the interpolant of a stiff step puts it outside.
@@ -172,13 +176,13 @@ def skims(d, c, width):
     """Return whether candidate c moves almost along the wall in an interval of this ``width``."""
     search = d.search
     moved = width * max(abs(search.clear_start_rate[c]), abs(search.clear_end_rate[c]))
-    return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.size
+    return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.longest_link
 
 
 def nearly_linear(d, c, part):
     """Return whether the clearance φ of candidate c is linear up to round-off over a fraction of the step."""
     width = part * d.step.size
-    return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.size
+    return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.longest_link
 
 
 def locate(d, a, b):
@@ -295,7 +299,7 @@ def motion_bounds(d, c, along_x, along_y):
     """
     if at_joint(d, c):
         link = d.candidate.point[c] - 1
-        first, arm = omega_at(d.links) + link, d.model.size
+        first, arm = omega_at(d.links) + link, d.model.longest_link
         if link == 0:
             v, a = rate_bounds(d.step, first)
         else:

@@ -144,7 +144,7 @@ def way_per_radian(d):
     than all others together.
     """
     if d.model.has_stops and d.links > 1:
-        return max(d.model.reach, 2.0 * d.model.size)
+        return max(d.model.reach, 2.0 * d.model.longest_link)
     return d.model.reach
 
 

@@ -36,7 +36,7 @@ from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.rows.limits import share_within_limits
-from chain_impact.kernel.status import count_evaluations
+from chain_impact.kernel.work import count_evaluations
 
 # The largest acceleration against the direction of sliding that counts as an error, for an element at rest
 # with the mode "slides" that other forces hold. It is relative to the sum of the largest acceleration,
@@ -101,7 +101,9 @@ def set_slack(d, e):
     inconsistent mode: other forces may hold it, and errors decide whether it moves. Else it is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
-    d.element.slack[e] = d.solver.tolerance * d.model.size if unchanged and d.element.undecided[e] else 0.0
+    d.element.slack[e] = (
+        d.solver.tolerance * d.model.longest_link if unchanged and d.element.undecided[e] else 0.0
+    )
 
 
 def widen_slack(d, e):
@@ -125,7 +127,7 @@ def first_guess(d, e, jumped):
     if event == STICKING_ENDS:
         return against(d.element.force[e])
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
-    if resting and abs(speed) <= MISLOCATED * d.model.size:
+    if resting and abs(speed) <= MISLOCATED * d.model.longest_link:
         return STICKS
     # a small backward speed of a sliding element is an error
     slides = abs(before) == 1 and not jumped
@@ -225,7 +227,9 @@ def unsure_acceleration(d):
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
-    return AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.size) + 2.0 * left
+    return (
+        AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.longest_link) + 2.0 * left
+    )
 
 
 def clear_changes(d):

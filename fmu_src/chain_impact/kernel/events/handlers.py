@@ -44,7 +44,7 @@ from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.status import count_evaluations
+from chain_impact.kernel.work import count_evaluations
 
 # The largest time that a point still needs to get out of the wall if it counts as having left, relative to
 # the contact's time scale. To wait for the exit would cost one more step, a tenth of the work of an impact at

@@ -162,7 +162,7 @@ def join_near_contacts(d):
     touch = d.touch
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * d.model.size:
+        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * d.model.longest_link:
             join_impact(d, c)
             mark(d, c, NEIGHBOUR)
 
@@ -226,7 +226,7 @@ def end_rebounding_contacts(d):
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed RISE link
     # lengths
-    slow = math.sqrt(2.0 * fall * RISE * d.model.size)
+    slow = math.sqrt(2.0 * fall * RISE * d.model.longest_link)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
@@ -242,7 +242,7 @@ def is_gentle(d):
     In a gentle impact sticking continues. If a joint slid because of the small impulses, its friction would
     lift points, which would arrive gently again, without end.
     """
-    slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.size)
+    slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.touch.onset_speed[c]
@@ -250,7 +250,7 @@ def is_gentle(d):
             energy += 0.5 * d.touch.effective_mass[c] * speed * speed
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
-    return slow or energy <= force * FALL * d.model.size
+    return slow or energy <= force * FALL * d.model.longest_link
 
 
 def bring_to_rest(d, gentle):
@@ -309,7 +309,7 @@ def release_contacts(d):
     """End the contacts that no force holds, and move their points a little away from the wall."""
     parting = False
     start_from_state(d, 0)
-    gap = max(RELEASE_GAP * d.model.size, LEAST_RELEASE * farthest(d))
+    gap = max(RELEASE_GAP * d.model.longest_link, LEAST_RELEASE * farthest(d))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         released = not d.constraints.in_active_set[k]
         require(d, k, gap if released else 0.0)

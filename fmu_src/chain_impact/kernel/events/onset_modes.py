@@ -11,7 +11,7 @@ from chain_impact.kernel.forces.friction import STICKS, against, list_sticking, 
 from chain_impact.kernel.forces.holding import start_from_loads
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
-from chain_impact.kernel.status import count_other_work
+from chain_impact.kernel.work import count_other_work
 
 # [s] The time after an onset at which the forces are compared. For several contacts that begin at the same
 # moment, the ratio of their normal forces is that of this time.

@@ -53,7 +53,7 @@ from chain_impact.kernel.ode.control import SPOILED, accepted, refuse
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
-from chain_impact.kernel.status import count_evaluations
+from chain_impact.kernel.work import count_evaluations
 
 # The number of samples of a step in which a stage has shown an event, including the step's end. The search
 # for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
@@ -215,8 +215,8 @@ def pull_limit(d):
     return (
         PULL_ROUND_OFF
         * d.model.energy_scale
-        / (d.model.size * d.model.size)
-        * (d.model.gravity_size + d.model.size)
+        / (d.model.longest_link * d.model.longest_link)
+        * (d.model.gravity_size + d.model.longest_link)
     )
 
 
@@ -230,7 +230,7 @@ def strongest(d):
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.work.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
-    size = d.model.size
+    size = d.model.longest_link
     return d.model.energy_scale / (size * size) * (d.model.gravity_size + d.links * size * turning)
 
 
@@ -294,12 +294,14 @@ def resolution_of(d, e):
 
 def rest_speed(d):
     """Return the tangential speed [m/s] that counts as rest."""
-    return AT_REST * d.model.size
+    return AT_REST * d.model.longest_link
 
 
 def excess(d, e):
     """Return the largest excess [N] of the friction of element e above its limit that counts as round-off."""
-    return FRICTION_EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
+    return FRICTION_EXCESS * (
+        d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.longest_link)
+    )
 
 
 def element_margin(d, e, theta):

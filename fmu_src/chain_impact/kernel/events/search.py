@@ -135,7 +135,7 @@ def credible(d, theta):
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
-            deep = d.search.clear_end[c] < -DEEP * d.model.size
+            deep = d.search.clear_end[c] < -DEEP * d.model.longest_link
             if deep or d.search.clear_end_rate[c] > 0.0:
                 return False
     return True
@@ -187,7 +187,7 @@ def onset_fraction(d):
     theta -= late
     interpolate(d.step, theta, d.work.y)
     late, deepest = onset_lateness(d, d.work.y)
-    if not (abs(late) <= LANDED and deepest <= DEEP * d.model.size):
+    if not (abs(late) <= LANDED and deepest <= DEEP * d.model.longest_link):
         refuse(d, SPOILED)
     return theta
 
@@ -207,7 +207,9 @@ def onset_lateness(d, y):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * seconds)
-            if abs(late) > LANDED and abs(gap) <= ROUND_OFF * (d.model.size + coordinates_size(d, c, y)):
+            if abs(late) > LANDED and abs(gap) <= ROUND_OFF * (
+                d.model.longest_link + coordinates_size(d, c, y)
+            ):
                 late = 0.0
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
             deepest = max(deepest, -gap)

@@ -72,7 +72,7 @@ def check_segments(d):
             begin_next(d, j)
             after, rate_after, bend_after = signal_at(d, j, d.step.end)
             set_segment(d, j, k, lap)
-            size = d.model.size
+            size = d.model.longest_link
             jumps = not same(before, after, abs(rate) + abs(rate_after) + size)
             jumps = jumps or not same(rate, rate_after, abs(bend) + abs(bend_after) + size)
             if jumps and not d.motion.belt[d.signal.index[j]]:
@@ -131,7 +131,7 @@ def begin_segment(d, j):
     after, rate_after, bend_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
-    size = d.model.size
+    size = d.model.longest_link
     if stores:
         # a channel adds no energy here: the position and velocity of base and walls never jump
         supply(d, energy_balance(d, y) - energy)

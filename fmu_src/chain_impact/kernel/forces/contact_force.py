@@ -75,7 +75,7 @@ def set_expected_depth(d, c):
     touch = d.touch
     if d.law.impulsive[c]:
         # a rigid wall has no penetration, so the scale is the longest link
-        touch.depth_scale[c] = d.model.size
+        touch.depth_scale[c] = d.model.longest_link
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
 
@@ -119,7 +119,7 @@ def turning_margin(d, c):
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
-    return TURNED * least * d.touch.impact_speed[c] + tolerance * d.model.size
+    return TURNED * least * d.touch.impact_speed[c] + tolerance * d.model.longest_link
 
 
 def law_force(d, c, depth, rate):
@@ -192,7 +192,7 @@ def uncut_force(d, c, depth, rate, leaves):
     """
     spring = power_of_depth(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
-    if d.law.number[c] == USER_LAW and user_law.present():
+    if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_contact_force(d, c, depth, rate), elastic
     return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
 
@@ -241,7 +241,7 @@ def law_slopes(d, c, depth, rate):
     """
     if cut_off(d, c):
         return 0.0, 0.0
-    if d.law.number[c] == USER_LAW and user_law.present():
+    if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_slopes(d, c, depth, rate)
     exponent = d.law.exponent[c]
     beyond = d.touch.beyond_kink[c] != 0

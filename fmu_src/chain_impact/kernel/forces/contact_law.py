@@ -140,7 +140,7 @@ def given_number(d, c):
 def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c; for a joint's stop, K at the lever arm."""
     if at_joint(d, c):
-        return d.given.stop_stiffness / power(d.model.size, d.stops.exponent + 1.0)
+        return d.given.stop_stiffness / power(d.model.longest_link, d.stops.exponent + 1.0)
     if at_stop(d, c):
         return d.given.stiffness
     stiffness = d.walls.stiffness[d.candidate.wall[c]]
@@ -175,7 +175,7 @@ def exponent(d, c):
 def check_law(d, c):
     """Check the given law of candidate c and whether the given parameters suit it; return a status."""
     number, restitution = given_number(d, c), given_restitution(d, c)
-    if not 1 <= number <= LAW_COUNT + user_law.present():
+    if not 1 <= number <= LAW_COUNT + user_law.is_present():
         return UNKNOWN_LAW
     status = check_values(d, c)
     if status != OK:
@@ -226,9 +226,9 @@ def set_parameters(d, c):
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
-    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.longest_link
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
     if at_joint(d, c):
-        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size
+        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.longest_link

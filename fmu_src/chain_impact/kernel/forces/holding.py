@@ -167,7 +167,7 @@ def project_state(d, y):
         else:
             solve_positions(d)
             if d.channels > 0:
-                note_squeezed(d, SQUEEZE * d.model.size)
+                note_squeezed(d, SQUEEZE * d.model.longest_link)
         add_change(d, y, derivative * velocity_at(d.links))
         locate_points_now(d, y)
     if d.channels > 0:
@@ -264,7 +264,14 @@ def solve_positions(d):
     holds a point, nothing is moved, also where the change would hardly reduce the residuals of sticking
     elements, for example at two corners of a box. Otherwise each step would change the energy.
     """
-    constraints, size, far, asked, moved, left = d.constraints, d.model.size, farthest(d), 0.0, 0.0, 0.0
+    constraints, size, far, asked, moved, left = (
+        d.constraints,
+        d.model.longest_link,
+        farthest(d),
+        0.0,
+        0.0,
+        0.0,
+    )
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         asked = max(asked, abs(constraints.target[k] - constraints.start[k]))
     factorize_free(d)
@@ -304,7 +311,7 @@ def tolerated_momentum(d, speed):
     It is the chain's mass times a sum: the speed after a fall by RISE, and the tolerated error of ``speed``
     [m/s].
     """
-    size = d.model.size
+    size = d.model.longest_link
     mass = d.model.energy_scale / (size * size)
     rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
     return mass * (rise + d.solver.tolerance * (size + speed))

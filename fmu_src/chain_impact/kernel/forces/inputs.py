@@ -288,7 +288,7 @@ def note_given(d, j, now):
         moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True
     unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
-    speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.size
+    speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.longest_link
     if not unexplained > UNEXPLAINED * speeds + ignored:
         return True
     of_base = d.model.base_moves and j < 2  # the first two channels belong to the base

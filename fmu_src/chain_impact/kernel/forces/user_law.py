@@ -19,7 +19,7 @@ At a stop in a joint they belong to an angle: rad, rad/s, kg·m², N·m/radⁿ.
 """
 
 
-def present():
+def is_present():
     """Return 1 if there is a user's law, else 0."""
     return 0
 

@@ -96,7 +96,7 @@ ENERGY_ROUND_OFF = 1e-15
 def start_balance(d, time):
     """Begin the energy balance of a run at ``time`` [s]: its scales, first window and available energy."""
     model, balance = d.model, d.balance
-    total, reach, square = 0.0, model.size, 0.0
+    total, reach, square = 0.0, model.longest_link, 0.0
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
@@ -183,25 +183,25 @@ def check_energy(d, theta):
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
-    there = most_energy(d, y, potential)
+    available = most_energy(d, y, potential)
     # `abs(change) > allowed` would accept a NaN
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
             refuse(d, SPOILED)
-            return present, there
+            return present, available
         balance.allowed = max(balance.allowed, allowed)
-    if change > SLIP * there and present - balance.origin > ENERGY_GAIN * there:
+    if change > SLIP * available and present - balance.origin > ENERGY_GAIN * available:
         refuse(d, SPOILED)
-        return present, there
-    loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
+        return present, available
+    loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > round_off(d, y):
         loss = 1.0
     if loss > NOTABLE:
         conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
         refuse(d, SPOILED)
-    return present, there
+    return present, available
 
 
 def keep_energy(d, present, available):
@@ -217,20 +217,20 @@ def most_energy(d, y, potential):
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
-def loss_allowed(d, there):
-    """Return the energy [J], > 0, that the last step may lose; ``there`` as in ``loss_budget``."""
-    balance, budget = d.balance, loss_budget(d, there)
+def loss_allowed(d, available):
+    """Return the energy [J], > 0, that the last step may lose; ``available`` as in ``loss_budget``."""
+    balance, budget = d.balance, loss_budget(d, available)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
-    return max(left, share * budget, ENERGY_ROUND_OFF * there)
+    return max(left, share * budget, ENERGY_ROUND_OFF * available)
 
 
-def loss_budget(d, there):
+def loss_budget(d, available):
     """Return the energy B [J] that all steps may lose until the end of the last step.
 
-    ``there`` is the available energy at this end.
+    ``available`` is the available energy at this end.
     """
-    balance, speed = d.balance, math.sqrt(2.0 * there)
+    balance, speed = d.balance, math.sqrt(2.0 * available)
     most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
     return most * (1.0 + (d.step.end - balance.since) / LASTING)
 

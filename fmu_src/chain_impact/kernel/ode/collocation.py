@@ -69,7 +69,7 @@ from chain_impact.kernel.ode.radau import (
     simplified_newton,
 )
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.status import count_evaluations, count_other_work
+from chain_impact.kernel.work import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)

@@ -199,7 +199,7 @@ def set_scales(d, y, scale, contacts):
     components. Other components are not controlled, and their scales not set: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
-    n, size = d.links, d.model.size
+    n, size = d.links, d.model.longest_link
     for j in range(velocity_at(n)):
         scale[j] = size if j < ANGLES else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
@@ -218,7 +218,7 @@ def raise_scales(d, y, scale, contacts):
     reduce these motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as
     in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε.
     """
-    n, size, turned, fastest = d.links, d.model.size, 0.0, 0.0
+    n, size, turned, fastest = d.links, d.model.longest_link, 0.0, 0.0
     if contacts == 0:
         return
     for i in range(n):
@@ -307,7 +307,7 @@ def moment_error(d, row):
         moment += drive_damping(d, i) * abs(error[first + i] - spin)
         worst = max(worst, moment)
         turn, spin = error[ANGLES + i], error[first + i]
-    return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.size))
+    return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link))
 
 
 def impact_energy(d):
@@ -344,5 +344,5 @@ def penetration_scale(d, c):
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)
-    leeway = min(d.model.size / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    leeway = min(d.model.longest_link / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
     return depth * max(1.0, leeway)

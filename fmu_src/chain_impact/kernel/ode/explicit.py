@@ -26,7 +26,7 @@ from chain_impact.kernel.ode.control import (
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
-from chain_impact.kernel.status import count_evaluations
+from chain_impact.kernel.work import count_evaluations
 
 # number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
 # output

@@ -65,7 +65,7 @@ def uncounted_work(d):
     return work
 
 
-def change_by_rates(d, j):
+def change_in_step(d, j):
     """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
     if d.step.method == IMPLICIT:
         return d.implicit.stages[RADAU_STAGES - 1, j]

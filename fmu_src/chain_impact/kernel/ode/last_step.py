@@ -32,10 +32,10 @@ from chain_impact.kernel.ode.dense import (
     settle_impulses,
     truncate_quadratures,
 )
-from chain_impact.kernel.ode.friction_work import change_by_rates, uncounted_work
+from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.status import count_evaluations, counted_work, uncount_work
+from chain_impact.kernel.work import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
 
@@ -115,7 +115,7 @@ def project_trial(d):
     if d.friction.count == 0:
         project_state(d, y)
         return
-    y[lost] = step.remainder_end + change_by_rates(d, lost)
+    y[lost] = step.remainder_end + change_in_step(d, lost)
     project_state(d, y)
     add_dissipated(d, y, y[lost] - uncounted_work(d), step.state_end[lost])
 

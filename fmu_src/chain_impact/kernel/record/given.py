@@ -70,9 +70,9 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("meeting_joint", bounded(0, links)),
         ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, largest distance of a point or site of the stretched chain from the base
-        ("size", REAL),  # m, length of the longest link: the absolute scale of positions
-        # J, M s² + Σ I_a per second squared, with the mass M of chain and carriage, s = ``size`` and the
-        # armatures I_a: the absolute scale of energies
+        ("longest_link", REAL),  # m, length of the longest link: the absolute scale of positions
+        # J, M s² + Σ I_a per second squared, with the mass M of chain and carriage, the longest link s and
+        # the armatures I_a: the absolute scale of energies
         ("energy_scale", REAL),
     )
 

@@ -96,7 +96,7 @@ def fault_dtype() -> np.dtype:
     return record(("part", INTEGER))
 
 
-@written_by("status.py", status="status.py")
+@written_by("work.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Return the layout of the counts since the start, and of the status."""
     return record(
@@ -108,7 +108,7 @@ def statistics_dtype() -> np.dtype:
     )
 
 
-@written_by("status.py")
+@written_by("work.py")
 def limits_dtype() -> np.dtype:
     """Return the layout of the counts of events and of work, each limited in a window of simulated time."""
     return record(

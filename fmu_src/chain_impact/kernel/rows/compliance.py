@@ -43,7 +43,7 @@ HELD_STIFFNESS = 1e6
 
 def mean_mass(d):
     """Return the mass [kg] of the chain, with carriage and armatures, divided by the number of links."""
-    return d.model.energy_scale / (d.model.size * d.model.size * d.links)
+    return d.model.energy_scale / (d.model.longest_link * d.model.longest_link * d.links)
 
 
 def holding_impedance(d):
@@ -167,5 +167,5 @@ def effective_mass(d, c):
     add_along(row, work.load, 1.0)
     solve_space(d, work.link, work, FREE, work.change)
     # in a toggle position no impulse moves the point: its mobility is 0
-    mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy_scale
+    mobility = LEAST_MOBILITY * d.model.longest_link * d.model.longest_link / d.model.energy_scale
     return 1.0 / max(mobility, along(row, work.motion))

@@ -47,7 +47,7 @@ from chain_impact.kernel.rows.geometry import (
     constraint,
     constraint_rows,
 )
-from chain_impact.kernel.status import count_other_work, work_exceeded
+from chain_impact.kernel.work import count_other_work, work_exceeded
 
 # The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
 # larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is

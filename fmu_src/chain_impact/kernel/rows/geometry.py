@@ -262,13 +262,13 @@ def constraint_acceleration(d, k):
 
 
 def to_joints(d, load):
-    """Add the load at each joint's place, times the lever arm ``model.size``, to the moment in the joint.
+    """Add the load at each joint's place, times its lever arm, the longest link, to the moment in the joint.
 
     The place of a joint is no point of the chain: its x is the angle of the joint times this arm.
     """
     if d.model.has_joint_places:
         for i in range(d.links):
-            load.joint[i] += d.model.size * load.x[joint_place(d, i)]
+            load.joint[i] += d.model.longest_link * load.x[joint_place(d, i)]
 
 
 def join(d, impedance, time):
@@ -277,7 +277,7 @@ def join(d, impedance, time):
     The impedance of a slider's damper and spring is added at the base.
     """
     if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
-        square = d.model.size * d.model.size
+        square = d.model.longest_link * d.model.longest_link
         for i in range(d.links):
             impedance.joint[i] = joint_armature(d, i) + drive_resistance(d, i, time)
             if d.model.has_joint_places:
@@ -304,7 +304,7 @@ def fastest_of_all(d):
 
 def farthest(d):
     """Return the largest coordinate [m] of any place, at least the longest link: the scale of round-off."""
-    return max(d.model.size, largest(d, d.work.position))
+    return max(d.model.longest_link, largest(d, d.work.position))
 
 
 def largest_acceleration(d):
@@ -333,7 +333,7 @@ def coordinates_size(d, c, y):
     """Return the sum [m] of the sizes of the coordinates whose round-off enters g of candidate c."""
     point = d.candidate.point[c]
     if at_joint(d, c):
-        return d.model.size * coordinates_of_drive(d, y, point - 1)
+        return d.model.longest_link * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.work.position.x[place]) + abs(d.work.position.y[place])
 
@@ -349,7 +349,7 @@ def link_of(d, c):
 
 def lever(d, c):
     """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
-    return d.model.size if at_joint(d, c) else 1.0
+    return d.model.longest_link if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):

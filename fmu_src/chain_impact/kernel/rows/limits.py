@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
 from chain_impact.kernel.rows.constraints import ROUNDS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
-from chain_impact.kernel.status import count_other_work, work_exceeded
+from chain_impact.kernel.work import count_other_work, work_exceeded
 
 
 def share_within_limits(d):
@@ -134,9 +134,9 @@ def first_at_limit(d):
     for k in range(d.touch.compliant_count, constraint_rows(d)):
         limit = clipped(d, k, share.wanted[k])
         if share.inside[k] and limit != share.wanted[k]:
-            there = (limit - share.force[k]) / (share.wanted[k] - share.force[k])
-            if there < part or first < 0:
-                first, part = k, there
+            reached = (limit - share.force[k]) / (share.wanted[k] - share.force[k])
+            if reached < part or first < 0:
+                first, part = k, reached
     return first, part
 
 

@@ -105,7 +105,7 @@ delay_of_margin = delay_along_motion(margin_after)
 
 def delay_of_sliding(t, e):
     """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
-    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
+    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPS * value(excess(t, e)):
         end_at(t, FROM_REST, e)
     rate = margin_rate(t, e)
@@ -144,7 +144,7 @@ def negligible(t, speed):
 
 def settling_time(t):
     """Return a time [s] in which a chain settles, √(L/(g + L/s²)) with its size L and gravity g."""
-    size = value(t.model.size)
+    size = value(t.model.longest_link)
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
 
@@ -232,7 +232,7 @@ def largest_slope(vectors, direction):
 
 def largest_displacement(t, direction):
     """Return the largest derivative of a position in a direction, divided by a link length."""
-    return largest_slope(t.work.position, direction) / value(t.model.size)
+    return largest_slope(t.work.position, direction) / value(t.model.longest_link)
 
 
 def choose_modes(t):

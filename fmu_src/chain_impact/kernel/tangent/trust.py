@@ -84,7 +84,7 @@ def fastest_speed(t):
 
 def check_turns(t):
     """End the derivatives if a user's force jumps where a contact's rate changed sign in the last step."""
-    if not user_law.present() or t.trust.reason != TRUSTED:
+    if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
     if not t.work.at_end:
         locate_points(t, t.step.state_end)

@@ -63,7 +63,7 @@ extern int32_t advance_awhile(Word *d, double time);
 extern int32_t advance_to_onset(Word *d, double time);
 extern int32_t event_update(Word *d);
 extern int32_t observe(Word *d);
-extern int32_t sound(Word *d);
+extern int32_t is_sound(Word *d);
 extern int32_t log_contacts(Word *d);
 extern int64_t record_words(Word *d);
 extern int64_t trajectory(Word *d, double *times, int64_t count, int64_t *spans, int64_t span_count, double

@@ -33,14 +33,14 @@ static int is_own(const Instance *instance, const State *state) {
 }
 
 /* Return whether the kernel can continue from a state, whatever its origin. */
-static int is_sound(const Instance *instance, State *state) {
+static int state_is_sound(const Instance *instance, State *state) {
     Word *record = (Word *)(state + 1);
     int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;
     return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || instance->event_mode) &&
            (state->flags & ~(INITIALIZED | SET_UP)) == 0 &&
            (!started || state->flags == (INITIALIZED | SET_UP)) && isfinite(state->time) && !isnan(state->stop_time) &&
            memcmp(record, instance->record, SIZES * sizeof *record) == 0 &&
-           sound(record) == 1;
+           is_sound(record) == 1;
 }
 
 int get_state(Instance *instance, const char *call, void **handle) {
@@ -66,7 +66,7 @@ int set_state(Instance *instance, const char *call, void *given_state) {
     State *state = state_in(instance, call, given_state);
     if (!state) return ERROR;
     if (!is_own(instance, state)) return say(instance, ERROR, "%s: the state is that of another FMU", call);
-    if (!is_sound(instance, state)) return say(instance, ERROR, "%s: the state is damaged", call);
+    if (!state_is_sound(instance, state)) return say(instance, ERROR, "%s: the state is damaged", call);
     memcpy(instance->record, state + 1, (size_t)instance->table->record_size);
     instance->phase = (Phase)state->phase;
     instance->initialized = (state->flags & INITIALIZED) != 0;

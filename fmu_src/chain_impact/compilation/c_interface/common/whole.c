@@ -48,7 +48,7 @@ static int is_record(const Table *table) {
     if (words < SIZES || table->record_size % (int64_t)sizeof *record != 0) return 0;
     for (int i = 0; i < SIZES; i++)
         if (record[i].integer < (i == 0) || record[i].integer > largest_size(i)) return 0;
-    return record_words(record) == words && sound(record) == 1;
+    return record_words(record) == words && is_sound(record) == 1;
 }
 
 int is_whole(const Table *table) {
