@@ -26,6 +26,7 @@ RECORDING = (
     "charts/curve_charts.js",
     "base/nearest.js",
     "base/ticks.js",
+    "explore/edited_scene.js",
     "explore/map/map_scales.js",
     "player/impact_list.js",
     "scene/words.js",

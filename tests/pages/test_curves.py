@@ -50,7 +50,7 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
 
 
-def test_the_values_of_one_unit_have_the_same_decimals(show):
+def test_the_values_of_one_quantity_have_the_same_decimals(show):
     page = show(hash_="#curves=point[*].y,impact.count")
     page.locator("#scrub").fill("1.99")
     until(page, "document.getElementById('time').textContent === '1.99000 s'")
@@ -58,6 +58,23 @@ def test_the_values_of_one_unit_have_the_same_decimals(show):
     assert {len(text.split("\u202f")[0].split(".")[1]) for text in heights} == {3}
     assert count.isdigit()
     assert not any(text.startswith("-0.000\u202f") for text in heights)
+
+
+WRITTEN = {
+    "point[1].y": ([2.1, 0.5], "0.500"),
+    "point[2].y": ([0.03, -0.02], "-0.020"),
+    "contact[2].y_min.penetration": ([4e-4, 3.217e-4], "0.0003217"),
+    "contact[4].y_min.penetration": ([1e-5, 2e-6], "0.0000020"),
+    "contact[2].x_max.penetration": ([2e-10, 1.2346e-10], "1.235e-10"),
+    "contact[4].x_max.penetration": ([0.0, 0.0], "0"),
+}
+
+
+def test_each_quantity_has_the_decimals_of_its_largest_value(script):
+    """The curves of a number of points are one quantity."""
+    curves = [{"name": name, "values": values} for name, (values, _) in WRITTEN.items()]
+    ask = "(curves) => writersOf(curves).map((written, k) => written(curves[k].values[1]))"
+    assert script.evaluate(ask, curves) == [text for _, text in WRITTEN.values()]
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,7 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     until_told(page, "3 links")
     page.get_by_role("button", name="Add a wall").click()
     page.keyboard.press("Escape")
-    until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'scene before 3 edits'")
+    until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'another scene'")
     changed_labels = page.locator(".changed > .main-parameter-label").all_text_contents()
     assert [text.split()[0] for text in changed_labels] == ["Restitution"]
     scene = downloaded(page, tmp_path)
@@ -111,6 +111,14 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     page.get_by_role("button", name="Reset all").click()
     until(page, "chainImpact.parameters['contact.restitution'] === '0.7'")
     assert page.evaluate("chainImpact.parameters['link[2].mass']") == "3"
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Back to the scene of this page").click()
+    until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'as in the scene'")
+    page.evaluate(DROP, ["box.toml", scene_path("four_link_box").read_text(encoding="utf-8")])
+    until_told(page, "4 links")
+    assert page.locator(".pin-text").nth(1).inner_text() == "as in the scene", (
+        "the same file is the same scene"
+    )
 
 
 def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):

@@ -1,6 +1,9 @@
 // Functions that tests/pages/test_changes.py runs in a page.
+import { inputChanges, withoutChanges } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
+import { addLink, removeLink, removeWall, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
+import { complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
 
 export const refusedReset = (contents) => {
   const changes = new Changes(sceneOf(contents));
@@ -35,4 +38,14 @@ export const savedText = ([contents, values]) => {
   const changes = new Changes(sceneOf(contents));
   changes.set(values);
   return tomlText(contentsOf(changes), contents.kit.keys);
+};
+
+export const keptByEdit = ([contents, given, edit, at]) => {
+  const changes = new Changes(sceneOf(contents));
+  changes.set(given);
+  const edited = contentsOf(changes);
+  ({ addLink, removeLink, removeWall, setOfLink })[edit](edited, ...at);
+  const whole = complete(edited, contents.kit);
+  const { contents: before, values } = withoutChanges(whole, changes);
+  return [before, values, inputChanges(whole, changes)];
 };

@@ -1,6 +1,6 @@
 // The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
 
-import { ticksOf } from "../base/format.js";
+import { fixed, ticksOf } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
@@ -14,7 +14,8 @@ const NARROWEST = 48; // [pixels] the least width of a vertical axis; most label
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
-const [DECIMALS_OF_LARGEST, MOST_PLACES] = [3, 9]; // decimals of values from 1 to 10, and largest number of decimals
+const DECIMALS_OF_LARGEST = 3; // decimals of values from 1 to 10
+const LEAST_WITH_DECIMALS = 1e-6; // least size of a largest value for which values have no exponent
 
 /** Return a colour of the style sheet. */
 export function styleColour(name) {
@@ -48,10 +49,15 @@ export function timeTexts(ticks, onset) {
   return since.map((time) => ticksText(Math.abs(time) < 1e-12 ? 0 : time, since));
 }
 
-/** Return the number of decimals with which values in some arrays are told: the same for all, so that they can be compared. */
-export function decimalsOf(arrays) {
+/**
+ * Return a function that writes the values in some arrays as text, so that they can be compared: with as many decimals as the
+ * largest of them needs, or with exponents if this value is very small.
+ */
+export function writerOf(arrays) {
   const largest = arrays.reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
-  return Math.min(Math.max(DECIMALS_OF_LARGEST - Math.floor(Math.log10(largest || 1)), 0), MOST_PLACES);
+  if (largest > 0 && largest < LEAST_WITH_DECIMALS) return (value) => (value === 0 ? "0" : value.toExponential(DECIMALS_OF_LARGEST));
+  const decimals = Math.max(DECIMALS_OF_LARGEST - Math.floor(Math.log10(largest || 1)), 0);
+  return (value) => fixed(value, decimals);
 }
 
 /** Return the number of an impact, what touches, and where. */

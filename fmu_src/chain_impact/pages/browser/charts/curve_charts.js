@@ -1,9 +1,9 @@
 // Any curves over time, in a chart for each unit: driven inputs, and the outputs that the reader chooses.
 
 import { make } from "../base/dom.js";
-import { fixed, unitText } from "../base/format.js";
+import { unitText } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
-import { contactTitle, decimalsOf, MOMENT } from "./chart.js";
+import { contactTitle, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
@@ -18,6 +18,24 @@ function withoutRoundOff(curves, { peakForce }) {
   const scale = curves.reduce((most, { values }) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most),
     curves[0].unit === "N" ? peakForce : 0);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
+}
+
+/**
+ * Return the group of an output, a name with `*` that its members match: of outputs with a number those that differ in it, such
+ * as point[*].y, else those with the same beginning, such as energy.*.
+ */
+export function groupOf(name) {
+  const group = name.replaceAll(/\[\d+\]/g, "[*]");
+  return group === name ? name.replace(/\..*/, ".*") : group;
+}
+
+/** Return for each curve the function that writes its values: one for the curves of a group; a count has no decimals. */
+export function writersOf(curves) {
+  const isCount = ({ values, isStepped }) => isStepped && values.every(Number.isInteger);
+  const measured = curves.filter((curve) => !isCount(curve));
+  const valuesIn = (group) => measured.filter(({ name }) => groupOf(name) === group).map(({ values }) => values);
+  const writers = new Map([...new Set(measured.map(({ name }) => groupOf(name)))].map((group) => [group, writerOf(valuesIn(group))]));
+  return curves.map((curve) => (isCount(curve) ? String : writers.get(groupOf(curve.name))));
 }
 
 /** A chart of the curves with one unit. */
@@ -36,9 +54,7 @@ class UnitChart extends TimeChart {
   show(recording, curves) {
     const { time } = this.curvesOf(recording);
     Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
-    const counts = this.curves.map(({ values, isStepped }) => isStepped && values.every(Number.isInteger));
-    const decimals = decimalsOf(this.curves.filter((_, k) => !counts[k]).map(({ values }) => values));
-    this.decimals = counts.map((isCount) => (isCount ? 0 : decimals));
+    this.writers = writersOf(this.curves);
     const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
     else this.makeCurves(curves, data);
@@ -56,7 +72,7 @@ class UnitChart extends TimeChart {
     this.values.forEach(([, value], k) => {
       const { values, unit, isStepped } = this.curves[k];
       const number = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [fixed(number, this.decimals[k]), unitText(unit)].filter((text) => text !== "").join("\u202f");
+      value.textContent = [this.writers[k](number), unitText(unit)].filter((text) => text !== "").join("\u202f");
     });
   }
 }

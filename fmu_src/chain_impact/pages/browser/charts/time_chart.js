@@ -1,7 +1,7 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
-import { fixed, ticksOf } from "../base/format.js";
-import { axisOptions, Chart, decimalsOf, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks } from "./chart.js";
+import { ticksOf } from "../base/format.js";
+import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -110,7 +110,7 @@ export class EnergyChart extends TimeChart {
     this.recording = recording;
     if (names.join() !== this.names.join()) this.makeCurves(names.map((name) => ({ name, stroke: name })), data);
     else this.plot.setData(data);
-    this.decimals = decimalsOf(data.slice(1));
+    this.written = writerOf(data.slice(1));
     this.legend?.parentElement.remove();
     const letters = this.compared.map(({ letter }) => letter).join(", ");
     this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke: "muted", dash: [6, 3] }) : undefined;
@@ -124,7 +124,7 @@ export class EnergyChart extends TimeChart {
   draw(frame) {
     this.mark(this.recording.timeAt(frame));
     this.values.forEach(([name, value]) => {
-      value.textContent = fixed(this.recording.between(this.recording.energies[name], frame), this.decimals);
+      value.textContent = this.written(this.recording.between(this.recording.energies[name], frame));
     });
   }
 }

@@ -16,7 +16,7 @@ export class ComparedMotions {
     this.player = player;
     this.panel = panel;
     this.table = table;
-    this.pinned = []; // the pinned motions: {recording, colour, edits}; `edits`: how often the scene was edited since
+    this.pinned = []; // the pinned motions: {recording, colour}
     this.before = null;
   }
 
@@ -38,24 +38,17 @@ export class ComparedMotions {
     if (this.pinned.some((motion) => motion.recording === recording)) return;
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
-    this.pinned.push({ recording, colour, edits: 0 });
+    this.pinned.push({ recording, colour });
     this.show();
     this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion
     this.player.drawSoon();
   }
 
-  /** Count that the page shows another scene than that of the pinned motions. */
-  leaveScene() {
-    this.pinned.forEach((motion) => {
-      motion.edits += 1;
-    });
-  }
-
-  /** Return words for a pinned motion: the changes in it, and whether its scene was another one. */
-  #textOf({ recording: { name, text }, edits }) {
-    if (edits === 0) return text || "as in the scene";
-    const scene = name !== this.player.recording.name ? name : `scene before ${edits > 1 ? `${edits} edits` : "the edit"}`;
-    return [text, scene].filter(Boolean).join(", ");
+  /** Return words for a pinned motion: the changes in it, and whether it is of another scene than the shown motion. */
+  #textOf({ recording: { name, text, scene } }) {
+    const { name: shownName, scene: shown } = this.player.recording;
+    if (isSame(scene.file, shown.file)) return text || "as in the scene";
+    return [text, name === shownName ? "another scene" : name].filter(Boolean).join(", ");
   }
 
   unpin(motion) {
@@ -123,6 +116,11 @@ export class ComparedMotions {
     title.append(make("small", { textContent: count }));
     return make("th", { scope: "row", title: text }, title);
   }
+}
+
+/** Return whether two complete scene files have the same contents. */
+function isSame(file, other) {
+  return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
 /** Return the first position on the screen, from a position to the right, that is TIPS_APART from all others. */

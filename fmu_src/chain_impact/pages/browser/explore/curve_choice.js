@@ -3,7 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
 import { proposed } from "../base/nearest.js";
-import { MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
+import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 
 /** Return the names that match a text in which `*` stands for any text. */
 function like(text, columns) {
@@ -34,15 +34,6 @@ function namesIn(text, columns) {
   });
   if (kinds.length > MOST_UNITS) throw new RangeError(`outputs in ${kinds.length} units; must be at most ${MOST_UNITS}`);
   return names;
-}
-
-/**
- * Return the group of an output, a name with `*` that its members match: of outputs with a number those that differ in it, such
- * as point[*].y, else those with the same beginning, such as energy.*.
- */
-function groupOf(name) {
-  const group = name.replaceAll(/\[\d+\]/g, "[*]");
-  return group === name ? name.replace(/\..*/, ".*") : group;
 }
 
 export class CurveChoice {

@@ -4,17 +4,39 @@ import { setOrRemove } from "../scene/edits.js";
 import { inFile } from "../scene/refusals.js";
 import { asWritten } from "../scene/scene_file.js";
 
+/** Return whether entries of a list can have other indices in the edited list: one is removed, or the corners of a box are. */
+function isShifted(before, edited) {
+  return edited.length < before.length || edited[0]?.corner !== before[0]?.corner;
+}
+
+/** Return whether a path of `file`, an edited scene file, can lead to another link, wall or point than in `scene`. */
+function leadsElsewhere(file, { scene, path }) {
+  return path.some((step, k) => {
+    const [before, edited] = [scene.file, file].map((whole) => inFile(whole, path.slice(0, k)));
+    return typeof step === "number" && (!edited || isShifted(before, edited));
+  });
+}
+
 /**
  * Return `contents`, those of an edited scene file (as `complete` returns it) with the values before the changes of parameters, and
- * `values`, these changes: name → number. A change is left out, and its value stays in the contents, if the edit has replaced it.
+ * `values`, these changes: name → number. A change is left out, and its value stays in the contents, if the edit has replaced the
+ * value, or if the index in its path can stand for another link, wall or point.
  */
 export function withoutChanges(file, { values, parameters, scene }) {
   const before = structuredClone(file);
   const kept = Object.entries(values).filter(([name, value]) => {
-    const { filePath, items } = parameters.get(name);
-    if (!filePath || inFile(file, filePath) !== (items.length ? items[value - 1][0] : value)) return false;
-    setOrRemove(inFile(before, filePath.slice(0, -1)), filePath.at(-1), inFile(scene.file, filePath));
+    const { filePath: path, items } = parameters.get(name);
+    if (!path || leadsElsewhere(file, { scene, path }) || inFile(file, path) !== (items.length ? items[value - 1][0] : value)) return false;
+    setOrRemove(inFile(before, path.slice(0, -1)), path.at(-1), inFile(scene.file, path));
     return true;
   });
   return { contents: asWritten(before), values: Object.fromEntries(kept) };
+}
+
+/** Return the changes of inputs that an edit leaves; without a link, the number of a joint can stand for another joint. */
+export function inputChanges(file, { values, inputSteps, scene }) {
+  const links = ({ chain }) => chain.links.length;
+  const isKept = ([name]) => scene.inputs.includes(name) && !(/\[\d+\]/.test(name) && links(file) < links(scene.file));
+  const [ownValues, ownSteps] = [values, inputSteps].map((table) => Object.fromEntries(Object.entries(table).filter(isKept)));
+  return { values: ownValues, inputSteps: ownSteps };
 }

@@ -15,7 +15,7 @@ import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
-import { withoutChanges } from "./edited_scene.js";
+import { inputChanges, withoutChanges } from "./edited_scene.js";
 import { Editor } from "./editor.js";
 import { changesIn, hashOf } from "./export.js";
 import { connectExport } from "./export_dialog.js";
@@ -110,6 +110,7 @@ function simulateSoon() {
 async function simulateNow() {
   [started, nextRun] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
+  const { scene } = changes;
   const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
@@ -124,7 +125,7 @@ async function simulateNow() {
   ending = result.status;
   showStatus(result.fault ?? sentenceOf(result, result.parts));
   if (result.parts) {
-    player.show(Object.assign(new Recording(withSteadyView(result.parts)), { text }));
+    player.show(Object.assign(new Recording(withSteadyView(result.parts)), { text, scene }));
     comparedMotions.show();
   } else if (player.recording) {
     player.drawSoon();
@@ -159,13 +160,11 @@ function openContents(contents) {
 
 /** Open the edited contents of the present scene, with the reader's changes; an error says which key is wrong. */
 function openEdited(contents) {
-  const { values, inputSteps } = changes;
   const whole = complete(contents, kit);
-  const ofInputs = Object.fromEntries(Object.entries(values).filter(([name]) => changes.scene.inputs.includes(name)));
-  const before = withoutChanges(whole, changes);
+  const [before, ofInputs] = [withoutChanges, inputChanges].map((of) => of(whole, changes));
   const base = sceneWith(before);
-  if (base) openFile(base, { values: { ...before.values, ...ofInputs }, inputSteps });
-  else openFile(whole, { values: ofInputs, inputSteps });
+  if (base) openFile(base, { ...ofInputs, values: { ...before.values, ...ofInputs.values } });
+  else openFile(whole, ofInputs);
 }
 
 /** Return the complete file with some contents if it is a scene with the parameters of some changes; else undefined. */
@@ -231,7 +230,6 @@ find("map-open").addEventListener("click", () => {
 });
 changes.onOpen(() => {
   engine = startEngine();
-  comparedMotions.leaveScene();
 });
 new Editor(changes, { openContents, openEdited, openFirst: () => showScene(pageScene, "") }, kit.keys);
 showDescription();
