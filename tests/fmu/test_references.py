@@ -11,7 +11,13 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
-from chain_impact.fmu.references import FILE, REFERENCE_ROWS, REFERENCE_TOLERANCE, check_references, reference
+from chain_impact.fmu.references import (
+    REFERENCE_FILE,
+    REFERENCE_ROWS,
+    REFERENCE_TOLERANCE,
+    check_references,
+    reference,
+)
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.tools.planted_faults import spoiled
@@ -22,7 +28,7 @@ every_model = pytest.mark.parametrize("model", model_names())
 def table_of(path):
     """Return the table in an FMU: name → tolerance and values, both of which may be NaN."""
     with zipfile.ZipFile(path) as fmu:
-        names, allowed, *rows = csv.reader(io.StringIO(fmu.read(FILE).decode()))
+        names, allowed, *rows = csv.reader(io.StringIO(fmu.read(REFERENCE_FILE).decode()))
     assert (names[0], allowed[0]) == ("time", "tolerance")
     values = np.array([[cell or "nan" for cell in row] for row in rows], float)
     return dict(
@@ -36,7 +42,7 @@ def spoil(native, tmp_path):
     return lambda change, model="four_link_box": spoiled(
         native[model],
         tmp_path / "x.fmu",
-        lambda name, content: change(content.decode()).encode() if name == FILE else content,
+        lambda name, content: change(content.decode()).encode() if name == REFERENCE_FILE else content,
     )
 
 
@@ -50,7 +56,7 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
     assert passed, text
     assert re.match(r"passed, outputs: 1\d, times: \d+, until ", text)
     with zipfile.ZipFile(fmus[model]) as fmu:
-        assert fmu.getinfo(FILE).compress_size < 12_000
+        assert fmu.getinfo(REFERENCE_FILE).compress_size < 12_000
 
 
 @pytest.mark.full("more cases", but=2)
@@ -148,7 +154,7 @@ def test_another_model_is_found(native, tmp_path):
         path = spoiled(
             build_fmu(soft, tmp_path, target="native"),
             tmp_path / "x.fmu",
-            lambda name, content: right.read(name) if name == FILE else content,
+            lambda name, content: right.read(name) if name == REFERENCE_FILE else content,
         )
     passed, text = check_references(path)
     assert not passed

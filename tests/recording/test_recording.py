@@ -19,6 +19,14 @@ def recording(columns=None, time=None):
     return Recording("Test", time, columns or {})
 
 
+def test_a_subclass_without_attributes_is_refused():
+    class Empty(Recording):
+        pass
+
+    with pytest.raises(TypeError, match="StoredRecording"):
+        Empty("Test", np.zeros(1), {})
+
+
 def read(path):
     with path.open(newline="") as file:
         names, *rows = csv.reader(file)

@@ -72,7 +72,10 @@ def constants(file):
         yield from {one.id for one in found if isinstance(one, ast.Name) and one.id.isupper()}
 
 
-ROOMS = ("kernel", "scene", "variables", "conversion", "simulation", "laws")
+ROOMS = (
+    *("kernel", "laws", "scene", "variables", "conversion", "simulation"),
+    *("fmu", "recording", "results", "studies", "cli", "pages"),
+)
 
 
 @pytest.mark.parametrize("room", ROOMS)

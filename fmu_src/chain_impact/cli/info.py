@@ -21,6 +21,7 @@ from chain_impact.fmu.run import TIMES
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene
+from chain_impact.variables.prepared import PreparedScene
 
 LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
@@ -64,8 +65,6 @@ def run(options: argparse.Namespace) -> int:
             facts += zip(TIMES, times, strict=True)
         facts += [(v.name, _start_and_rule(v, rules)) for v in variables if v.causality == "parameter"]
     else:
-        from chain_impact.variables.prepared import PreparedScene
-
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
         shown = {"name", "description"}  # the headline already shows these attributes, so the list does not

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from chain_impact.variables.prepared import PreparedScene
 
-FILE = "resources/chain_impact_scene.json"
+FACTS_FILE = "resources/chain_impact_scene.json"
 
 
 class Facts(NamedTuple):
@@ -28,13 +28,13 @@ def facts_file(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the file with the facts on a scene, by its path in the FMU."""
     rules = {variable.name: variable.rule.text for variable in prepared.parameters if variable.rule}
     facts = Facts(prepared.scene.point_names, rules)
-    return {FILE: json.dumps(facts._asdict(), ensure_ascii=False).encode()}
+    return {FACTS_FILE: json.dumps(facts._asdict(), ensure_ascii=False).encode()}
 
 
 def read_facts(fmu: Path) -> Facts:
     """Return the facts on the scene of an FMU; there are none if the FMU does not have the file."""
     with zipfile.ZipFile(fmu) as files:
-        if FILE not in files.namelist():
+        if FACTS_FILE not in files.namelist():
             return Facts({}, {})
-        facts = Facts(**json.loads(files.read(FILE)))
+        facts = Facts(**json.loads(files.read(FACTS_FILE)))
     return facts._replace(point_names={int(number): name for number, name in facts.point_names.items()})

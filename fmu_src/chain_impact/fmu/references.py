@@ -27,7 +27,7 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
-FILE = "resources/chain_impact_reference.csv"
+REFERENCE_FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
 REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's time
 # if the results up to a time are not reliable, the reference ends at this time / SHORTER instead
@@ -85,7 +85,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     rows = np.column_stack([*solution.inputs.values(), solution.values])
     for time, row in zip(solution.times, rows, strict=True):
         writer.writerow([repr(float(time)), *("" if np.isnan(x) else f"{x:.{DIGITS}g}" for x in row)])
-    return {FILE: text.getvalue().encode()}
+    return {REFERENCE_FILE: text.getvalue().encode()}
 
 
 def reference(prepared: PreparedScene) -> Reference:
@@ -217,9 +217,9 @@ def check_references(path: Path) -> tuple[bool, str] | None:
     Returns whether the FMU passed, and a line of text; None if the FMU has no reference results.
     """
     with zipfile.ZipFile(path) as fmu:
-        if FILE not in fmu.namelist():
+        if REFERENCE_FILE not in fmu.namelist():
             return None
-        text = fmu.read(FILE).decode(errors="replace")
+        text = fmu.read(REFERENCE_FILE).decode(errors="replace")
     description = read_fmu(path)
     kinds = {variable.name: variable.causality for variable in description.modelVariables}
     try:

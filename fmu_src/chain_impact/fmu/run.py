@@ -57,9 +57,9 @@ def record_fmu(
     """
     path, show = Path(path), progress or silent
     description, facts = _chain_of(path), read_facts(path)
-    experiment, start_values = _settings(path, description, settings)
-    stop_time, step_size = experiment
     parameters, outputs = _parameters(description), _outputs(description)
+    experiment, start_values = _settings(path, description.defaultExperiment, parameters, settings)
+    stop_time, step_size = experiment
     check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     driven, rows_given = description, None
@@ -116,10 +116,9 @@ def _outputs(description: Any) -> list[str]:
 
 
 def _settings(
-    path: Path, description: Any, settings: Mapping[str, Any]
+    path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
     """Return the stop time and the step size [s], and the start values of the parameters that are set."""
-    default, parameters = description.defaultExperiment, _parameters(description)
     given = {fmu_name(name): value for name, value in settings.items()}
     stop_time, step_size = (
         _positive(name, value_of(given.pop(name, usual)), str(path))

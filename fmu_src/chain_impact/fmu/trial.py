@@ -23,7 +23,7 @@ from xml.etree import ElementTree
 from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_of
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.importer import instantiate, listening, loaded
-from chain_impact.fmu.references import FILE, check_references
+from chain_impact.fmu.references import REFERENCE_FILE, check_references
 
 T = TypeVar("T")
 # the largest relative difference of values that count as equal: a start value may be written with six digits
@@ -237,7 +237,7 @@ def main() -> None:
             if passed:
                 tell(passed=f"reference results: {text}")
             elif text:
-                tell(finding=asdict(Finding(text, FILE)))
+                tell(finding=asdict(Finding(text, REFERENCE_FILE)))
         tell(call=COMPLETE)
     os._exit(0)  # ends at once: the behaviour of the FMU at the end of a process is not tested
 

@@ -31,7 +31,6 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
-from chain_impact.scene.bodies import STOP_MARK
 
 MOST_STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
 FAINT_POSES = 80  # the number of faint poses, in evenly spaced rows
@@ -302,7 +301,8 @@ def _label_place(
     if recording.toucher(impact) != "slider":
         return spot, (-nx, -ny)
     across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
-    reach = STOP_MARK * size_of(recording)
+    assert recording.rail is not None
+    reach = recording.rail.half
     return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
 
 

@@ -82,6 +82,10 @@ class Recording:
         """Return a new recording: a ``StoredRecording`` if the class ``Recording`` itself is called."""
         return object.__new__(StoredRecording if cls is Recording else cls)  # type: ignore[return-value]
 
+    def __init__(self, *_arguments: Any, **_named: Any) -> None:
+        """Refuse a subclass without attributes of its own: derive from ``StoredRecording`` instead."""
+        raise TypeError(f"{type(self).__name__} stores no attributes: derive it from StoredRecording")
+
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
         """The columns: owner, number and wall → quantity → values."""

@@ -114,7 +114,7 @@ class Result(Pictured):
 
     @property
     def model(self) -> PreparedScene:
-        """The same as ``prepared``, an earlier name."""
+        """The same as ``prepared``; version 1.0 removes this name."""
         return self.prepared
 
     @property

@@ -20,7 +20,7 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
-from chain_impact.scene.refusals import RULES, broken, sum_of
+from chain_impact.scene.refusals import RULES, is_broken, sum_of
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -105,7 +105,7 @@ def check_rules(scene: Contents) -> None:
     }
     for rule in RULES:
         for path, value_of in tables[rule.of]:
-            for _ in broken([rule], value_of):
+            if is_broken(rule, value_of):
                 value = value_of(rule.key)
                 words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
                 if rule.least:

@@ -150,10 +150,13 @@ OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def broken(rules: Iterable[Rule], value_of: Callable[[str], Any]) -> Iterator[Rule]:
-    """Yield the rules that refuse values; ``value_of`` returns the value of a key or fact, or None."""
-    for rule in rules:
-        if all(_is_so(part.split(" ", 2), value_of) for part in rule.condition.split(" and ")):
-            yield rule
+    """Yield the rules for which ``is_broken`` holds."""
+    return (rule for rule in rules if is_broken(rule, value_of))
+
+
+def is_broken(rule: Rule, value_of: Callable[[str], Any]) -> bool:
+    """Return whether a rule refuses values; ``value_of`` returns the value of a key or fact, or None."""
+    return all(_is_so(part.split(" ", 2), value_of) for part in rule.condition.split(" and "))
 
 
 def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:

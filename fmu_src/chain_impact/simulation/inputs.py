@@ -32,8 +32,8 @@ from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
-Signal = InputSource  # the name that users import
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
+Signal = InputSource  # the name that users import
 Given = Mapping[str, InputSource] | TableSource
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear"]

@@ -40,13 +40,13 @@ from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
-COLOURED_LAWS = 6  # largest number of laws that get a colour
 BAND_POINTS = 400  # number of penetrations at which a band is computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
 )
 """The lines of laws with colours, which are seen on the wide line of the reference law."""
+COLOURED_LAWS = 1 + len(LINES)  # largest number of laws that get a colour, with the reference law
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene
-from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
+from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, read_measurements, standard_deviation
 from tests.helpers.scenes.bodies import body, cart
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.refusal import refusal
@@ -47,7 +47,7 @@ def test_rows_of_impacts_beside_samples():
     second, third = found.impacts
     assert (second.number, second.wall, second.alike) == (2, SCENE.wall_names.index("y_min"), False)
     assert (third.number, third.wall) == (3, None)
-    assert [QUANTITIES[found.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
+    assert [MEASURED_OF_IMPACT[found.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
 
 
 def test_tables_of_one_run():

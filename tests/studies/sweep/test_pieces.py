@@ -19,8 +19,8 @@ from chain_impact.simulation import instance
 from chain_impact.studies.sweep.design import grid
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.pieces import (
+    LONGEST_PIECE,
     LONGEST_PIECE_TIME,
-    MOST_RUNS,
     SHORTEST_PIECE_TIME,
     Pieces,
     missing,
@@ -66,7 +66,7 @@ def test_pieces_take_a_part_of_the_time_so_far():
     assert max(sizes) == 1000 * LONGEST_PIECE_TIME
     assert len(sizes) < 150
     assert sizes[-1] < 0.1 * max(sizes)  # at the end, all threads get a share
-    assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == MOST_RUNS
+    assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == LONGEST_PIECE
 
 
 SCENE = with_values(

@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.histograms import edges_of
-from chain_impact.studies.sweep.maps import FAILED_COLOUR, colour_ends, count_bins
+from chain_impact.studies.sweep.maps import FAILED_COLOUR, beyond_ends, colour_ends, count_bins
 from chain_impact.studies.sweep.plot import COLOURS, fill, usual_size
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
@@ -174,6 +174,9 @@ def test_colours_end_before_few_values_that_are_far_off():
     assert colour_ends(values[:97]) == (1.0, 2.0)
     assert colour_ends(10.0 ** values[:97], logarithmic=True) == pytest.approx((10.0, 100.0))
     assert colour_ends(np.append(np.ones(50), 3.0)) == (1.0, 3.0)
+    assert beyond_ends((-500.0, 1.0), (0.0, 1.0)) == ", down to -500"
+    assert beyond_ends((-500.0, 300.0), (0.0, 1.0)) == ", down to -500, up to 300"
+    assert beyond_ends((0.0, 1.0), (0.0, 1.0)) == ""
 
 
 @pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])

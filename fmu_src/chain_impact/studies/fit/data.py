@@ -23,7 +23,7 @@ from chain_impact.variables.prepared import PreparedScene
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns that say which impact a row describes."""
-QUANTITIES = (*IMPACT_QUANTITIES, DURATION)
+MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 SIGMA = "sigma({})"
 # if impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
@@ -79,7 +79,7 @@ class Measurements:
         quantity: name of the output, or of the quantity of an impact, for each value, shape (M,).
         value: the measured values, shape (M,).
         sigma: the standard deviation of each value, shape (M,); NaN if the fit must estimate it.
-        row, column: index into times and outputs, or into impacts and ``QUANTITIES``, shape (M,).
+        row, column: index into times and outputs, or into impacts and ``MEASURED_OF_IMPACT``, shape (M,).
         of_impact: whether each value belongs to an impact, shape (M,).
         inputs: name of an input → its signal, times [s] and values.
     """
@@ -216,7 +216,7 @@ class _Book:
         of_impact, time_or_impact = np.array(kinds), np.array(places)
         times = np.unique(time_or_impact[~of_impact])
         outputs = tuple(dict.fromkeys(name for name, kind in zip(names, kinds, strict=True) if not kind))
-        index = {name: k for k, name in enumerate(outputs)} | {name: k for k, name in enumerate(QUANTITIES)}
+        index = {name: k for group in (outputs, MEASURED_OF_IMPACT) for k, name in enumerate(group)}
         return Measurements(
             source,
             times,
@@ -241,7 +241,7 @@ class _Book:
         values = [name for name in measured if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
         for name in values:
-            if name not in over_time and name not in QUANTITIES:
+            if name not in over_time and name not in MEASURED_OF_IMPACT:
                 if likely and likely_time([name]):
                     raise SceneError(f"{table.source}: the column {TIME} is missing{likely}")
                 raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
@@ -257,7 +257,7 @@ class _Book:
         for needed, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
-            (WHICH, [name for name in values if name in QUANTITIES], "impacts"),
+            (WHICH, [name for name in values if name in MEASURED_OF_IMPACT], "impacts"),
         ):
             if columns and not any(name in table.names for name in needed):
                 raise SceneError(
@@ -267,13 +267,13 @@ class _Book:
         if not measured:
             raise SceneError(
                 f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
-                f"of impacts: {', '.join(QUANTITIES)}"
+                f"of impacts: {', '.join(MEASURED_OF_IMPACT)}"
             )
-        return samples, [name for name in values if name in QUANTITIES]
+        return samples, [name for name in values if name in MEASURED_OF_IMPACT]
 
     def _hint(self, name: str) -> str:
-        near = nearest(name, [*self._outputs, *self._inputs, *QUANTITIES])
-        hint = f"the nearest is {near}" if near else f"impacts have {', '.join(QUANTITIES)}"
+        near = nearest(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
+        hint = f"the nearest is {near}" if near else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
         return (
             f"is no output that changes over time, no input, and no quantity of an impact; {hint}; "
             "to leave it out, name the columns to use"

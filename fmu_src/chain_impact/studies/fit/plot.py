@@ -37,13 +37,13 @@ from chain_impact.recording.text import number
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.fit.data import QUANTITIES, Measurements
+from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.prepared import PreparedScene
 
-MOST_PANELS = 8  # the largest number of measured columns that get a panel
+MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
 CURVE_POINTS = 1500  # number of points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
@@ -74,7 +74,7 @@ def plot_fit(
     fit: Estimates, path: str | os.PathLike[str] | None = None, size: Size | None = None
 ) -> Figure | None:
     """Draw the picture; see ``Fit.plot``."""
-    count = min(len(fit.columns), MOST_PANELS)
+    count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
     return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * PANEL_HEIGHT))
 
@@ -82,7 +82,7 @@ def plot_fit(
 @styled()
 def fill(figure: Figure, fit: Estimates) -> None:
     """Draw all panels on an empty figure."""
-    names = list(fit.columns)[:MOST_PANELS]
+    names = list(fit.columns)[:MOST_FIT_PANELS]
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
     down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
@@ -94,7 +94,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
-    marks = "bars and bands" if any(name in QUANTITIES for name in names) else "bands"
+    marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
     more.append(f"±: standard error; {marks}: ± {USUAL:g} σ")
     if any(has_lines):
         more.append("grey lines: impacts of the model")
@@ -122,7 +122,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     axes: Any = cell.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, residuals = axes
     parts = _columns(fit, name, results)
-    over_impacts, has_lines = name in QUANTITIES, False
+    over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
     several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
     scale, unit = axis_unit(_unit(fit, name), [measured[fit.columns[name]]])
@@ -185,7 +185,7 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
         rows = np.flatnonzero(np.array(data.quantity) == name)
         if len(rows):
             of = data.row[rows]
-            at = _numbers(data, of, results[k]) if name in QUANTITIES else data.times[of]
+            at = _numbers(data, of, results[k]) if name in MEASURED_OF_IMPACT else data.times[of]
             columns.append(Column(k, first + rows, at))
         first += len(data)
     return columns

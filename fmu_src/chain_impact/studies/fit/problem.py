@@ -15,7 +15,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.studies.fit.data import DURATION, LATE, QUANTITIES, Measurements
+from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # a column of zeros gets this size, because other numbers are divided by the size
@@ -234,7 +234,7 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
     for m in np.flatnonzero(data.of_impact):
         at = data.impacts[data.row[m]].find(run.impacts)
         if at is not None:
-            selected[m], slopes[m] = quantity(run, at, QUANTITIES[data.column[m]])
+            selected[m], slopes[m] = quantity(run, at, MEASURED_OF_IMPACT[data.column[m]])
     return selected, slopes
 
 

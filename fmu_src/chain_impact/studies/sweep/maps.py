@@ -96,8 +96,7 @@ def _draw_map(
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[least < ends[0], most > ends[1]]
-    others = [f"{end:.3g}" for end, limit in ((least, ends[0]), (most, ends[1])) if end != limit]
-    label = quantity.label + (f", up to {', '.join(others)}" if others else "")
+    label = quantity.label + beyond_ends((least, most), ends)
     bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
     if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
         number_few_decades(bar.ax.yaxis)
@@ -111,6 +110,13 @@ def number_few_decades(axis: Axis) -> None:
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
+    """Return words for the extremes that lie beyond the ends of the colours; "" if none does."""
+    words = ("down to", "up to")
+    beyond = [f"{word} {x:.3g}" for word, x, end in zip(words, extremes, ends, strict=True) if x != end]
+    return "".join(f", {text}" for text in beyond)
 
 
 def spread(values: np.ndarray) -> float:

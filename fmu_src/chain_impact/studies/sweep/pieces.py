@@ -13,7 +13,7 @@ from threading import Event
 from chain_impact.studies.sweep.work import Made, Span, Work
 from chain_impact.system import LISTEN
 
-FIRST_RUNS, MOST_RUNS = 8, 2**18  # number of runs in the first and in the longest piece
+FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the longest piece
 SHORTEST_PIECE_TIME, LONGEST_PIECE_TIME = 0.5, 60.0  # [s] shortest and longest time that a piece may take
 SHARE = 0.2  # time of a piece, relative to the time so far; an interruption loses at most this part of it
 # A piece has at most PIECE_RATIO times as many runs as the piece before. The last pieces are smaller, so that
@@ -32,7 +32,7 @@ class Pieces:
         """Store the missing runs in order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
         self._left = sum(end - first for first, end in spans)
-        self._size, self._least, self._elapsed = FIRST_RUNS, 1, 0.0
+        self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
         """Return the next piece, None if none is left; the last pieces are small, so no worker waits long."""
@@ -51,7 +51,7 @@ class Pieces:
         self._elapsed += seconds / self._workers
         a_second = (piece[1] - piece[0]) / max(seconds, 1e-6)
         wanted = min(max(SHORTEST_PIECE_TIME, SHARE * self._elapsed), LONGEST_PIECE_TIME)
-        self._size = max(1, min(int(wanted * a_second), PIECE_RATIO * self._size, MOST_RUNS))
+        self._size = max(1, min(int(wanted * a_second), PIECE_RATIO * self._size, LONGEST_PIECE))
         self._least = max(1, int(wanted / PIECE_RATIO * a_second))
 
 
