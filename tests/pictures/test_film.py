@@ -2,6 +2,7 @@
 
 # Tests: pictures/film_figure.py, pictures/film_files.py, pictures/film_labels.py, pictures/scale_bar.py
 
+import dataclasses
 import itertools
 
 import matplotlib as mpl
@@ -22,6 +23,7 @@ from chain_impact.pictures.style import LOAD, force_text
 from chain_impact.recording.pacing import frame_times, rate_text, slow_spans
 from chain_impact.recording.view import LONGEST_ARROW
 from tests.helpers.scenes.friction import pendulum, sled
+from tests.pictures import pictures as made
 from tests.tiers import needs_interop
 
 SIZE = (320, 180)
@@ -286,3 +288,37 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
     (box,) = (one.get_window_extent() for one in drawn if isinstance(one, Text) and " N" in one.get_text())
     (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
     assert not box.y0 < y < box.y1
+
+
+@pytest.mark.parametrize(
+    ("point", "wall", "text"),
+    [
+        ("heel", "ramp", "impact 1 of 10: point 1 (heel) hits ramp"),
+        ("left_heel", "ramp_left", "impact 1 of 10: left_heel hits ramp_left"),
+        ("left_front_foot_collision_sphere", "ramp_on_the_left_side", "left_fr…_sphere hits ramp_on…ft_side"),
+    ],
+)
+def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
+    impacts = [made.hit(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
+    recording = made.swing(impacts, slopes={wall: (0.0, -1.0, 0.0)})
+    recording = dataclasses.replace(recording, point_names={1: point})
+    figure = Figure((8.0, 4.5), dpi=80)
+    page = Film(figure, recording, np.array([0.0, 1.0]))
+    list(page.show(1, 1.0))
+    assert page.caption.get_text() == text
+    assert page.caption.get_window_extent().x1 < figure.bbox.x1
+
+
+def test_numbers_in_a_film_may_stand_where_the_tip_comes_later():
+    places = []
+    for goes_on in (True, False):
+        recording = record_slowly("pinned_arm")
+        (impact,) = recording.impacts
+        row = int(np.searchsorted(recording.time, 0.7 * impact["onset"] + 0.3 * impact["end"]))
+        for column in () if goes_on else recording.columns.values():
+            column[row:] = column[row]
+        page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[row]])
+        drawn = list(page.show(0, 1.0))
+        (number,) = (one for one in drawn if isinstance(one, Text) and one.get_text().endswith("N"))
+        places.append(page.scene.transData.transform(number.get_position()))
+    assert places[0] == pytest.approx(places[1], abs=2.0)  # the views of the two motions differ a little

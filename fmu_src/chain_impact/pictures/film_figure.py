@@ -19,6 +19,7 @@ from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
 from chain_impact.pictures.message import hit
+from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
     ENERGIES,
     PARTS,
@@ -56,6 +57,7 @@ ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # position of the texts: left and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
+CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
 BAR = 0.035  # half of a bar of sticking, relative to the smaller side of the view
@@ -165,6 +167,8 @@ class Film:
         self.view = low + np.array([np.zeros(2), seen])
         self.pin = pin_mark(self.recording.all_points) if pinned else []
         self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        rail = self.recording.rail
+        self.rail = rail.lines(self.recording.points[:, 0]) if rail else []
         draw_rail(self.scene, self.recording)
         self.room = self._draw_room(0)
         for artist in self.room if self.room_moves else ():
@@ -229,7 +233,7 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self.caption.set_text(self._last_impact(time) if self.tells_energies else "")
+        self._show_last_impact(time)
         self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
@@ -241,13 +245,19 @@ class Film:
             self.now.set_xdata([time, time])
             yield self.now
 
-    def _last_impact(self, time: float) -> str:
-        """Return words for the last impact before a time [s]; "" before the first one."""
-        impacts = self.recording.impacts
+    def _show_last_impact(self, time: float) -> None:
+        """Write the last impact before a time [s] with the longest words that have room; none before one."""
+        recording, impacts = self.recording, self.recording.impacts
         number = int(np.searchsorted(impacts["onset"], time, side="right"))
-        if number == 0:
-            return ""
-        return f"impact {number} of {len(impacts)}: {hit(self.recording, impacts[number - 1])}"
+        texts = [""]
+        if number and self.tells_energies:
+            count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
+            whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)
+            texts = [f"{count}: {whole}", f"{count}: {brief}", brief]
+        for text in texts:
+            self.caption.set_text(text)
+            if self.caption.get_window_extent().x1 <= CAPTION_END * self.scene.figure.bbox.x1:
+                break
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
@@ -280,7 +290,8 @@ class Film:
                 across = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
         self._add_loads(frame)
-        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), [self.path])
+        drawn = np.asarray(self.trace.get_xydata())
+        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), drawn)
         if self.ground:
             self.ground.suit(self.moving)
         yield from self.moving
@@ -338,6 +349,5 @@ class Film:
         for disc in self.discs.values():
             outlines.append(np.asarray(disc.get_patch_transform().transform(disc.get_path().vertices)))
         walls = [np.asarray(line.get_xydata()) for line in self.room if isinstance(line, Line2D)]
-        rail = self.recording.rail
-        walls += rail.lines(self.recording.points[:, 0]) if rail else []
-        return [self.points[frame, : self.recording.link_count + 1], *outlines, *walls, *self.arrows]
+        chain = self.points[frame, : self.recording.link_count + 1]
+        return [chain, *outlines, *walls, *self.rail, *self.arrows]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -40,7 +40,7 @@ class Number(NamedTuple):
 
 
 def write_numbers(
-    axes: Axes, wanted: Iterable[Number], lines: Sequence[np.ndarray], pale: Sequence[np.ndarray] = ()
+    axes: Axes, wanted: Sequence[Number], lines: Sequence[np.ndarray], pale: np.ndarray
 ) -> Iterator[Text]:
     """Write numbers where they cover nothing, and yield their texts; a number without room is left out.
 
@@ -48,15 +48,16 @@ def write_numbers(
         axes: the axes in which the numbers are.
         wanted: the numbers.
         lines: what must stay free: polygons and lines, each of shape (P, 2) [m]; a closed line is a body.
-        pale: lines that a number covers only if it has no room elsewhere.
+        pale: a line of shape (P, 2) [m] that a number covers only if it has no room elsewhere.
     """
+    if not wanted:
+        return
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, room = figure.dpi / 72.0, axes.get_window_extent()
     drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
     dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
-    faint = [sampled(axes.transData.transform(line), SAMPLE * point) for line in pale if len(line)]
-    kept = (np.concatenate([dots, *faint]), dots)
+    kept = (np.concatenate([dots, sampled(axes.transData.transform(pale), SAMPLE * point)]), dots)
     bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
     taken: list[Bbox] = []
     text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
@@ -104,10 +105,7 @@ def middle_of(box: Bbox) -> tuple[float, float]:
 
 
 def sampled(line: np.ndarray, step: float) -> np.ndarray:
-    """Return points on a line at distances of at most ``step``, shape (S, 2)."""
-    lengths = np.hypot(*np.diff(line, axis=0).T)
-    parts = [
-        np.linspace(start, end, 2 + int(length / step))
-        for start, end, length in zip(line, line[1:], lengths, strict=False)
-    ]
-    return np.concatenate([line[:1], *parts])
+    """Return points on a line at equal distances along it, at most ``step``, shape (S, 2)."""
+    passed = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
+    places = np.linspace(0.0, passed[-1], 2 + int(passed[-1] / step))
+    return np.stack([np.interp(places, passed, along) for along in line.T], axis=-1)

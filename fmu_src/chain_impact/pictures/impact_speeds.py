@@ -30,7 +30,8 @@ NUMBERED = 60  # the largest number of impacts that get numbers
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and how much larger a mark is for each mark that covers it
 DOT, RIM = 4.0, 3.0
-# the distance within which marks of impacts count as one, relative to the duration and the largest height
+# the size of the cells in which marks of impacts count as one, relative to the duration and the largest
+# height
 ONE_MARK = 0.005
 CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the height of a row of these lines
 

@@ -33,7 +33,8 @@ COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
 # [points] of its position, where its mark is
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
-# [points] a label without a leader is on its position's side of each line that is farther away than this
+# [points] where no leaders are allowed, a label is on its position's side of each strong line that is farther
+# away than this
 OWN_LINE = 4.5
 BESIDE = 2  # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.recording.recording import Recording
 
@@ -19,6 +21,12 @@ def short_names(recording: Recording, text: str) -> str:
 def short(name: str) -> str:
     """Return a name without its middle if it is long."""
     return name if len(name) <= LONGEST else f"{name[:KEPT]}…{name[-KEPT:]}"
+
+
+def brief_hit(recording: Recording, impact: np.void) -> str:
+    """Return words for an impact without the number of a point that has a name: "heel hits y_min"."""
+    number, _, name = recording.toucher(impact).partition(" (")
+    return f"{short(name[:-1]) or number} hits {short(recording.wall_names[impact['wall']])}"
 
 
 def full_names(recording: Recording) -> str:
