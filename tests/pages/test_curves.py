@@ -14,6 +14,8 @@ pytestmark = needs_browser
 SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
 NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
+TEXTS = function_of("curves", "texts")
+"""The texts of the first chart at another width, and their places over the width of its curves."""
 COURSE = function_of("curves", "course")
 MOTION = function_of("curves", "motionInPage")
 
@@ -144,6 +146,28 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     rows = [page.evaluate(ROWS, ["outputs-over-time", colour]) for colour in ("pin-1", "input-1")]
     heights = [max(rows[1]) - min(found) for found in rows]  # above 0, on which the letter of a pin stands
     assert heights[0] / heights[1] == pytest.approx(impact["peak_force"] / lower[0]["peak_force"], rel=0.1)
+
+
+def test_the_time_counts_from_the_impact_where_two_have_the_same_view(show):
+    """Both ends of the rod touch, each for most of the simulated time."""
+    flat = {"contact.stiffness": 3e3, "initial.angle[1]": 0.02, "initial.y": 0.01, "initial.vy": -2.0}
+    changes = {**flat, "simulation.stop_time": 0.08}
+    first, second = simulate(load_scene("rod_drop").with_values(changes)).impacts["onset"]
+    assert second - first > 5e-3
+    page = show("rod_drop", changes, hash_="#curves=point[1].y")
+    for number in (1, 2):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        if number == 1:
+            page.get_by_role("button", name="At impact").click()
+        until(page, f"document.getElementById('outputs-impact').textContent.startsWith('impact {number}')")
+    assert dict(page.evaluate(TEXTS))["0 ms"] == pytest.approx(second / 0.08, abs=0.01)
+
+
+def test_the_axis_of_a_count_has_whole_numbers(show):
+    page = show("rod_drop", {"simulation.stop_time": 0.33}, hash_="#curves=impact.count")
+    until(page, f"{SHOWN}.join() === 'impact.count'")
+    numbers = [text for text, place in page.evaluate(TEXTS) if place < 0.0]
+    assert numbers == ["0", "1"]
 
 
 def test_the_kernel_gives_only_chosen_outputs_with_the_peaks_of_impacts(worker, result):

@@ -284,6 +284,19 @@ def test_the_ruler_of_forces_is_apart_from_the_scale_bar(show_recording, model, 
     assert page.text_content(".ruler-name").startswith("force")
 
 
+def test_no_scale_bar_reaches_into_the_key(show_recording):
+    scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
+    page, seen = show_recording(record_slowly(scene), viewport={"width": 260, "height": 600}), set()
+    for width in (260, 300, 420, 1100):
+        page.set_viewport_size({"width": width, "height": 600})
+        press(page, "ArrowRight")
+        bars = [bar.bounding_box() for bar in page.locator("polyline.bar").all()]
+        assert all(bar["x"] + bar["width"] <= page.locator(".key-ground").bounding_box()["x"] for bar in bars)
+        assert page.locator(".bar-text").count() == len(bars)
+        seen.add(len(bars))
+    assert seen == {0, 1}
+
+
 def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
     page = show_recording(record_slowly("cart_pole"), viewport=PHONE)
     texts = 0

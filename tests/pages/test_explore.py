@@ -1,12 +1,9 @@
 """The function explore(): its files, and the name of the scene on the page."""
 
 import pytest
-import quickjs
 
 from chain_impact import BuildError, SceneError, explore, load_scene
 from chain_impact.compilation import ready
-from chain_impact.pages.assembly import program
-from chain_impact.pages.explore import PROGRAM, WORKER
 from tests.helpers.tools.page_data import data_of
 
 LAW = "def mine(penetration, stiffness):\n    return stiffness * penetration\n"
@@ -54,9 +51,3 @@ def test_a_law_of_the_users_own_needs_the_compilers_and_says_so(tmp_path, monkey
 def test_without_a_path_the_page_is_for_a_notebook(tmp_path):
     explore("rod_drop", tmp_path / "page.html")
     assert explore("rod_drop").html == (tmp_path / "page.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("name", [PROGRAM, WORKER, "player/recorded_page.js"])
-def test_the_joined_modules_of_a_page_are_a_valid_program(name):
-    """No import is left in it, and no two modules declare the same name; it is not run here."""
-    quickjs.Context().eval(f"() => {{\n{program(name)}\n}}")

@@ -188,6 +188,18 @@ def test_a_map_goes_by_the_keyboard(show):
     )
 
 
+def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
+    """An end of the rod touches before it is level only if it begins below the other one."""
+    page = show("rod_drop", {"simulation.stop_time": 0.25})
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-output").select_option("impact.count")
+    for end, angle in (("from", "-25 deg"), ("to", "25 deg")):
+        page.locator(f"#map-y-{end}").fill(angle)
+    draw_map(page)
+    texts = page.locator("#map-scales text").all_text_contents()
+    assert texts[texts.index("initial.angle[1], °") + 1 :] == ["0", "1", "Number of impacts"]
+
+
 def test_an_axis_of_a_stiffness_goes_by_decades(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()

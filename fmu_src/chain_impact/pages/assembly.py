@@ -16,7 +16,7 @@ PAGE = resources.files("chain_impact.pages") / "browser"
 STYLES = ("vendor/uPlot.min.css", "player/style.css", "player/panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 FRAGMENTS = ("stage", "panels", "playback")
-IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";.*\n', re.MULTILINE)
+IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 

@@ -8,6 +8,21 @@ export const now = () => {
   return (line.left + line.width / 2 - over.left) / over.width;
 };
 
+/** Return the texts in a canvas of the chart of outputs when it is drawn in another width: text and place over the chart's width. */
+export const texts = async () => {
+  const [found, write] = [[], CanvasRenderingContext2D.prototype.fillText];
+  const chart = document.querySelector("#outputs-over-time .chart");
+  CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+    const over = chart.querySelector(".u-over");
+    if (chart.contains(this.canvas)) found.push([text, (x / devicePixelRatio - over.offsetLeft) / over.clientWidth]);
+    return write.call(this, text, x, y);
+  };
+  chart.style.width = "300px";
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  CanvasRenderingContext2D.prototype.fillText = write;
+  return found;
+};
+
 export const course = async ({ module, file, kit, values }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const { parts: { forces, contacts, rowTime } } = runThrough(motion(kernel, values));

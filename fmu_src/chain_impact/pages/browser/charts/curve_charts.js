@@ -29,9 +29,10 @@ export function groupOf(name) {
   return group === name ? name.replace(/\..*/, ".*") : group;
 }
 
+const isCount = ({ values, isStepped }) => isStepped && values.every(Number.isInteger);
+
 /** Return for each curve the function that writes its values: one for the curves of a group; a count has no decimals. */
 export function writersOf(curves) {
-  const isCount = ({ values, isStepped }) => isStepped && values.every(Number.isInteger);
   const measured = curves.filter((curve) => !isCount(curve));
   const valuesIn = (group) => measured.filter(({ name }) => groupOf(name) === group).map(({ values }) => values);
   const writers = new Map([...new Set(measured.map(({ name }) => groupOf(name)))].map((group) => [group, writerOf(valuesIn(group))]));
@@ -55,6 +56,7 @@ class UnitChart extends TimeChart {
     const { time } = this.curvesOf(recording);
     Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
     this.writers = writersOf(this.curves);
+    this.isOfCounts = this.curves.every(isCount);
     const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
     else this.makeCurves(curves, data);
@@ -62,7 +64,7 @@ class UnitChart extends TimeChart {
 
   /** Draw at a time, with the whole time or the time `close` from one time to another, which the axis counts from `onset`. */
   draw(now, close, onset) {
-    if (close?.join() !== this.close?.join()) {
+    if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
       this.plot.setData(this.plot.data);
     }
@@ -96,7 +98,7 @@ export class CurveCharts {
     this.recording = recording;
     const { curves } = this.curvesOf(recording);
     const units = [...new Set(curves.map(({ unit }) => unit))];
-    if (units.join() !== [...this.charts.keys()].join()) {
+    if (JSON.stringify(units) !== JSON.stringify([...this.charts.keys()])) { // a count has the unit ""
       this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
       const parts = [...this.charts].flatMap(([unit, { element, entries }]) =>
         [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);

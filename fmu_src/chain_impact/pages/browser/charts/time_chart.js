@@ -9,6 +9,7 @@ const WIDTHS = { total: 2.4 };
 export class TimeChart extends Chart {
   names = [];
   soft = false; // whether the axis begins at zero if zero is near
+  isOfCounts = false; // whether the ticks of the values are whole numbers only
   onset = undefined; // the time [s] from which the axis counts, if it counts from an impact
 
   constructor(element, height, entries, seek) {
@@ -50,7 +51,8 @@ export class TimeChart extends Chart {
           }),
           axisOptions({
             size: labelledWidth,
-            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
+            splits: (plot, axis, low, high) =>
+              ticksUpwards(plot, low, high).filter((tick) => !this.isOfCounts || Number.isInteger(tick)),
             values: (_, ticks) => ticksOf(ticks),
           }),
         ],

@@ -16,8 +16,8 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a bar of a round length, at most LONGEST_BAR of the width, in the middle, or behind the end of the ruler; `scale` is in
- * pixels per metre.
+ * Draw a bar of a round length, at most LONGEST_BAR of the width, in the middle, or behind the end of the ruler; no bar if it
+ * would end beyond the width. `scale` is in pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;
@@ -27,6 +27,7 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
   const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
   const left = Math.max(width / 2 - (length * scale) / 2, rulerEnd + STRIP_LETTER * text.length + 2 * BESIDE_BAR);
   const right = left + length * scale;
+  if (right > width) return;
   group.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
     .addClass("bar").fill("none");
   group.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");

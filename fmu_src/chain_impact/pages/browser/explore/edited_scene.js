@@ -1,7 +1,7 @@
 // The changes of the reader in a scene that is edited: as far as the edit leaves their values, they stay changes, which can be reset.
 
+import { inFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";
-import { inFile } from "../scene/refusals.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /** Return whether entries of a list can have other indices in the edited list: one is removed, or the corners of a box are. */

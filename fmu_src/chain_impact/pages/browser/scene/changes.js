@@ -1,9 +1,10 @@
 // The present parameters of the page: the values of the scene, and the changes of the reader.
 
 import { numberText } from "../base/format.js";
+import { inFile, pathText } from "../base/paths.js";
 import { inRadians } from "./angles.js";
 import { sumOf } from "./geometry.js";
-import { inFile, keepFileRules, pathText } from "./refusals.js";
+import { keepFileRules } from "./refusals.js";
 
 export class Changes {
   #listeners = [];

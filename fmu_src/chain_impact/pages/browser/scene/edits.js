@@ -1,6 +1,6 @@
 // The changes of a scene file that the dialog of the page makes: links, points, walls and stops.
 
-import { CORNERS, pointsOf, STOPS } from "./geometry.js"; // a scene file leaves the corners of a box out
+import { CORNERS, pointsOf, STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
 
 const BELOW = 0.5; // distance of a new wall below the chain, relative to the length of the longest link
@@ -17,7 +17,7 @@ export function setOfLink(file, k, key, value) {
   if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed with the last stop
 }
 
-/** Return a point of a link by its index among the points; the first points are the corners of a box. */
+/** Return a point of a link by its index among the points; the first points are the corners of a box, which a scene file leaves out. */
 export function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];
 }

@@ -2,6 +2,7 @@
 // `kit.py`.
 
 import { mapped } from "../base/mapped.js";
+import { inFile } from "../base/paths.js";
 import { range } from "../base/range.js";
 import { pointText, sumOf, wallsAt } from "./geometry.js";
 import { filled, rowsOfOwners, structureOf } from "./owners.js";
@@ -14,7 +15,7 @@ function valuesOf(file, rows) {
   for (const { name, path, owner, rule, items, has } of rows) {
     const indices = { "{at}": owner.at, "{name}": owner.name, "{link}": owner.link, "{entry}": owner.entry };
     const steps = path.map((step) => indices[step] ?? step);
-    const given = steps.reduce((table, step) => table?.[step], file);
+    const given = inFile(file, steps);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
     else if (rule && (has || owner.corner)) {

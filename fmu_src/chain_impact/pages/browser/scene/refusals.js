@@ -1,5 +1,7 @@
 // The sentences and rules with which the page refuses the contents of a scene file: those of Python, in `refusals.py`.
 
+import { inFile, pathText } from "../base/paths.js";
+
 /** Return a value for a message, written as in Python's messages; numbers may be written otherwise (1 for 1.0). */
 export function shown(value) {
   const text = written(value);
@@ -60,14 +62,6 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
   const [fault, key, , bound] = rule;
   const least = bound && Number(sumIn(bound, valueOf).toPrecision(15));
   refuse(nameOf(key), fault, { ...words, value: shown(valueOf(key)), least, bound });
-}
-
-/** Return the value at a path of a file; undefined if a table on the way is missing. */
-export const inFile = (file, path) => path.reduce((table, step) => table?.[step], file);
-
-/** Return a path in a file as text, with numbers from 1. */
-export function pathText(path) {
-  return path.map((step) => (typeof step === "number" ? `[${step + 1}]` : `.${step}`)).join("").replace(/^\./, "");
 }
 
 /**
