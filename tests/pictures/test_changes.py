@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, simulate
 from chain_impact.pictures.changes import (
-    MOST_COLOURED,
+    LARGEST_EFFECTS,
     calm,
     fill_sensitivities,
     looks_of,
@@ -94,14 +94,14 @@ def test_the_most_important_of_many_parameters_have_colours():
     count = len(found.parameters)
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
-    assert colours == [*PALETTE[:MOST_COLOURED]]
+    assert colours == [*PALETTE[:LARGEST_EFFECTS]]
     ranges = {name: np.ptp(recording.columns[name]) for name in ("point[1].x", "point[1].y", "energy.total")}
     shares = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
     matter = np.max(shares, axis=(0, 1))
     share = dict(zip(found.parameters, matter.tolist(), strict=True))
     largest = sorted(share.values(), reverse=True)
     told = [line.get_label().partition(" + ")[0] for line in curves]
-    assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:MOST_COLOURED])
+    assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:LARGEST_EFFECTS])
     (band,) = [
         collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
     ]  # the band of the other parameters
@@ -113,7 +113,7 @@ def test_the_most_important_of_many_parameters_have_colours():
     (legend,) = page.legends
     *_, last = sorted(text.get_text() for text in legend.get_texts() if "others" in text.get_text())
     number, _, most = last.partition(" others, most ")
-    assert (int(number), share[most]) == (count - MOST_COLOURED, pytest.approx(largest[MOST_COLOURED]))
+    assert (int(number), share[most]) == (count - LARGEST_EFFECTS, pytest.approx(largest[LARGEST_EFFECTS]))
 
 
 @pytest.mark.parametrize(("names", "told"), [("abcde", "1 other: e"), ("abcdef", "2 others, most e")])

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import ROWS
+from chain_impact.pictures.over_time import MOST_ROWS
 from chain_impact.pictures.style import GREY, INK
 from tests.helpers.scenes.friction import pendulum, sled, thrown
 from tests.pictures.pictures import WIDTHS, drawn, recorded
@@ -63,11 +63,11 @@ def test_phases_too_short_to_be_seen_are_not_in_the_legend():
 
 def test_the_places_that_rub_for_longest_are_shown(recording):
     many = simulate(pendulum(), 0.5)
-    rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]
+    rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, MOST_ROWS + 4)]
     many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)
     *_, strip = drawn(many)
     shown = {label.get_text() for label in strip.get_yticklabels()}
-    assert shown == {f"joint {k}" for k in range(4, ROWS + 4)}
+    assert shown == {f"joint {k}" for k in range(4, MOST_ROWS + 4)}
 
 
 @pytest.mark.full("takes long")

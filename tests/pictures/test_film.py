@@ -16,7 +16,7 @@ from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_figure import CHAIN, FORCE, STYLE, Film
+from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, Film
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
@@ -202,7 +202,7 @@ def test_there_is_more_in_the_colour_of_forces_where_something_sticks(scene, wit
 def test_no_text_runs_out_of_a_film(size):
     """Scenes with dry friction have the most energies; here the potential energy has another zero."""
     recording = record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1}))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(FILM_STYLE):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         page = Film(figure, recording, np.linspace(0.0, 0.1, 9))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.impact_speeds import MOST_COLOURED, point_groups
-from chain_impact.pictures.over_time import VISIBLE, energy_curves, energy_look, without_gap
+from chain_impact.pictures.impact_speeds import MOST_COLOURED_POINTS, point_groups
+from chain_impact.pictures.over_time import VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import model_names
@@ -90,14 +90,14 @@ def test_the_drawn_energies_add_up_to_the_drawn_total(model):
     drawn_curves = {look["label"].split()[0]: energy for energy, look in energy_curves(recording)}
     added = sum(drawn_curves.get(name, 0.0) for name in ("kinetic", "potential", "elastic"))
     height = np.ptp([0.0, *itertools.chain(*drawn_curves.values())])
-    assert np.abs(added - drawn_curves["total"]).max() <= VISIBLE * height
+    assert np.abs(added - drawn_curves["total"]).max() <= VISIBLE_ELASTIC * height
 
 
 def test_many_points_are_not_told_apart_by_colour():
     hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     groups = point_groups(swing(hits, {"y_min": 0.0}))
     names = [name for name, _, _ in groups]
-    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_COLOURED + 1, 15))]
+    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_COLOURED_POINTS + 1, 15))]
     assert groups[0][1] == GREY
     assert len({colour for _, colour, _ in groups}) == len(groups)
     assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
-from chain_impact.pictures.figures import SIZE
+from chain_impact.pictures.figures import FIGURE_SIZE
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import MARK, fit_legends, legend_above
-from chain_impact.pictures.overview import BESIDE, broadness
+from chain_impact.pictures.overview import BROADEST_BESIDE, broadness
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
@@ -214,7 +214,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
-    beside = width >= 6.0 and broadness(recorded(model)) <= BESIDE
+    beside = width >= 6.0 and broadness(recorded(model)) <= BROADEST_BESIDE
     assert all((other.x0 >= motion.x1) == beside for other in others)
     check_texts(page)
     check_rules(page)
@@ -233,7 +233,7 @@ def test_a_page_without_a_height_is_as_high_as_its_contents_need():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     width, height = result.plot(size=(6.0, None), panels=panels).get_size_inches()
     assert width == 6.0
-    assert 2.0 < height < SIZE[1]
+    assert 2.0 < height < FIGURE_SIZE[1]
 
 
 def test_fonts_follow_the_settings_of_matplotlib():

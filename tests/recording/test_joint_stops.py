@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
-from chain_impact.pictures.figures import SIZE
+from chain_impact.pictures.figures import FIGURE_SIZE
 from chain_impact.pictures.impact_speeds import draw_impact_speeds, stop_scale
 from chain_impact.pictures.motion import by_speed, rings
 from chain_impact.pictures.overview import fill
@@ -128,7 +128,7 @@ def test_touches_have_the_moments_of_stops(up, stop):
 
 
 def test_impacts_at_stops_have_marks_and_their_own_axis():
-    page, recording = Figure(figsize=SIZE, layout="constrained"), swung()
+    page, recording = Figure(figsize=FIGURE_SIZE, layout="constrained"), swung()
     fill(page, recording)
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}
     assert {"stops", "impacts", "joint 2", "point 2"} <= names

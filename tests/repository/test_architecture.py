@@ -74,7 +74,7 @@ def constants(file):
 
 ROOMS = (
     *("kernel", "laws", "scene", "variables", "conversion", "simulation"),
-    *("fmu", "recording", "results", "studies", "cli", "pages"),
+    *("fmu", "recording", "results", "studies", "cli", "pages", "pictures"),
 )
 
 

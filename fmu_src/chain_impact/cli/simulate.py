@@ -261,10 +261,10 @@ def report(
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
     """Draw the derivatives of a recording, or else its motion with energies and impacts."""
-    from chain_impact.pictures import SIZE, draw_figure, fill, fill_sensitivities, usual_size
+    from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
-    usual = SIZE if has_derivatives else usual_size(recording, size=canvas.size)
+    usual = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
     canvas.draw(partial(draw_figure, fill_page, usual=usual), fill_page)
 
 

@@ -3,17 +3,17 @@
 from chain_impact.pictures.bars import Bars, bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
-from chain_impact.pictures.figures import SIZE, NoRoomError, check_alone, draw_figure
-from chain_impact.pictures.impact import SIZE as IMPACT_SIZE, fill_impact, fill_loop_axes
+from chain_impact.pictures.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
+from chain_impact.pictures.impact import IMPACT_SIZE, fill_impact, fill_loop_axes
 from chain_impact.pictures.motion import draw_chain
 from chain_impact.pictures.overview import fill, fill_axes, usual_size
 from chain_impact.pictures.room import draw_walls
 from chain_impact.pictures.sizes import MM
 
 __all__ = [
+    "FIGURE_SIZE",
     "IMPACT_SIZE",
     "MM",
-    "SIZE",
     "Bars",
     "NoRoomError",
     "bars_size",

@@ -16,11 +16,11 @@ from matplotlib.transforms import blended_transform_factory
 
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
-LEAST = 0.02  # the shortest arrow, relative to the smaller side of the view
-# FROM: the least distance of a mark from the left end of the ruler; APART: the least distance of two marks;
-# both relative to the length of the ruler
-FROM, APART = 0.1, 0.3
-BETWEEN = 0.5  # the least space between two numbers, relative to their height
+SHORTEST_ARROW = 0.02  # the shortest arrow, relative to the smaller side of the view
+# FIRST_MARK: the least distance of a mark from the left end of the ruler; MARK_GAP: the least distance of two
+# marks; both relative to the length of the ruler
+FIRST_MARK, MARK_GAP = 0.1, 0.3
+NUMBER_SPACE = 0.5  # the least space between two numbers, relative to their height
 TICK = 3.0  # [points] half of the length of a mark
 
 
@@ -32,13 +32,13 @@ class ArrowScale:
         self.peak, self.side = peak, side
 
     def length(self, force: float) -> float:
-        """Return the length of the arrow of a force [N], at least LEAST times the side [m]."""
+        """Return the length of the arrow of a force [N], at least SHORTEST_ARROW times the side [m]."""
         # l = LONGEST_ARROW · side · ∛(F / F_max)
-        return self.side * max(LEAST, LONGEST_ARROW * math.cbrt(force / self.peak))
+        return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
         """Return whether a force [N] is so large that its arrow is longer than the shortest one."""
-        return self.length(force) > LEAST * self.side
+        return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:
         """Return the distance from the ruler's left end [m] and the text of each mark, the largest first.
@@ -49,9 +49,9 @@ class ArrowScale:
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
         for force in 10.0 ** (highest - np.arange(DECADES)):
             at = self.length(float(force))
-            if at < FROM * whole:
+            if at < FIRST_MARK * whole:
                 break
-            if at <= free - APART * whole:
+            if at <= free - MARK_GAP * whole:
                 marks.append((at, EngFormatter("N", places=0)(float(force))))
                 free = at
         return marks
@@ -82,4 +82,4 @@ class ArrowScale:
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)
-            free = box.x0 - BETWEEN * box.height
+            free = box.x0 - NUMBER_SPACE * box.height

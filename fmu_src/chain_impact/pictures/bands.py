@@ -12,11 +12,11 @@ from chain_impact.pictures.style import GREY
 
 MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more are drawn as a band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
-# A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than MUCH of the
-# width of the axes. Turns count from SEEN on, relative to the range of all curves in the axes.
-BIN, MUCH, SEEN = 4.0, 0.2, 0.05
+# A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than FAST_PART of
+# the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
+BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
-EDGE, PALE_BAND = 1.2, 0.1  # [points] the width of the edges of an oscillation's band, and the band's opacity
+BAND_EDGE, PALE_BAND = 1.2, 0.1  # [points] the width of the edges of an oscillation's band, and its opacity
 FAST = "band: range of a fast oscillation"
 
 
@@ -38,7 +38,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
     assert figure is not None
     bins = max(1, int(axes.get_window_extent().width * 72.0 / figure.dpi / BIN))
     ends = [(np.nanmin(values), np.nanmax(values)) for values, _ in curves if np.isfinite(values).any()]
-    least = SEEN * float(np.ptp(ends)) if ends else 0.0
+    least = LEAST_TURN * float(np.ptp(ends)) if ends else 0.0
     is_told = False
     for values, look in curves:
         if not is_fast(along, values, bins, least):
@@ -47,7 +47,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
         at, low, high = envelope(along, values, bins)
         axes.fill_between(at, low, high, color=look["color"], alpha=PALE_BAND, linewidth=0.0)
         for edge, label in ((low, "_"), (high, look["label"])):
-            axes.plot(at, edge, **look | {"linewidth": EDGE, "label": label})
+            axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
         is_told = True
     if is_told:
         axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, label=FAST)
@@ -83,7 +83,7 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
     turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
     large = np.abs(np.diff(values[turns], append=np.inf)) >= least
     counts, _ = np.histogram(along[turns[large]], bins, (along[0], along[-1]))
-    return bool((counts > 1).mean() > MUCH)
+    return bool((counts > 1).mean() > FAST_PART)
 
 
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -23,8 +23,8 @@ from chain_impact.pictures.style import (
 
 # [inch] the width of the figure, the space above and below all bars, the space between two blocks, and the
 # height for one bar
-WIDTH, AROUND, BETWEEN, BAR = 7.0, 1.4, 0.6, 0.25
-MARGIN = 0.03  # the free part of an axis at each end with bars
+WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
+BAR_MARGIN = 0.03  # the free part of an axis at each end with bars
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 
@@ -47,7 +47,7 @@ class Bars:
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
     """Return the default size of a figure [inches] for the number of bars in each block."""
-    return WIDTH, AROUND + BETWEEN * max(len(counts) - 1, 0) + BAR * max(sum(counts), 2)
+    return WIDTH, AROUND_BARS + BLOCK_SPACE * max(len(counts) - 1, 0) + BAR_HEIGHT * max(sum(counts), 2)
 
 
 @styled()
@@ -97,5 +97,5 @@ def _draw(axes: Axes, block: Bars, *, narrow: bool) -> None:
     axes.set_xlabel(block.label)
     axes.xaxis.set_major_locator(MaxNLocator(4 if narrow else 6, min_n_ticks=LEAST_TICKS))
     low, high = min([0.0, *block.values]), max([0.0, *block.values])
-    margin = MARGIN * (high - low)
+    margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.figures import settle
-from chain_impact.pictures.impact_speeds import DOT
+from chain_impact.pictures.impact_speeds import IMPACT_DOT
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import SEEN, impact_lines, mark_impacts
+from chain_impact.pictures.over_time import SEEN_CONTACT, impact_lines, mark_impacts
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -34,8 +34,8 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-ROUND_OFF = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
-MOST_COLOURED = 4  # the largest number of parameters with individual curves: those with the largest effects
+NO_CHANGE = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
+LARGEST_EFFECTS = 4  # the largest number of parameters with individual curves: those with the largest effects
 STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
 Looks = list[dict[str, Any]]
 
@@ -88,7 +88,7 @@ def calm(recording: Recording) -> np.ndarray:
 def short_contacts(recording: Recording) -> np.ndarray:
     """Return whether each row is inside an impact that is too short to be seen, shape (T,)."""
     impacts, span = recording.impacts, np.ptp(recording.time)
-    return within(recording, impacts[impacts["end"] - impacts["onset"] < SEEN * span])
+    return within(recording, impacts[impacts["end"] - impacts["onset"] < SEEN_CONTACT * span])
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
@@ -120,9 +120,9 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
-    coloured = {k for k in order[:MOST_COLOURED] if relative[:, k].max() > ROUND_OFF}
+    coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
     others = sorted(set(order) - coloured)
-    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > ROUND_OFF), "")
+    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
     rest = plural(len(others), "other")
     if largest:
         rest += f": {largest}" if len(others) == 1 else f", most {largest}"
@@ -150,21 +150,21 @@ def draw_changes(
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
     axes.set_ylabel(f"change of {output}{in_brackets(sensitivities.units[output])}")
-    fit_scale(axes, changes[calm(recording)], ROUND_OFF * np.ptp(recording.columns[output]))
+    fit_scale(axes, changes[calm(recording)], NO_CHANGE * np.ptp(recording.columns[output]))
 
 
 def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
     """Draw the changes of each impact's speed for each parameter: dots, or diamonds at stops of joints."""
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
-        style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT, "clip_on": False}
+        style = {"color": look["color"], "zorder": look["zorder"], "markersize": IMPACT_DOT, "clip_on": False}
         for rows, marker in ((~stopped, "o"), (stopped, "D")):
             if rows.any():
                 axes.plot(sensitivities.impacts["onset"][rows], values[rows], marker, **style)
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
     axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
-    fit_scale(axes, changes, ROUND_OFF * recording.impacts["impact_speed"].max(initial=0.0))
+    fit_scale(axes, changes, NO_CHANGE * recording.impacts["impact_speed"].max(initial=0.0))
     if not len(sensitivities.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=INK)
 

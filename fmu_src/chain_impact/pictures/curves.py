@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import hides, plot_curves
-from chain_impact.pictures.figures import settle
+from chain_impact.pictures.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import hit, write_head
@@ -26,20 +26,22 @@ from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
 # largest number of curves in a panel, and largest number of panels
-MOST, MOST_PANELS = len(PALETTE) * len(DASHES), 8
-PANEL, AROUND = 1.9, 1.1  # [inch] the height of a panel, and the space above and below all panels
+MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
+AROUND_PANELS = 1.1  # [inch] the space above and below all panels
 WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
-SMALL, LARGE = 1e-2, 1e3  # a unit gets a prefix if the largest value is less than SMALL or at least LARGE
+# a unit gets a prefix if the largest value is less than SMALL_VALUE or at least LARGE_VALUE
+SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # units that only one quantity has → this quantity
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
-END = 0.5  # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
+# the line at the end of an impact mixes this fraction of the text colour with the ground's colour
+END_LINE = 0.5
 MOST_NAMED = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
 SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves [inches]."""
-    return FULL, max(3.4, AROUND + PANEL * len(clear_panels(curves)))
+    return FULL, max(3.4, AROUND_PANELS + PANEL_HEIGHT * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
@@ -70,10 +72,10 @@ def check_curves(curves: Curves) -> None:
     if len(panels) > MOST_PANELS:
         raise ValueError(f"curves: {len(panels)} units need as many panels; must be <= {MOST_PANELS}")
     for names in map(partial(drawn_in, curves), panels):
-        if len(names) > MOST:
+        if len(names) > MOST_CURVES:
             unit = curves.units[names[0]]
             raise ValueError(
-                f"curves: {len(names)} outputs in {unit_text(unit) or 'no unit'}; must be <= {MOST}"
+                f"curves: {len(names)} outputs in {unit_text(unit) or 'no unit'}; must be <= {MOST_CURVES}"
             )
 
 
@@ -227,13 +229,14 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
     """Draw a dotted line at the end of an impact, if the end is known."""
     end = recording.impacts["end"][number - 1]
     if np.isfinite(end):
-        axes.axvline(factor * (end - start), color=faint(axes, END), linewidth=0.8, linestyle=":", zorder=0)
+        look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
+        axes.axvline(factor * (end - start), **look, zorder=0)
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     """Return a factor, and the unit of an axis into which it converts values: kN for large forces."""
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    is_usual = SMALL <= largest < LARGE or largest == 0.0 or unit not in LOAD_UNITS
+    is_usual = SMALL_VALUE <= largest < LARGE_VALUE or largest == 0.0 or unit not in LOAD_UNITS
     return (1.0, unit) if is_usual else prefixed(largest, unit)
 
 

@@ -22,13 +22,14 @@ from matplotlib.text import Annotation, Text
 DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
 # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. A larger number
 # would make blue and light blue alike
-LEAST = 0.2
+LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground: of colours and of text, and of grey lines (WCAG 2.1, 1.4.3 and
 # 1.4.11). A grey up to TEXT, from 0 for black to 1, is text or an outline; one up to LINES is a line. Paler
 # greys are areas and grids.
-READABLE, VISIBLE = 4.5, 3.0
+READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-STEPS, MOST = 41, 0.999  # the number of mixtures that are tried; a mixture with this luminance is white
+# the number of mixtures that are tried; a mixture with this luminance is white
+MIXTURES, NEAR_WHITE = 41, 0.999
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"
@@ -38,8 +39,8 @@ REPLACED = {UMBER: ORANGE, PLUM: SKY}
 COLOURED = 0.15  # a colour with less saturation counts as a grey
 # on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
 # distance larger, because greys near black are hard to see
-APART = 0.8
-OUTLINE = 3.0  # [points] the width of the outline of a text
+SPREAD = 0.8
+TEXT_OUTLINE = 3.0  # [points] the width of the outline of a text
 # the name of the colour map for time; on a dark ground its colours change, because lines have them, too
 TIME = "time"
 Colour = tuple[float, float, float, float]
@@ -61,12 +62,12 @@ class Ground(NamedTuple):
         """Return the colour that replaces a colour for a white figure, with the same opacity."""
         red, green, blue, alpha = to_rgba(colour)
         if colorsys.rgb_to_hsv(red, green, blue)[1] >= COLOURED:
-            return lighter(colour, least_luminance(self.ground, READABLE))
+            return lighter(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        needed = READABLE if grey <= TEXT else VISIBLE if grey <= LINES else 1.0
+        needed = READABLE_CONTRAST if grey <= TEXT else VISIBLE_CONTRAST if grey <= LINES else 1.0
         least = least_luminance(self.ground, needed) if needed > 1.0 else 0.0
-        mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** APART, 1.0, STEPS)]
+        mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, MIXTURES)]
         red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()
         return red, green, blue, alpha
 
@@ -90,7 +91,7 @@ class Ground(NamedTuple):
             elif isinstance(artist, Text):
                 artist.set_color(self.suited(artist.get_color()))
                 if artist.get_path_effects():  # the outline must have the colour of the ground
-                    artist.set_path_effects([withStroke(linewidth=OUTLINE, foreground=self.ground)])
+                    artist.set_path_effects([withStroke(linewidth=TEXT_OUTLINE, foreground=self.ground)])
                 if isinstance(artist, Annotation) and artist.arrow_patch is not None:
                     self.suit([artist.arrow_patch])
             elif isinstance(artist, Axis):  # ticks that matplotlib makes later get these colours, too
@@ -141,13 +142,14 @@ def least_luminance(ground: Any, ratio: float) -> float:
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour with a luminance of at least LEAST, and of at least ``least``.
+    """Return a colour with a luminance of at least LEAST_LUMINANCE, and of at least ``least``.
 
     It has the same hue, except for the colours in REPLACED.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))
-    shares = np.linspace(0.0, 1.0, STEPS)
+    shares = np.linspace(0.0, 1.0, MIXTURES)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
-    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= min(max(LEAST, least), MOST))
+    needed = min(max(LEAST_LUMINANCE, least), NEAR_WHITE)
+    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= needed)
     return r, g, b, a

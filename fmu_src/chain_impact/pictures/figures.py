@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.lines import in_lines
-from chain_impact.pictures.sizes import LEAST, Size, figure_size
+from chain_impact.pictures.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.style import (
     DPI,
     FULL,
@@ -33,14 +33,15 @@ from chain_impact.pictures.style import (
     suit_figure,
 )
 
-SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
-LEAST_SIDE = 0.3  # [inch] the least height of axes with a label
-USUAL_SIDE = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
+FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
+PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
+LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label
+USUAL_AXES_HEIGHT = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
-ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
+LIMIT_ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
 # if a figure is too low, heights that are larger by a multiple of STEP [inch] are tried, at most HIGHER steps
 STEP, HIGHER = 0.25, 40
-APART = 0.6  # the least space between two numbers of an axis, relative to their height
+TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # a label is broken into two lines if its length, relative to the length of its axis, exceeds this
 LONGER = 1.1
 Fill = Callable[[Figure], None]
@@ -64,7 +65,7 @@ def draw_figure(
     fill: Fill,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
-    usual: tuple[float, float] = SIZE,
+    usual: tuple[float, float] = FIGURE_SIZE,
 ) -> Figure | None:
     """Draw a figure into a file, or return the figure.
 
@@ -133,12 +134,12 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     Raises:
         ValueError: when no tried height is enough.
     """
-    height = max(LEAST, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
+    height = max(LEAST_SIZE, usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0]))))
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
-    lacks = lacking_height(fill, figure, USUAL_SIDE)
+    lacks = lacking_height(fill, figure, USUAL_AXES_HEIGHT)
     if lacks <= 0.0:
         return figure
-    return least_figure(fill, width, height, USUAL_SIDE, lacks, free_height=True)
+    return least_figure(fill, width, height, USUAL_AXES_HEIGHT, lacks, free_height=True)
 
 
 def least_figure(
@@ -201,7 +202,7 @@ def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
         sides = np.array([axes.bbox.height / figure.dpi for axes in figure.axes if axes.get_ylabel()])
-        lacks = len(sides) * max(LEAST_SIDE - sides.min(), mean - sides.mean()) if len(sides) else 0.0
+        lacks = len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
         if lacks > 0.0:
             return float(lacks)
         boxes = list(text_boxes(figure))
@@ -222,7 +223,7 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
         texts += [axes.xaxis.label, axes.yaxis.label]
         for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
             low, high = sorted(axis.get_view_interval())
-            slack = ROUND_OFF * (high - low)
+            slack = LIMIT_ROUND_OFF * (high - low)
             ticks = axis.get_majorticklabels()
             texts += [tick for tick in ticks if low - slack <= tick.get_position()[along] <= high + slack]
     yield from (text.get_window_extent() for text in texts if text.get_text())
@@ -251,7 +252,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
 
 def meet(first: Bbox, second: Bbox) -> bool:
     """Return whether two successive numbers of an axis overlap, or are so close that they look like one."""
-    return bool(first.x1 + APART * first.height > second.x0)
+    return bool(first.x1 + TICK_SPACE * first.height > second.x0)
 
 
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:

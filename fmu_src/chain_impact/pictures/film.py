@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.dark import Ground
-from chain_impact.pictures.film_figure import COLOURS, ROOM, STYLE, Film
+from chain_impact.pictures.film_figure import FILM_COLOURS, FILM_STYLE, ROOM, Film
 from chain_impact.pictures.film_files import write_gif, write_mp4
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
@@ -26,9 +26,9 @@ RATES = {".gif": 20, ".mp4": 30}
 FRAMES_OF_SINE = 8.0
 # a film is slowed down for a fast sine only up to this number of frames, because more take minutes to draw
 MOST_FRAMES = 1500
-# pixels per inch. DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI: the
-# number for a film that is too small for energies
-DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
+# pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI:
+# the number for a film that is too small for energies
+MOST_DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
 
 
 def write_film(
@@ -67,7 +67,7 @@ def write_film(
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
         ground = Ground.of_style()
-        colours = [ground.suited(colour) for colour in COLOURS] if ground else COLOURS
+        colours = [ground.suited(colour) for colour in FILM_COLOURS] if ground else FILM_COLOURS
         write_gif(pictures, path, rate, colours, ground.ground if ground else "white")
     else:
         write_mp4(pictures, path, rate, (width, height))
@@ -103,7 +103,7 @@ def draw_frames(
 ) -> Iterator[np.ndarray]:
     """Draw a recording at some times; yield red, green, blue of each pixel, shape (height, width, 3)."""
     ground = Ground.of_style()
-    with matplotlib.style.context(["default", STYLE]):
+    with matplotlib.style.context(["default", FILM_STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
@@ -121,4 +121,4 @@ def draw_frames(
 def resolution(size: tuple[int, int]) -> float:
     """Return the pixels per inch of a film: fewer pixels for a small film, so that all texts have room."""
     density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
-    return min(DPI, density) if density >= LEAST_DPI else SMALL_DPI
+    return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI

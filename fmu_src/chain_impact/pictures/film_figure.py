@@ -22,7 +22,7 @@ from chain_impact.pictures.message import hit
 from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
     ENERGIES,
-    PARTS,
+    ENERGY_PARTS,
     energy_look,
     mark_impacts,
     offset_text,
@@ -35,7 +35,7 @@ from chain_impact.pictures.style import (
     LOAD,
     OUTSIDE_COLOUR,
     PALE,
-    STYLE as PICTURES,
+    STYLE,
     force_text,
 )
 from chain_impact.pictures.trace import trace_of
@@ -47,10 +47,10 @@ from chain_impact.scene.bodies import placed
 from chain_impact.scene.names import STOPS
 
 MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
-COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
+FILM_COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, LOAD, *ENERGIES.values())
 """All colours of a film, except white and the shades between the colours and white."""
-STYLE: Any = PICTURES | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
-STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
+FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
+FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 """Settings of matplotlib for a film."""
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
@@ -60,7 +60,7 @@ CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-BAR = 0.035  # half of a bar of sticking, relative to the smaller side of the view
+HALF_BAR = 0.035  # half of a bar of sticking, relative to the smaller side of the view
 SCALE = 0.055  # the height of the rulers below the axes, relative to the height of the figure
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
@@ -198,7 +198,7 @@ class Film:
         known = self.recording.energies
         shown, offset = without_gap({name: known[name] for name in known if name in ENERGIES})
         curves: list[tuple[np.ndarray, dict[str, Any]]] = [
-            (energy, energy_look(name) | {"linestyle": "--" if name in PARTS else "-"})
+            (energy, energy_look(name) | {"linestyle": "--" if name in ENERGY_PARTS else "-"})
             for name, energy in shown.items()
             if known[name].any()
         ]
@@ -323,7 +323,7 @@ class Film:
         tangent = np.array([normal[1], -normal[0]])
         foot, whole = point - plane.clearance(*point) * normal, float(np.hypot(*force))
         if sticks:
-            bar = np.stack([foot - BAR * self.side * tangent, foot + BAR * self.side * tangent])
+            bar = np.stack([foot - HALF_BAR * self.side * tangent, foot + HALF_BAR * self.side * tangent])
             self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
         self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
 

@@ -16,7 +16,7 @@ SHADES = 6  # number of shades of each colour in a gif, from the colour towards 
 # would take it for the ground
 NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
-END = b";"  # the last byte of a gif
+GIF_END = b";"  # the last byte of a gif
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 
 
@@ -46,7 +46,7 @@ def write_gif(
             if file.tell() == 0:
                 file.writelines(getheader(part, info={"loop": 0})[0])
             file.writelines(getdata(part, corner, duration=round(1000 * seconds)))
-        file.write(END)
+        file.write(GIF_END)
 
 
 def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int, int], float]]:

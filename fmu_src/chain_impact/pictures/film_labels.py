@@ -13,11 +13,12 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.dark import TEXT_OUTLINE
 from chain_impact.pictures.labels import directions
 
 # [points] the distances from the head of an arrow to its number that are tried, in this order
 DISTANCES = (5.0, 12.0, 20.0, 30.0)
-SPACE = 3.0  # [points] the least space between a number and other things
+NUMBER_MARGIN = 3.0  # [points] the least space between a number and other things
 SAMPLE = 3.0  # [points] the distance of the points of a line that a number must not cover
 
 
@@ -62,7 +63,7 @@ def write_numbers(
     taken: list[Bbox] = []
     text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
     for number in sorted(wanted, key=lambda number: -number.size):
-        outline = [withStroke(linewidth=3.0, foreground="white")]
+        outline = [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]
         text = axes.text(
             number.position[0],
             number.position[1],
@@ -76,7 +77,7 @@ def write_numbers(
             middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
                 distance * point + half
             )
-            boxes = [Bbox([middle - half, middle + half]).padded(SPACE * point) for middle in middles]
+            boxes = [Bbox([middle - half, middle + half]).padded(NUMBER_MARGIN * point) for middle in middles]
             free = [box for box in boxes if is_free(box, room, avoided, bodies, taken)]
             if free:
                 taken.append(free[0])

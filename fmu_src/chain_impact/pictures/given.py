@@ -15,8 +15,8 @@ from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # the number of times that axes are moved: after a move the texts may need another space
-LEAST_SIDE = 0.2  # axes are not made smaller than this part of their width or height; then texts stay cut off
-SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
+LEAST_PART = 0.2  # axes are not made smaller than this part of their width or height; then texts stay cut off
+TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 
 @contextmanager
@@ -64,7 +64,7 @@ def _fit(axes: Axes, figure: Figure) -> None:
     if box is None:
         return
     (left, low), (right, high) = axes.get_position(original=True).transformed(figure.transFigure).get_points()
-    width, height = LEAST_SIDE * (right - left), LEAST_SIDE * (high - low)
+    width, height = LEAST_PART * (right - left), LEAST_PART * (high - low)
     left, low = left + max(0.0, room.x0 - box.x0), low + max(0.0, room.y0 - box.y0)
     right, high = right - max(0.0, box.x1 - room.x1), high - max(0.0, box.y1 - room.y1)
     if right - left >= width and high - low >= height:
@@ -75,7 +75,7 @@ def _fit(axes: Axes, figure: Figure) -> None:
 def _room(axes: Axes, figure: Figure) -> Bbox:
     """Return the room of axes with their texts [pixels]: the figure up to the neighbours of the axes."""
     own = axes.get_position(original=True)
-    space = SPACE * figure.dpi / 72.0
+    space = TEXT_SPACE * figure.dpi / 72.0
     (left, low), (right, high) = figure.bbox.padded(-space).get_points()
     for other in figure.axes:
         beside, texts = other.get_position(original=True), other.get_tightbbox()

@@ -31,13 +31,13 @@ from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
-SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
+IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 PEAK = 0.95  # the peak counts as reached when the force is this part of the largest force
 AFTER_PEAK = 4.0  # a long contact is shown at least for this number of times the time until the peak force
 # if a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown
 MUCH_LONGER = 2.0
-EDGE = 0.03  # the shown time before the onset, relative to the whole shown time
-DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
+SHOWN_BEFORE = 0.03  # the shown time before the onset, relative to the whole shown time
+LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height of a panel over time
 
 
@@ -68,7 +68,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
         axes.plot(time_factor * (course.time - impact["onset"]), factor * values, color=colour)
         if shown < np.ptp(course.time):
-            axes.set_xlim(-EDGE * time_factor * shown, time_factor * shown)
+            axes.set_xlim(-SHOWN_BEFORE * time_factor * shown, time_factor * shown)
     if shown < (np.ptp(course.time) if len(course.time) else 0.0):
         text_style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
         timed[0].text(
@@ -122,7 +122,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     if not lasts(impact):
         axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
     elif len(x):
-        axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=DOT, label="at the end")
+        axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=LASTING_DOT, label="at the end")
     name = "moment" if at_stop else "force"
     axes.set(xlabel=f"penetration [{prefixed_depth_unit}]", ylabel=f"{name} [{prefixed_force_unit}]")
     legend_above(axes)

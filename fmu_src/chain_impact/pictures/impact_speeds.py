@@ -13,15 +13,15 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_LISTED, by_speed, numbers_text
+from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, by_speed, numbers_text
 from chain_impact.pictures.names import short_names
-from chain_impact.pictures.over_time import SEEN, over_all_time
+from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
 from chain_impact.pictures.style import GREY, INK, PALETTE
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-MOST_COLOURED = 5  # the largest number of points with individual colours, so that the legend has room
+MOST_COLOURED_POINTS = 5  # the largest number of points with individual colours, so that the legend has room
 # impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
 # EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
@@ -29,7 +29,7 @@ NUMBERED = 60  # the largest number of impacts that get numbers
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and how much larger a mark is for each mark that covers it
-DOT, RIM = 4.0, 3.0
+IMPACT_DOT, COVERED_RIM = 4.0, 3.0
 # the size of the cells in which marks of impacts count as one, relative to the duration and the largest
 # height
 ONE_MARK = 0.005
@@ -39,8 +39,8 @@ CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """Draw the impact speed of each impact over time, with a colour for each point.
 
-    At most MOST_COLOURED points have a colour of their own: those with the fastest impacts. The others are
-    grey.
+    At most MOST_COLOURED_POINTS points have a colour of their own: those with the fastest impacts. The
+    others are grey.
 
     Thick, pale lines at the foot, a row for each colour, show the contacts that are long enough to be seen.
     If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
@@ -53,11 +53,11 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
         look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour, "clip_on": False}
-        axes.plot(times[hits], tops[hits], **look, markersize=DOT, label=name)
-        for size in np.unique(sizes[hits][sizes[hits] > DOT]):
+        axes.plot(times[hits], tops[hits], **look, markersize=IMPACT_DOT, label=name)
+        for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
             wide = hits[sizes[hits] == size]
             axes.plot(times[wide], tops[wide], **look, markersize=size, label="_", zorder=1.9)
-        goes_on = hits[ends[hits] - times[hits] > SEEN * span]
+        goes_on = hits[ends[hits] - times[hits] > SEEN_CONTACT * span]
         if len(goes_on):
             draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
             lanes += 1
@@ -72,7 +72,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         axes.spines["right"].set_visible(True)
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
-        if (ends - times > SEEN * span).any():
+        if (ends - times > SEEN_CONTACT * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
         legend_above(axes, handles)
     else:
@@ -145,12 +145,12 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
 
     ``groups`` are the impacts of each colour, in the order of drawing.
     """
-    sizes, colours = np.full(len(recording.impacts), DOT), np.zeros(len(recording.impacts), int)
+    sizes, colours = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for colour, hits in enumerate(groups):
         colours[hits] = colour
     for rows in common_marks(recording).values():
         for row in rows:
-            sizes[row] += RIM * len({*colours[rows].tolist()} - {*range(colours[row] + 1)})
+            sizes[row] += COVERED_RIM * len({*colours[rows].tolist()} - {*range(colours[row] + 1)})
     return sizes
 
 
@@ -163,7 +163,7 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
-    coloured = sorted(hit if len(hit) <= MOST_COLOURED else hit[: MOST_COLOURED - 1])
+    coloured = sorted(hit if len(hit) <= MOST_COLOURED_POINTS else hit[: MOST_COLOURED_POINTS - 1])
     groups = [
         (member[-1], colour, np.array([other == member for other in members]))
         for member, colour in zip(coloured, PALETTE, strict=False)
@@ -188,7 +188,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     common = {row: rows for rows in common_marks(recording).values() for row in rows}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
-    texts = (numbers_text(each, MOST_LISTED, LISTED_OF_MANY) for each in numbers)
+    texts = (numbers_text(each, MOST_IN_LABEL, LISTED_OF_MANY) for each in numbers)
     labels = [Label(text, tops[row]) for text, row in zip(texts, wanted, strict=True)]
     left = place_labels(axes, labels, ink, fontsize="small")
     if step > 1 and not left:

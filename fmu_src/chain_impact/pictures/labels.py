@@ -24,10 +24,10 @@ CLOSE = 4.0  # [points] the usual distance from a position to its label
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
-# PARTS: the number of directions that are tried, equally spaced in a full turn; TURNS: their order, as steps
-# away from the best direction, to both sides
-PARTS = 16
-TURNS = (0, *(sign * part for part in range(1, PARTS // 2) for sign in (1, -1)), PARTS // 2)
+# DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: their order, as
+# steps away from the best direction, to both sides
+DIRECTIONS = 16
+TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
 COVERED = 0.6  # the largest part of a leader that may cover other drawn things
 # STRONG: a pixel is strong if its red, green or blue is below this
 # CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
@@ -36,11 +36,12 @@ CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] where no leaders are allowed, a label is on its position's side of each strong line that is farther
 # away than this
 OWN_LINE = 4.5
-BESIDE = 2  # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
-OUTLINE = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
+# [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
+CROSSING = 2
+LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
-ABOVE = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
+LABEL_LAYER = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
@@ -151,11 +152,11 @@ class Ink:
 
 
 def widened(pixels: np.ndarray) -> np.ndarray:
-    """Return the pixels that are at most BESIDE pixels from a true pixel, along x and along y."""
+    """Return the pixels that are at most CROSSING pixels from a true pixel, along x and along y."""
     wide = pixels.copy()
     for axis in (0, 1):
         here = wide.copy()
-        for way in range(1, BESIDE + 1):
+        for way in range(1, CROSSING + 1):
             ahead, behind = (slice(way, None), slice(None, -way))
             for to, of in ((ahead, behind), (behind, ahead)):
                 at: tuple[slice, ...] = (to,) if axis == 0 else (slice(None), to)
@@ -280,7 +281,7 @@ def _place(
     }
     may_lead = FAR[-1] in steps
     grounds = (False, True) if may_lead else (False,)
-    outline: Any = {True: {"path_effects": [withStroke(linewidth=OUTLINE, foreground="white")]}, False: {}}
+    outline: Any = {True: {"path_effects": [withStroke(linewidth=LABEL_RIM, foreground="white")]}, False: {}}
     tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
     for crossed, on_pale, words, spared in tries:
         half = sizes[words]
@@ -294,7 +295,7 @@ def _place(
         if crossed:  # positions without a leader were tried with the first of CROSSED
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
-            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": ABOVE} if steps[step] in FAR else {}
+            led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if steps[step] in FAR else {}
             box, start = (low[step, turn], high[step, turn]), at if led else None
             if not may_lead and ink.is_crossed(at, 0.5 * (box[0] + box[1]), OWN_LINE * point):
                 continue
@@ -315,8 +316,8 @@ def folded(words: str) -> str:
 
 
 def directions(away: tuple[float, float]) -> np.ndarray:
-    """Return unit vectors in all directions, those nearest to ``away`` first, shape (PARTS, 2)."""
-    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / PARTS * np.array(TURNS)
+    """Return unit vectors in all directions, those nearest to ``away`` first, shape (DIRECTIONS, 2)."""
+    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / DIRECTIONS * np.array(TURNS)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 

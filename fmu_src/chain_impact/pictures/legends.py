@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
+from chain_impact.pictures.lines import HALVINGS
 from chain_impact.pictures.style import is_narrow
 
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
-ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
-BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-BETWEEN, ROWS = 0.8, 0.2  # the space between two entries, and between two rows, relative to the font size
-HALVINGS = 8  # the number of steps of the bisection for the least width that needs no additional row
+ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+# the space between two entries, and between two rows, relative to the font size
+ENTRY_GAP, ROW_GAP = 0.8, 0.2
 MARK = "above"  # the gid of a legend above its axes, by which the legend is found
 
 
@@ -29,7 +30,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 def legend_beside(axes: Axes) -> Any:
     """Put a legend with one column to the right of axes, whose layout it does not change; return it."""
-    legend = axes.legend(labelspacing=2.0 * ROWS, **LOOK, **BESIDE)
+    legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
     legend.set_in_layout(False)
     return legend
 
@@ -67,7 +68,7 @@ def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
     """Put a legend with one row above axes if there are entries."""
     if entries:
         handles, labels = zip(*entries, strict=True)
-        axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE).set_gid(MARK)
+        axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE_AXES).set_gid(MARK)
 
 
 def _fill_rows(legend: Any, room: float) -> None:
@@ -78,7 +79,7 @@ def _fill_rows(legend: Any, room: float) -> None:
     whole = legend.get_children()[0].get_children()[-1]
     figure, entries = legend.get_figure(root=True), _entries(whole)
     em = legend.get_texts()[0].get_fontsize()
-    widths, space = [entry.get_window_extent().width for entry in entries], BETWEEN * em * figure.dpi / 72.0
+    widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
     room -= legend.get_window_extent().width - whole.get_window_extent().width
     rows = _rows(widths, space, room)
     low, high = max(widths), room
@@ -87,9 +88,9 @@ def _fill_rows(legend: Any, room: float) -> None:
         tried = _rows(widths, space, middle)
         rows, low, high = (tried, low, middle) if len(tried) == len(rows) else (rows, middle, high)
     lines: list[Any] = [
-        HPacker(sep=BETWEEN * em, align="baseline", children=[entries[k] for k in row]) for row in rows
+        HPacker(sep=ENTRY_GAP * em, align="baseline", children=[entries[k] for k in row]) for row in rows
     ]
-    block = VPacker(sep=ROWS * em, children=lines)
+    block = VPacker(sep=ROW_GAP * em, children=lines)
     block.set_figure(figure)
     whole.get_children()[:] = [block]
 

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from matplotlib.text import Text
 
 # a space at which a line may end: not beside the sign before a number, and not before a unit
-SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
+BREAKABLE_SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
-HALVINGS = 8  # the number of steps of the bisection for the least width that needs no additional line
+HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
 def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> int:
@@ -41,8 +41,8 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
     pieces: list[str] = []
     for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole):
         fits = width(part.rstrip(parts)) <= room
-        pieces += [part] if fits else SPACE.split(part)
-    lines, words = _filled(pieces, room, width, parts), SPACE.split(whole)
+        pieces += [part] if fits else BREAKABLE_SPACE.split(part)
+    lines, words = _filled(pieces, room, width, parts), BREAKABLE_SPACE.split(whole)
     filled = _filled(words, room, width, parts)
     if len(lines) > len(filled) + more:
         lines, pieces = filled, words

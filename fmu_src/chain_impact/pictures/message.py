@@ -15,7 +15,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural
 from chain_impact.scene.unit_text import of_power
 
-ROUND_OFF = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
+NO_LOSS = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
@@ -31,7 +31,7 @@ def message(recording: Recording, *, short: bool = False) -> str:
 def dissipated(recording: Recording) -> str:
     """Return words for the lost energy, "50.3 J dissipated"; "" if no energy is lost."""
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
-    least = ROUND_OFF * np.abs(recording.energies.get("total", np.zeros(1))).max()
+    least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
     return f"{lost:.3g} J dissipated" if lost > least else ""
 
 

@@ -41,7 +41,7 @@ MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more
 # end nearer to its start than COVERED_WITHIN, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line of a ball, relative to that of a link
-ROUND_OFF = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
+SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at a wall share a ring, relative to the larger side of the view
@@ -51,9 +51,9 @@ LONGEST_LOAD = 0.3
 # SHORTEST_LOAD: the least length of this arrow when an arrow would leave the view, relative to LONGEST_LOAD;
 # a force that points out of the view from its edge has such an arrow, which crosses the edge
 SHORTEST_LOAD = 0.4
-# MOST_LISTED: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
+# MOST_IN_LABEL: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
 # ring with more lists this number of impacts, the fastest ones, and says how many others there are
-MOST_LISTED, LISTED_OF_MANY = 3, 2
+MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
@@ -113,8 +113,8 @@ def ball_of(recording: Recording) -> int | None:
     ((end, radius),) = recording.touching.items()
     length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
     centre = recording.parameters.get("link[1].center_of_mass", math.nan)
-    is_centre = math.isclose(float(centre), end * length, abs_tol=ROUND_OFF * length)
-    return end if is_centre or radius >= length * (1.0 - ROUND_OFF) else None
+    is_centre = math.isclose(float(centre), end * length, abs_tol=SAME_LENGTH * length)
+    return end if is_centre or radius >= length * (1.0 - SAME_LENGTH) else None
 
 
 def is_covered(recording: Recording) -> bool:
@@ -264,7 +264,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
         labels.append(
             Label(
-                numbers_text(numbers, MOST_LISTED, LISTED_OF_MANY),
+                numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY),
                 position,
                 outward,
                 numbers_text(numbers, 1, 1),

@@ -16,7 +16,7 @@ from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, in evenly spaced rows
-BESIDE = 0.04  # the distance of the trace from the end of a wall, relative to the visible length of the wall
+TRACE_GAP = 0.04  # the distance of the trace from the end of a wall, relative to the wall's visible length
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
@@ -67,7 +67,7 @@ def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) ->
     line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))
     if not len(line):
         return line
-    ends = [line[0] + share * (line[-1] - line[0]) for share in (BESIDE, 1.0 - BESIDE)]
+    ends = [line[0] + share * (line[-1] - line[0]) for share in (TRACE_GAP, 1.0 - TRACE_GAP)]
     gaps = [np.hypot(*(recording.all_points - end).reshape(-1, 2).T).min() for end in ends]
     end, normal = ends[int(np.argmax(gaps))], np.array(wall.normal)
     foot = end - wall.clearance(*end) * normal

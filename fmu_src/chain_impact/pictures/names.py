@@ -7,7 +7,7 @@ import numpy as np
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.recording.recording import Recording
 
-LONGEST = 16  # the largest number of characters of a name that is not shortened
+LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
 KEPT = 7  # the number of characters at each end of a shortened name
 
 
@@ -20,7 +20,7 @@ def short_names(recording: Recording, text: str) -> str:
 
 def short(name: str) -> str:
     """Return a name without its middle if it is long."""
-    return name if len(name) <= LONGEST else f"{name[:KEPT]}…{name[-KEPT:]}"
+    return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
 
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
@@ -35,5 +35,5 @@ def full_names(recording: Recording) -> str:
     shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
     names = recording.point_names
     return SEPARATOR.join(
-        f"point {k}: {names[k]}" for k in sorted(shown & names.keys()) if len(names[k]) > LONGEST
+        f"point {k}: {names[k]}" for k in sorted(shown & names.keys()) if len(names[k]) > LONGEST_NAME
     )

@@ -40,7 +40,7 @@ ALIKE, MOSTLY = 0.03, 0.8
 # another zero of the potential energy is drawn if it makes the range of all energies smaller than this,
 # relative to the range with the usual zero
 CLOSER = 0.8
-PARTS = {"friction": BROWN}
+ENERGY_PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
 ENERGIES = {
     "kinetic": GREEN,
@@ -49,17 +49,17 @@ ENERGIES = {
     "total": BLACK,
     "dissipated": VIOLET,
     "supplied": PURPLE,
-    **PARTS,
+    **ENERGY_PARTS,
 }
 """Energy → colour, in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
-VISIBLE = 0.01
+VISIBLE_ELASTIC = 0.01
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
-BAR, NAME = 0.3, 0.48
-ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
+PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
+MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
 SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
 # the least duration of a contact, relative to the run's duration, that is drawn as a thick line
-SEEN = 0.01
+SEEN_CONTACT = 0.01
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
@@ -93,14 +93,14 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
     for name in ENERGIES:
         energy = recording.energies.get(name, zero)
-        if energy.any() or name not in ("elastic", "supplied", *PARTS):
+        if energy.any() or name not in ("elastic", "supplied", *ENERGY_PARTS):
             shown[name] = energy
     shown, offset = without_gap(shown)
-    if "elastic" in shown and not shown["elastic"].max() > VISIBLE * range_of(shown):
+    if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
         del shown["elastic"]
     others = [name for name in shown if name != "total"]
     hidden = hides([shown[name] for name in others], ALIKE, MOSTLY)
-    is_dashed = {name: name in PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
+    is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
     return [
         (energy, energy_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
@@ -163,16 +163,16 @@ def over_all_time(axes: Axes, recording: Recording) -> None:
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """Draw phases of dry friction: bars where a contact or joint sticks, lines where it slides.
 
-    Of many contacts and joints, only the ROWS with the largest sums of durations are drawn.
+    Of many contacts and joints, only the MOST_ROWS with the largest sums of durations are drawn.
     """
-    phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:ROWS], reverse=True)
+    phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
         if (location := element_label(phase, recording.wall_names, recording.point_names)) in shown:
             row, sticks = shown.index(location), phase["mode"] == STICKS
-            colour, height = (INK, BAR) if sticks else (GREY, 0.3 * BAR)
+            colour, height = (INK, PHASE_HEIGHT) if sticks else (GREY, 0.3 * PHASE_HEIGHT)
             axes.barh(row, length, height, left=phase["start"], color=colour)
     # a name is above its bars, so that a long name takes no width from the panels
-    rows = [row + NAME for row in range(len(shown))]
+    rows = [row + NAME_HEIGHT for row in range(len(shown))]
     names = [short_names(recording, location) for location in shown]
     axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
     axes.set_ylim(-0.4, len(shown) - 0.25)

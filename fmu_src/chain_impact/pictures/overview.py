@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chain_impact.pictures.figures import SIZE, settle
+from chain_impact.pictures.figures import FIGURE_SIZE, PANEL_HEIGHT, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.impact_speeds import draw_impact_speeds, number_impacts
 from chain_impact.pictures.labels import Ink
@@ -19,7 +19,13 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
 from chain_impact.pictures.names import full_names
-from chain_impact.pictures.over_time import ROWS, draw_clock, draw_energy, draw_stick_slip, rubbing_places
+from chain_impact.pictures.over_time import (
+    MOST_ROWS,
+    draw_clock,
+    draw_energy,
+    draw_stick_slip,
+    rubbing_places,
+)
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, view_of
 from chain_impact.pictures.sizes import Size, figure_size
@@ -32,18 +38,18 @@ SLIM, BROAD = 0.6, 1.2  # the least and the largest width of the panel of motion
 RUBBING, RUBBING_ROW = 0.15, 0.32
 HEIGHT = 0.46  # the height of the panel of motion, relative to the width of the figure
 # ABOVE_TIME: the largest height of the panel of motion if it is above the other panels, on a figure of COLUMN
-# [inch] or less; on a wider one the panel is higher. CLOCK: the height of the axis that shows the colours of
-# time. Heights are relative to the height of the panel of energies.
-ABOVE_TIME, COLUMN, CLOCK = 1.8, 3.5, 0.06
-# Both numbers are ratios of width to height of the motion. BESIDE: a broader motion has the whole width of
-# the figure, above the other panels. BROADEST: on a narrow figure, the panel of a broader motion is
-# lower than ABOVE_TIME.
-BESIDE, BROADEST = 2.2, 1.7
-# [inch] sizes that determine the default height of a figure. PANEL: the height of a panel over time with its
-# legend and numbers; LOWEST, HIGHEST: the least and the largest height of the panel of motion beside others;
-# MARGINS: the width that numbers and labels take at the left and right of the motion; HEADS: the sum of the
-# heights of the headline, the legend above the motion, and the labels below
-PANEL, LOWEST, HIGHEST, MARGINS, HEADS = 1.9, 2.7, 4.0, 0.9, 1.3
+# [inch] or less; on a wider one the panel is higher. CLOCK_HEIGHT: the height of the axis that shows the
+# colours of time. Heights are relative to the height of the panel of energies.
+ABOVE_TIME, COLUMN, CLOCK_HEIGHT = 1.8, 3.5, 0.06
+# Both numbers are ratios of width to height of the motion. BROADEST_BESIDE: a broader motion has the whole
+# width of the figure, above the other panels. BROADEST_HIGH: on a narrow figure, the panel of a broader
+# motion is lower than ABOVE_TIME.
+BROADEST_BESIDE, BROADEST_HIGH = 2.2, 1.7
+# [inch] sizes that determine the default height of a figure. LOWEST, HIGHEST: the least and the largest
+# height of the panel of motion beside others; MARGINS: the width that numbers and labels take at the left and
+# right of the motion; HEADS: the sum of the heights of the headline, the legend above the motion, and the
+# labels below
+LOWEST, HIGHEST, MARGINS, HEADS = 2.7, 4.0, 0.9, 1.3
 BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
 # NUMBER: [points] the least visible width of the area outside of a wall, in which numbers of impacts stand;
 # MOST_BAND: the largest width, relative to the size of the motion
@@ -61,8 +67,8 @@ NUMBERS = {"motion": number_rings, "impacts": number_impacts}
 
 The functions return the numbers without room, as text.
 """
-# MOST_LISTED: the largest height of texts at the foot that name impacts, relative to the figure's height
-MOST_LISTED = 0.25
+# LISTED_HEIGHT: the largest height of texts at the foot that name impacts, relative to the figure's height
+LISTED_HEIGHT = 0.25
 FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
 PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
@@ -128,7 +134,7 @@ def number_and_list(figure: Figure, panel_axes: dict[str, Axes], recording: Reco
                 text.remove()
         if foot is not None:
             foot.remove()
-        foot, written = write_foot(figure, missing, MOST_LISTED), broken(figure, missing)
+        foot, written = write_foot(figure, missing, LISTED_HEIGHT), broken(figure, missing)
         settle(figure, panel_axes.get("motion"))
         figure.set_layout_engine("none")
         missing = number_all(figure, panel_axes, recording)
@@ -194,7 +200,7 @@ def usual_size(
 ) -> tuple[float, float]:
     """Return the default size of a figure [inches]; it is low for a broad motion.
 
-    If the wanted ``size`` is narrow, the result is SIZE; ``size`` has no other effect.
+    If the wanted ``size`` is narrow, the result is FIGURE_SIZE; ``size`` has no other effect.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -202,11 +208,11 @@ def usual_size(
     shown = panels_to_draw(recording, panels)
     heights, ratio = heights_of(recording, shown), broadness(recording)
     if "motion" not in shown or not heights or (size and figure_size(size)[0] < WIDE):
-        return SIZE
-    if ratio > BESIDE:
-        return FULL, HEADS + (FULL - MARGINS) / ratio + PANEL * sum(heights)
+        return FIGURE_SIZE
+    if ratio > BROADEST_BESIDE:
+        return FULL, HEADS + (FULL - MARGINS) / ratio + PANEL_HEIGHT * sum(heights)
     motion = (motion_share(ratio) * FULL - MARGINS) / ratio
-    return FULL, HEADS + min(max(motion, LOWEST, 0.8 * PANEL * sum(heights) - LABELS), HIGHEST)
+    return FULL, HEADS + min(max(motion, LOWEST, 0.8 * PANEL_HEIGHT * sum(heights) - LABELS), HIGHEST)
 
 
 def broadness(recording: Recording) -> float:
@@ -223,8 +229,8 @@ def motion_share(ratio: float) -> float:
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     """Return the heights of the panels over time and the axis of colours, relative to a panel of energies."""
     timed = [name for name in shown if name != "motion"]
-    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:ROWS])
-    return [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK] if timed else [])
+    rubbing = RUBBING + RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
+    return [rubbing if name == "friction" else 1.0 for name in timed] + ([CLOCK_HEIGHT] if timed else [])
 
 
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
@@ -233,10 +239,10 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
     heights, ratio = heights_of(recording, shown), broadness(recording)
     parts = [part for part, is_shown in (("motion", "motion" in shown), ("time", timed)) if is_shown]
     share, narrow = motion_share(ratio), is_narrow(figure)
-    across = len(parts) > 1 and not narrow and ratio <= BESIDE
-    above = ((figure.get_figwidth() - MARGINS) / ratio + LABELS) / PANEL
+    across = len(parts) > 1 and not narrow and ratio <= BROADEST_BESIDE
+    above = ((figure.get_figwidth() - MARGINS) / ratio + LABELS) / PANEL_HEIGHT
     if narrow:
-        above = ABOVE_TIME * min(1.0, BROADEST / ratio) * max(1.0, figure.get_figwidth() / COLUMN)
+        above = ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio) * max(1.0, figure.get_figwidth() / COLUMN)
     sizes = {"motion": share, "time": 1.0 - share} if across else {"motion": above, "time": sum(heights)}
     if across:
         grid = figure.add_gridspec(1, len(parts), width_ratios=[sizes[part] for part in parts])

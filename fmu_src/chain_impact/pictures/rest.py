@@ -10,7 +10,7 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-MUCH = 0.4  # rests at the start and the end are cut if they take at least this part of the whole time
+CUT_REST = 0.4  # rests at the start and the end are cut if they take at least this part of the whole time
 BEFORE, AFTER = 0.1, 0.25  # a cut rest before and after the motion, relative to the time with motion
 
 
@@ -38,7 +38,7 @@ def shown_time(recording: Recording) -> Shown:
     before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
     after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
     moving = last - first - before - after
-    if moving > 0.0 and before + after >= MUCH * (last - first):
+    if moving > 0.0 and before + after >= CUT_REST * (last - first):
         start, end = max(first, first + before - BEFORE * moving), min(last, last - after + AFTER * moving)
     words = f"shaded: {rest_word(recording)}" if resting else ""
     if start > first:

@@ -17,10 +17,10 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-# MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a wall;
-# both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a wall
-# that is left out because it is farther away than NEAR is also outside of the margins.
-MARGIN, BAND = 0.04, 0.14
+# VIEW_MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a
+# wall; both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a
+# wall that is left out because it is farther away than NEAR is also outside of the margins.
+VIEW_MARGIN, BAND = 0.04, 0.14
 # a moving wall that is farther from the motion than this is not in view; relative to the motion's size
 FARTHEST = 1.0
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
@@ -29,9 +29,9 @@ BROADEST = 1.6  # the largest ratio of width to height to which a view grows to 
 STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
-ROUND_OFF = 1e-9
+ON_WALL = 1e-9
 # the ends of a disc, relative to its radius
-RIM = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
+DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
 
 class View(NamedTuple):
@@ -67,7 +67,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
         places = {at: wall for at, wall in places.items() if at[0] in names}
         view, near = seen(drawn, places, near=FARTHEST, pinned=recording.pinned)
     width = np.ptp(view, axis=0).max()
-    margin = np.full((2, 2), MARGIN * width)
+    margin = np.full((2, 2), VIEW_MARGIN * width)
     for wall in near.values():
         bands = band * width * np.array([wall.normal, np.negative(wall.normal)])
         margin = np.maximum(margin, bands)
@@ -97,7 +97,7 @@ def drawn_places(recording: Recording) -> np.ndarray:
     """Return the positions of all points, and of what is drawn around them, shape (T, M, 2) [m]."""
     places, points = places_of(recording), recording.all_points
     rims = [
-        points[:, [point]] + radius * RIM
+        points[:, [point]] + radius * DISC_ENDS
         for point, radius in recording.touching.items()
         if radius > 0.0 and point < points.shape[1]
     ]
@@ -190,4 +190,4 @@ def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> 
     """
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
-    return np.asarray(corners[abs(gaps) < ROUND_OFF * np.ptp(view)])
+    return np.asarray(corners[abs(gaps) < ON_WALL * np.ptp(view)])

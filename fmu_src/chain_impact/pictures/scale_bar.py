@@ -10,17 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.transforms import blended_transform_factory
 
-LONGEST = 1 / 6  # the largest length of the bar, relative to the width of the view
+LONGEST_BAR = 1 / 6  # the largest length of the bar, relative to the width of the view
 FACTORS = (5, 2, 1)  # a round length is a power of ten times one of these
-ROUND_OFF = 1e-12  # the relative excess of a length that counts as round-off
-SMALL = 0.01  # [m] a shorter bar has its length in millimetres
+LENGTH_EXCESS = 1e-12  # the relative excess of a length that counts as round-off
+SMALL_LENGTH = 0.01  # [m] a shorter bar has its length in millimetres
 
 
 def round_length(most: float) -> float:
     """Return the largest round length that is at most ``most`` [m]."""
     power = 10.0 ** math.floor(math.log10(most))
     # the logarithm of a number just below a power of ten may be rounded up
-    return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + ROUND_OFF))
+    return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
@@ -31,8 +31,8 @@ def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
     figure = axes.get_figure(root=True)
     assert figure is not None
     left, right = axes.get_xlim()
-    length = round_length(LONGEST * (right - left))
-    text = f"{1000.0 * length:.3g} mm" if length < SMALL else f"{length:.3g} m"
+    length = round_length(LONGEST_BAR * (right - left))
+    text = f"{1000.0 * length:.3g} mm" if length < SMALL_LENGTH else f"{length:.3g} m"
     place: Any = blended_transform_factory(axes.transData, figure.transFigure)
     look: dict[str, Any] = {"color": colour, "linewidth": 0.8, "marker": "|", "markersize": 6.0}
     bar = Line2D([right - length, right], [height, height], transform=place, **look)

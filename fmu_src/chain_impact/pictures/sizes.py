@@ -9,7 +9,7 @@ Size = Sequence[float | None]
 """Width and height of a figure [inches]; a height of None is the height that the contents need."""
 # [inch] the least and the largest width and height of a figure; a larger size is probably in other units, and
 # would fill the memory with pixels
-LEAST, LARGEST = 2.0, 60.0
+LEAST_SIZE, LARGEST_SIZE = 2.0, 60.0
 MM = 25.4  # millimetres in an inch
 
 
@@ -17,16 +17,16 @@ def figure_size(size: Size) -> tuple[float, float | None]:
     """Return the width and the height of a figure [inches]; the height may be None.
 
     Raises:
-        ValueError: when the size is not a pair, or a side is not a number from LEAST to LARGEST; only the
-            height may be None.
+        ValueError: when the size is not a pair, or a side is not a number from LEAST_SIZE to LARGEST_SIZE;
+            only the height may be None.
     """
     try:
         width, height = (None if side is None else float(side) for side in size)
     except (TypeError, ValueError):
         width = height = math.nan
     width = math.nan if width is None else width
-    if not (LEAST <= width <= LARGEST and (height is None or LEAST <= height <= LARGEST)):
-        requirement = f"width and height in inches, each at least {LEAST:g} and at most {LARGEST:g}"
-        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST < width < math.inf else ""
+    if not (LEAST_SIZE <= width <= LARGEST_SIZE and (height is None or LEAST_SIZE <= height <= LARGEST_SIZE)):
+        requirement = f"width and height in inches, each at least {LEAST_SIZE:g} and at most {LARGEST_SIZE:g}"
+        hint = f": {width:g} mm are {width / MM:.2f} inches" if LARGEST_SIZE < width < math.inf else ""
         raise ValueError(f"size = {size!r} must be {requirement}{hint}")
     return width, height

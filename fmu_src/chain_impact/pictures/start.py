@@ -25,9 +25,9 @@ from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
-SIZE, ICON = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
+DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
 # [inch] the width and height that stay free, for both sides together: in the drawing, and in the icon
-BORDER, MARGIN = 1.4, 0.3
+DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
 # [points] the length of an arrow, the radius of the arc of an angle, the length of the line from which an
 # angle is measured
 ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
@@ -53,7 +53,7 @@ def repeatable() -> Iterator[None]:
 @repeatable()
 def drawing(scene: Scene) -> str:
     """Return the drawing of the chain with points, angles, walls and positive directions, as SVG."""
-    axes, joints, unit = _chain(scene, SIZE, BORDER, linewidth=5.0, markersize=8.0)
+    axes, joints, unit = _chain(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
         rubs = scene.has_contact_friction or name in scene.moving_walls
@@ -85,7 +85,7 @@ def drawing(scene: Scene) -> str:
 @repeatable()
 def icon(scene: Scene) -> bytes:
     """Return the picture of the chain at its start and the walls, as PNG."""
-    axes, *_ = _chain(scene, ICON, MARGIN, linewidth=4.0, markersize=6.0)
+    axes, *_ = _chain(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
     return stream.getvalue()

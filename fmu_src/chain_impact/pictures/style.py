@@ -92,7 +92,7 @@ MOST_FOOT, FREE_FOOT = 0.15, 0.25
 # two lines
 SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
-STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
+TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
 
 
 @contextmanager
@@ -180,7 +180,7 @@ def give_ticks(*axes: Axes) -> None:
     for panel in axes:
         for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
-                axis.set_major_locator(MaxNLocator("auto", steps=list(STEPS), min_n_ticks=LEAST_TICKS))
+                axis.set_major_locator(MaxNLocator("auto", steps=list(TICK_STEPS), min_n_ticks=LEAST_TICKS))
 
 
 def headline(figure: Figure, message: str, conditions: str = "") -> None:
