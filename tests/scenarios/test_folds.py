@@ -113,14 +113,14 @@ def rows_before_fold(scene, turn, distances):
     return rows
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10], ids=str)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-7, 1e-8, 1e-10], ids=str)
 @pytest.mark.parametrize("turn", [0.0, 0.3], ids=str)
 def test_rows_near_a_fold_have_the_forces_of_the_closed_form(turn, tolerance):
-    """Nearer than about 3e-4 rad, the error of the state over the mobility would exceed the force."""
-    for row in rows_before_fold(pair(turn, tolerance, 0.0), turn, 10.0 ** np.arange(-3.5, -9.0, -0.5)):
+    """Nearer than about 1e-2 rad, the error of the state over the mobility would be a part of the force."""
+    for row in rows_before_fold(pair(turn, tolerance, 0.0), turn, 10.0 ** np.arange(-2.0, -9.1, -0.25)):
         acceleration, force = pair_motion(row["angle"][0] - turn, row["angular_velocity"][0], 0.0)
-        assert row["force"][0] == pytest.approx(force, rel=1e-3)
-        assert row["angular_acceleration"][0] == pytest.approx(acceleration, abs=1e-5)
+        assert row["force"][0] == pytest.approx(force, rel=2e-4)
+        assert row["angular_acceleration"][0] == pytest.approx(acceleration, abs=1e-4)
 
 
 def test_a_force_that_grows_without_bound_toward_a_fold_is_kept():

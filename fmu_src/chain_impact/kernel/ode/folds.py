@@ -4,7 +4,8 @@ At a fold the mobility W of what constraints hold passes through 0. A force p = 
 but m also contains the error of the state, so close to the fold the error of p has any size. The motion
 depends on W p only, and is right. A force in a row of outputs therefore follows from forces some way before
 and after the row, if these show that the force passes the fold smoothly. A force that grows without bound
-toward the fold is kept, because it is far larger than its error.
+toward the fold is kept, because it is far larger than its error. The same holds at every toggle position,
+where W is small.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -13,63 +14,67 @@ from chain_impact.kernel.equations import rate_and_points_from_state, true_rate_
 from chain_impact.kernel.forces.holding import add_change, keep_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.kernel.rows.constraints import replace_impulses
+from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_rows
+from chain_impact.kernel.work import count_evaluations
 
-# The least and the largest distance from a row, as a part of the step, at which the mobility is looked for
-# that needs no larger impedance, and the distance of the forces relative to it. Closer forces would contain
-# more of the error.
-LEAST_OFFSET, LARGEST_OFFSET, WIDER = 2.0**-12, 2.0**-4, 4.0
-# The four places of the forces in units of their distance, and the weights of the forces in the value of a
-# cubic in the middle, and in a difference that is 0 for such a polynomial without its cubic term. A part c/ε
-# of the force, with the distance ε from the fold, changes the difference by about 3 c over the distance.
-OFFSETS, VALUE, DIFFERENCE = (-2.0, -1.0, 1.0, 2.0), (-1 / 6, 2 / 3, 2 / 3, -1 / 6), (-1.0, 2.0, -2.0, 1.0)
+# The least and the largest distance of the two nearer places from a row, as a part of the step. The farther
+# places may lie outside the step, by up to half its size: there the dense output continues, and an event at
+# the end of the step does not count.
+LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
+# The four places in units of their distance, and the weights of their forces in the value of a cubic in the
+# middle, and in a difference that is 0 for such a polynomial without its cubic term. A part c/ε of the force,
+# with the distance ε from the fold, changes the difference by about 3 c over the distance.
+OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
 UNEVEN = 1e-3  # the largest such difference of a smooth force, relative to the largest force
 
 
 def refine_rate(d, theta, y, rate):
-    """Improve a rate ẏ at the fraction θ of the last step near a fold, and the forces of the constraints.
+    """Improve the rate ẏ of the state y at the fraction θ of the last step, and the forces of constraints.
 
-    The rate must have just been evaluated. Away from folds the function does nothing.
+    The rate must have just been evaluated. Only near a fold, or another toggle position, does the function
+    act. There the rate becomes the true rate, in which no force of a contact continues beyond a kink.
     """
-    if d.constraints.raised == 0:
+    if not any_point_held(d) or d.constraints.near_fold == 0:
         return
-    distance = LEAST_OFFSET
-    while distance <= LARGEST_OFFSET and not leaves_fold(d, theta, distance, y, rate):
+    distance = LEAST_DISTANCE
+    while distance <= LARGEST_DISTANCE and not find_forces(d, theta, distance, rate):
         distance *= 2.0
-    smooth = distance <= LARGEST_OFFSET and find_forces(d, theta, WIDER * distance, y, rate)
-    interpolate(d.step, theta, y)
+    smooth = distance <= LARGEST_DISTANCE and is_smooth(d)
     locate_points(d, y)
     ensure_inputs(d, y)
     true_rate_from_inputs(d, y, rate)
+    count_evaluations(d, 1)
     if smooth:
         replace_impulses(d, d.constraints.refined)
         add_change(d, rate, velocity_at(d.links))
         keep_forces(d)
 
 
-def leaves_fold(d, theta, distance, y, rate):
-    """Return whether the places at a distance from θ are so far from the fold that forces are found there."""
-    for side in range(2):
-        interpolate(d.step, theta + (2 * side - 1) * distance, y)
-        rate_and_points_from_state(d, y, rate)
-        if d.constraints.raised > 0:
-            return False
-    return True
+def find_forces(d, theta, distance, rate):
+    """Set ``refined`` to the forces at θ that follow from four places, unless one of these is near the fold.
 
-
-def find_forces(d, theta, distance, y, rate):
-    """Set ``refined`` to the forces at θ that follow from four places; return whether they are smooth."""
-    constraints, rows, largest, uneven = d.constraints, constraint_rows(d), 0.0, 0.0
-    for k in range(rows):
+    Set ``uneven`` to the differences of the forces. Return whether no place is near the fold.
+    """
+    constraints, y = d.constraints, d.work.nearby
+    for k in range(constraint_rows(d)):
         constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
     for i in range(len(OFFSETS)):
         interpolate(d.step, theta + OFFSETS[i] * distance, y)
         rate_and_points_from_state(d, y, rate)
-        for k in range(rows):
+        count_evaluations(d, 1)
+        if constraints.near_fold > 0:
+            return False
+        for k in range(constraint_rows(d)):
             constraints.refined[k] += VALUE[i] * constraints.impulse[k]
             constraints.uneven[k] += DIFFERENCE[i] * constraints.impulse[k]
-    for k in range(rows):
+    return True
+
+
+def is_smooth(d):
+    """Return whether the forces of the four places show that the forces pass the fold smoothly."""
+    constraints, largest, uneven = d.constraints, 0.0, 0.0
+    for k in range(constraint_rows(d)):
         largest = max(largest, abs(constraints.refined[k]))
         uneven = max(uneven, abs(constraints.uneven[k]))
     return uneven <= UNEVEN * largest

@@ -189,7 +189,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
-        ("raised", INTEGER),  # how often the impedance of the last problem grew, see rows/constraints.py
+        # 1: the first iteration of the last problem left more than NEAR_FOLD of the residual at rigid walls
+        ("near_fold", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
         ("start", REAL, (rows,)),  # motion along the constraint without impulses

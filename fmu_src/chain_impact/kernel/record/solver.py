@@ -192,6 +192,7 @@ def work_dtype(links: int, sites: int) -> np.dtype:
         ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
         ("y", REAL, (state,)),  # a state that is being evaluated
         ("rate", REAL, (state,)),  # ẏ of ``y``, for an evaluation outside of a step
+        ("nearby", REAL, (state,)),  # a state some way before or after ``y``, see kernel/ode/folds.py
         ("error", REAL, (2, state)),  # the two embedded error estimates
         ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint and on each link

@@ -54,6 +54,7 @@ from chain_impact.kernel.work import count_other_work, work_exceeded
 # multiplied by STIFFER, up to STIFFEST times the mean mass of a link; with a larger D the residual would only
 # be round-off.
 STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
+NEAR_FOLD = 1e-3  # the part of the residual that shows a fold if the first iteration leaves more of it
 # The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
 # of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
 # whole motion, times the large D of the other iterations, would remain in the forces against motions that can
@@ -82,9 +83,8 @@ SIGN_TOLERANCE = 1e-12
 # The number of pivots in succession without a new least number of violated candidates after which only one
 # candidate changes at a time, until a new least number. This always terminates but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# The least impedance of a sticking element, relative to the impedance of the element with the largest limit.
-# With a smaller impedance, the residual falls too slowly.
-LEAST_SHARE = 1e-2
+# the least impedance of a sticking element, relative to that of the element with the largest limit
+LEAST_SHARE = 1e-2  # with a smaller impedance, the residual falls too slowly
 # values of d.constraints.unsolved, the result of the search for constraint forces. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
@@ -141,7 +141,7 @@ def solve_equality(d, scale):
         The largest residual that rigid walls leave, or 0 if they hold no point.
     """
     constraints, impedance = d.constraints, holding_impedance(d)
-    constraints.raised = 0
+    constraints.near_fold = 0
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
@@ -176,10 +176,11 @@ def iterate(d, scale, impedance):
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
         slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
+        if has_walls and iterations == 1 and worst > max(NEAR_FOLD * before, SIGN_TOLERANCE * scale):
+            constraints.near_fold = 1
         before = worst
         if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             before = math.inf
-            constraints.raised += 1
             impedance *= STIFFER
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
@@ -256,9 +257,8 @@ def find_residual(d):
     """Set the residual target − motion of each constraint in the active set; return the largest size."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_rows(d)):
-        constraints.residual[k] = (
-            constraints.target[k] - constraints.reached[k] if constraints.in_active_set[k] else 0.0
-        )
+        left = constraints.target[k] - constraints.reached[k]
+        constraints.residual[k] = left if constraints.in_active_set[k] else 0.0
         worst = max(worst, abs(constraints.residual[k]))
     return worst
 
