@@ -22,6 +22,8 @@ from tests.kernel.chains import (
     gradients,
     potential_slopes,
     press_in,
+    stopped_chain,
+    stops_of,
     struck,
     touch,
     vectors,
@@ -126,7 +128,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = impacts.TOUCHES * d.model.longest_link
+    limit = impacts.TOUCHES * impacts.release_gap(d, 2)
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
@@ -319,6 +321,47 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     touch(d, POINTS[:1])
     impacts.release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)
+
+
+@pytest.mark.parametrize("away", [0.0, 30.0, 1e4])
+def test_a_released_point_all_but_touches_at_any_distance(away):
+    d, y, *_ = touching(1, POINTS[:1], kinds=NONE)
+    y[:2] += away * d.model.longest_link
+    locate_points(d, y)
+    press_in(d, 1, 0.0)
+    d.step.state_end[:] = y
+    d.constraints.in_active_set[:1] = 0
+    impacts.release_contacts(d)
+    locate_points(d, d.step.state_end)
+    gap, _ = clearance(d, 1)
+    farthest = max(np.abs(vectors(d.work.position)).max(), d.model.longest_link)
+    right = max(1e-13 * d.model.longest_link, 1e-14 * farthest)
+    assert gap == pytest.approx(right, abs=3e-16 * farthest)
+    d.touch.event[:] = NONE
+    impacts.join_near_contacts(d)
+    assert d.touch.event[1] == NEIGHBOUR
+    # the energy of a fall over this gap is too little to leave
+    d.touch.event[1] = ONSET
+    weight = d.model.mass.sum() * d.model.gravity_size
+    d.touch.effective_mass[1], d.touch.onset_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
+    d.law.minimum_impact_speed[:] = 0.0
+    assert impacts.is_gentle(d)
+
+
+def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
+    _, d = stopped_chain(3)
+    y = d.step.state_end
+    y[2:5] = 0.0, 1.1, 0.0
+    c = stops_of(d)[0]
+    locate_points(d, y)
+    near = impacts.release_gap(d, c)
+    y[:2] += 1e6
+    locate_points(d, y)
+    assert impacts.release_gap(d, c) == near == 1e-13 * d.model.longest_link
+    assert impacts.release_gap(d, 0) >= 1e-8
+    # an angle of many turns has a larger round-off
+    y[3:5] += 1e4
+    assert impacts.release_gap(d, c) > 5e-11 * d.model.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():

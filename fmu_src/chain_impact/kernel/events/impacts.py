@@ -10,7 +10,7 @@ where u⁻ and u⁺ are the normal speeds before and after the impact, p the imp
 matrix along the normals, and e the restitution, with e = 0 for a held contact and for a point that arrives
 slower than ``contact.minimum_impact_speed``, so that a bouncing point comes to rest after finitely many
 impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point
-within TOUCHES of a wall moves away from the wall, u⁻ > 0, an impact could add energy; then the impact is
+that all but touches a wall moves away from the wall, u⁻ > 0, an impact could add energy; then the impact is
 computed with e = 0 for all contacts, which adds no energy.)
 
 A contact that separates with a speed above round-off ends. Forces F hold the other contacts, which are at
@@ -63,22 +63,29 @@ from chain_impact.kernel.rows.constraints import (
     require,
     solve_lcp,
 )
-from chain_impact.kernel.rows.geometry import clearance, farthest, fastest_of_all
+from chain_impact.kernel.rows.geometry import (
+    at_joint,
+    clearance,
+    coordinates_size,
+    farthest,
+    fastest_of_all,
+)
 
 # The least speed with which a point rebounds, relative to `contact.minimum_impact_speed`; a slower point does
 # not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
 # finite time (Zeno behaviour).
 STICK = 1e-3
-TOUCHES = 1e-12  # the largest clearance of a point that takes part in an impact, relative to a link length
 # the largest round-off: of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|) for the impulses p and the
 # speeds u⁻ before and u⁺ after them; of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
-# The clearance given to a point that is released, relative to a link length, and at least relative to the
-# largest coordinate. It is far larger than round-off, so that round-off does not make the point touch again.
-RELEASE_GAP, LEAST_RELEASE = 1e-13, 1e-14
-# Arriving points come to rest if their kinetic energy is at most the work of the weight and of dry friction
-# over this distance, relative to a link length.
-FALL = 10.0 * RELEASE_GAP
+# The clearance given to a point that is released is the larger of two lengths: a part of the longest link,
+# and a part of the coordinates whose round-off enters the clearance. It is far larger than round-off, so that
+# round-off does not make the point touch again.
+RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
+# The largest clearance of a point that all but touches a wall, relative to the clearance of a released point.
+# Points that arrive come to rest if their kinetic energy is at most the work of the weight and dry friction
+# over this distance. So neither guard against endless impacts misses a point that has just been released.
+TOUCHES = 10.0
 
 
 def handle_impact(d):
@@ -154,7 +161,7 @@ def set_rates_after_impulses(d):
 
 
 def join_near_contacts(d):
-    """Add the points within TOUCHES of a rigid wall to the points of an impact.
+    """Add the points that all but touch a rigid wall to the points of an impact.
 
     Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
     finite time.
@@ -162,7 +169,7 @@ def join_near_contacts(d):
     touch = d.touch
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * d.model.longest_link:
+        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * release_gap(d, c):
             join_impact(d, c)
             mark(d, c, NEIGHBOUR)
 
@@ -242,15 +249,17 @@ def is_gentle(d):
     In a gentle impact sticking continues. If a joint slid because of the small impulses, its friction would
     lift points, which would arrive gently again, without end.
     """
-    slow, energy, force = True, 0.0, mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
+    force = mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
+    slow, energy, fall = True, 0.0, 0.0
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.touch.onset_speed[c]
             slow = slow and speed <= STICK * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.touch.effective_mass[c] * speed * speed
+            fall = max(fall, TOUCHES * release_gap(d, c))
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
-    return slow or energy <= force * FALL * d.model.longest_link
+    return slow or energy <= force * fall
 
 
 def bring_to_rest(d, gentle):
@@ -305,16 +314,25 @@ def end_unstopped_contacts(d):
     list_touching(d)
 
 
+def release_gap(d, c):
+    """Return the clearance [m] that the point of candidate c gets when it is released; it must be located.
+
+    The clearance of a joint's stop follows from angles, whose round-off does not grow with the distance from
+    the origin.
+    """
+    size = coordinates_size(d, c, d.step.state_end) if at_joint(d, c) else farthest(d)
+    return max(RELEASE_GAP * d.model.longest_link, RELEASE_OF_COORDINATES * size)
+
+
 def release_contacts(d):
     """End the contacts that no force holds, and move their points a little away from the wall."""
     parting = False
     start_from_state(d, 0)
-    gap = max(RELEASE_GAP * d.model.longest_link, LEAST_RELEASE * farthest(d))
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        released = not d.constraints.in_active_set[k]
-        require(d, k, gap if released else 0.0)
+        c, released = d.touch.active_index[k], not d.constraints.in_active_set[k]
+        require(d, k, release_gap(d, c) if released else 0.0)
         if released:
-            end_contact(d, d.touch.active_index[k], True)
+            end_contact(d, c, True)
             parting = True
     if parting:
         # nothing sticks during this motion: otherwise a joint that sticks could not move away from its stop
