@@ -5,12 +5,20 @@ the state and of integrals, such as impulses, stay unchanged until the next step
 """
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import lever_arm
+from chain_impact.kernel.chain.drives import along_drive, lever_arm
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
-from chain_impact.kernel.chain.slider import rate_along_line, slider_position
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, relative, supplied_at, time_at
+from chain_impact.kernel.chain.slider import slider_position
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    dissipated_at,
+    omega_at,
+    relative,
+    supplied_at,
+    time_at,
+    velocity_at,
+)
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.contact import apply_true_contacts
@@ -78,7 +86,7 @@ def fill_motion(d, theta):
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
-        out.slider_acceleration = rate_along_line(d, rate)
+        out.slider_acceleration = along_drive(d, rate, velocity_at(n), n)
     fill_forces(d)
     if d.elements > 0:
         fill_friction(d)
@@ -114,7 +122,8 @@ def fill_state(d, theta):
         out.angular_velocity[i] = y[omega_at(n) + i]
         out.joint_angular_velocity[i] = relative(y, omega_at(n), i)
     if d.slides:
-        out.slider_position, out.slider_velocity = slider_position(d, y), rate_along_line(d, y)
+        out.slider_position = slider_position(d, y)
+        out.slider_velocity = along_drive(d, y, velocity_at(n), n)
     for m in range(d.channels):
         out.channel[m] = d.moved.position[m]
     for j in range(d.signals):

@@ -14,6 +14,7 @@ FIELDS = {
     "tip_force": 2,  # N, x and y
 }
 NAMES = tuple(FIELDS)
+OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
 # The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
 CHANNEL = len(NAMES)  # in place of the number of an input: a prescribed motion
@@ -29,12 +30,7 @@ def input_field(part, k):
 
 def is_of_drive(k):
     """Return whether input k acts in a drive."""
-    return k in (MOTOR, TARGET, TARGET_VELOCITY)
-
-
-def is_target(k):
-    """Return whether input k is an angle or a position that a spring follows."""
-    return k == TARGET
+    return k in OF_DRIVES
 
 
 def is_used(d, k):

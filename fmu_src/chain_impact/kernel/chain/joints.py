@@ -1,20 +1,21 @@
 """The rates of the fast motions that dampers and springs of drives (drives.py) cause; armatures of joints.
 
-With C = Σ c_i g_i g_iᵀ, c_i the damping of joint i, g_i the gradient of its relative angular velocity ω_i −
-ω_{i−1}, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The damper of joint i
-alone, without all other dampers, causes a motion that decays with the rate
+With C = Σ c_i g_i g_iᵀ, c_i the damping of drive i, g_i the gradient of the rate of its coordinate, which is
+ω_i − ω_{i−1} at a joint, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The
+damper of drive i alone, without all other dampers, causes a motion that decays with the rate
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i.
 
 The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way S = Σ k_i g_i g_iᵀ
-determines the squares of the frequencies of springs, and the spring of joint i alone has
+determines the squares of the frequencies of springs, and the spring of drive i alone has
 
     ω_i² = k_i g_iᵀ M⁻¹ g_i.
 
 With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no
-row sum exceeds (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, a rate
-λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c + √k. This bound does not
-depend on the angles. A damper or spring at a link without inertia makes the bound infinite.
+row sum exceeds (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. A carriage adds
+its mass m to diag(I) and only its own drive to the sums: c/m and k/m. With damper and spring, a rate λ solves
+λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c + √k. This bound does not depend on
+the angles. A damper or spring at a link without inertia makes the bound infinite.
 """
 
 import math
@@ -55,7 +56,6 @@ def joint_rate_bound(d):
         damping = max(damping, rate_of(2.0 * c, d.model.inertia[i]))
         stiffness = max(stiffness, rate_of(2.0 * k, d.model.inertia[i]))
     if d.slides:
-        # the carriage has the mass m, and only its own drive: c/m and k/m
         damping = max(damping, rate_of(drive_damping(d, d.links), d.slider.mass))
         stiffness = max(stiffness, rate_of(drive_stiffness(d, d.links), d.slider.mass))
     return damping + math.sqrt(stiffness)

@@ -23,13 +23,8 @@ def slider_position(d, y):
     return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
-def rate_along_line(d, y):
-    """Return the rate of the slider's coordinate: ṡ [m/s] if y is a state, s̈ [m/s²] if y is a rate."""
-    n = d.links
-    return slide_along(d, y[velocity_at(n)], y[velocity_at(n) + 1])
-
-
 def carriage_energy(d, y):
     """Return kinetic and potential energy [J] of the carriage."""
-    rate, gravity = rate_along_line(d, y), d.model.gravity
+    first, gravity = velocity_at(d.links), d.model.gravity
+    rate = slide_along(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

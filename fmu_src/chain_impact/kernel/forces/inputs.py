@@ -18,7 +18,7 @@ given value, and the position is the integral of the speed.
 
 import math
 
-from chain_impact.kernel.chain.inputs import CHANNEL, input_field, is_target, is_used
+from chain_impact.kernel.chain.inputs import CHANNEL, TARGET, input_field, is_used
 from chain_impact.kernel.chain.motion import move
 from chain_impact.kernel.chain.signals import drives, signal_at
 from chain_impact.kernel.chain.state import time_at
@@ -126,7 +126,7 @@ def set_driven(d, time):
             continue
         u, rate, _ = signal_at(d, j, time)
         input_field(d.inputs, k)[i] = u
-        if is_target(k):
+        if k == TARGET:
             input_field(d.inputs, k + 1)[i] = rate
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import EACH_DRIVE, FIELDS, is_target
+from chain_impact.kernel.chain.inputs import EACH_DRIVE, FIELDS, TARGET
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.fields import (
@@ -176,7 +176,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
     ``target`` is the type of the targets of springs.
     """
     return [
-        (name, target if is_target(k) else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
+        (name, target if k == TARGET else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
         for k, (name, size) in enumerate(FIELDS.items())
     ]
 

@@ -349,7 +349,7 @@ def link_of(d, c):
 
 def lever(d, c):
     """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
-    return d.model.longest_link if at_joint(d, c) else 1.0
+    return lever_arm(d, d.candidate.point[c] - 1) if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):
