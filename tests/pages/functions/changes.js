@@ -1,5 +1,5 @@
 // Functions that tests/pages/test_changes.py runs in a page.
-import { inputChanges, withoutChanges } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
+import { withoutChanges } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
 import { addLink, removeLink, removeWall, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
@@ -47,5 +47,5 @@ export const keptByEdit = ([contents, given, edit, at]) => {
   ({ addLink, removeLink, removeWall, setOfLink })[edit](edited, ...at);
   const whole = complete(edited, contents.kit);
   const { contents: before, values } = withoutChanges(whole, changes);
-  return [before, values, inputChanges(whole, changes)];
+  return [before, values];
 };

@@ -32,11 +32,3 @@ export function withoutChanges(file, { values, parameters, scene }) {
   });
   return { contents: asWritten(before), values: Object.fromEntries(kept) };
 }
-
-/** Return the changes of inputs that an edit leaves; without a link, the number of a joint can stand for another joint. */
-export function inputChanges(file, { values, inputSteps, scene }) {
-  const links = ({ chain }) => chain.links.length;
-  const isKept = ([name]) => scene.inputs.includes(name) && !(/\[\d+\]/.test(name) && links(file) < links(scene.file));
-  const [ownValues, ownSteps] = [values, inputSteps].map((table) => Object.fromEntries(Object.entries(table).filter(isKept)));
-  return { values: ownValues, inputSteps: ownSteps };
-}

@@ -15,7 +15,7 @@ import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
-import { inputChanges, withoutChanges } from "./edited_scene.js";
+import { withoutChanges } from "./edited_scene.js";
 import { Editor } from "./editor.js";
 import { changesIn, hashOf } from "./export.js";
 import { connectExport } from "./export_dialog.js";
@@ -161,10 +161,12 @@ function openContents(contents) {
 /** Open the edited contents of the present scene, with the reader's changes; an error says which key is wrong. */
 function openEdited(contents) {
   const whole = complete(contents, kit);
-  const [before, ofInputs] = [withoutChanges, inputChanges].map((of) => of(whole, changes));
+  const { values, inputSteps } = changes;
+  const ofInputs = Object.fromEntries(Object.entries(values).filter(([name]) => changes.scene.inputs.includes(name)));
+  const before = withoutChanges(whole, changes);
   const base = sceneWith(before);
-  if (base) openFile(base, { ...ofInputs, values: { ...before.values, ...ofInputs.values } });
-  else openFile(whole, ofInputs);
+  if (base) openFile(base, { values: { ...before.values, ...ofInputs }, inputSteps });
+  else openFile(whole, { values: ofInputs, inputSteps });
 }
 
 /** Return the complete file with some contents if it is a scene with the parameters of some changes; else undefined. */
