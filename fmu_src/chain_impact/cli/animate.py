@@ -124,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
 def record(options: argparse.Namespace) -> Recording:
     """Return the recording of the source: a scene, an FMU, or a table of an earlier run.
 
-    A scene is simulated with additional rows near the impacts, so that they can be shown slowly.
+    A scene is simulated with additional rows near the impacts, for slow motion; an FMU or a table is not.
     """
     from chain_impact.studies.animate import record_slowly
 
@@ -151,7 +151,7 @@ def is_csv(source: str) -> bool:
 
 
 def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
-    """Return the recording in a table; its walls come from the scene, because a table does not have them."""
+    """Return the recording in a table; the scene, if given, has the walls, which a table lacks."""
     if scene is None:
         if settings:
             raise UsageError(

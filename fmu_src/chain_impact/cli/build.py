@@ -25,7 +25,7 @@ FMU_KINDS = {
     ),
     ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""(Target, version of FMI) → where such an FMU runs, and the options for an FMU that runs elsewhere."""
+"""(Target, version of FMI) → where such an FMU runs, and which option makes an FMU for another purpose."""
 
 
 def add(verbs: Verbs) -> None:

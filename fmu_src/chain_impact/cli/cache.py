@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield lines on the compiled kernels: first the kernels of this installation, then the cache.
+    """Yield lines: first one on the kernels that came with the installation, then those on the cache.
 
     The cache has a line for each folder; the folder that this version uses is marked.
     """

@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def hints_shown() -> Iterator[None]:
     """In this context, print each warning once, such as a hint on a probable mistake; none if quiet.
 
-    The line has the text only; Python would add the place in the code, and its line.
+    The line has the text only; Python would add the file, the line number and the line of code.
     """
     shown = set()
 

@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Option that replaces a guess of the conversion → the word for its value in the help, and the help."""
+"""Option for a choice that ``convert`` makes by default → metavariable and help; each is given once."""
 
 
 def add(verbs: Verbs) -> None:

@@ -45,7 +45,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page, and open it if a user can probably see it."""
+    """Write the page; without ``-o``, open it if a user can probably see it."""
     from chain_impact.pages.explore import explore
 
     file = options.output or DEFAULT

@@ -99,10 +99,7 @@ def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
 
 
 def _rounded(value: object) -> object:
-    """Return a derived float as text, without the round-off of its last digits.
-
-    Another value is returned in the form that ``--set`` accepts.
-    """
+    """Return a derived float as text of 15 digits, without round-off; others as ``--set`` takes them."""
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # at run time: argparse's class accepts type parameters only in type checkers
+    Verbs = object  # at run time argparse's class takes no type parameters, only for type checkers
 
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
 OF_TABLES = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
 SETTING = "contact.stiffness=1e9"  # the example in error messages about a setting
-MILLIMETRES = (51, 1500)  # the least and the largest width and height of a picture [mm]
+MILLIMETRES = (51, 1500)  # the least and the largest length of a side of a picture [mm]
 
 
 class UsageError(ValueError):
@@ -191,7 +191,7 @@ def style_name(text: str) -> str:
 
 @contextmanager
 def style_of(options: argparse.Namespace) -> Iterator[None]:
-    """Draw in the style that the options of a command name."""
+    """In this context, draw in the style that the options of a command name, if any."""
     name = getattr(options, "style", None)
     if name is None:
         yield
@@ -231,7 +231,7 @@ def check_look(options: argparse.Namespace) -> None:
 
 
 def write_picture(path: Path | None, size: Size | None, plot: Callable[..., object]) -> None:
-    """Draw a picture by ``plot(path, size=size)`` if there is a file for it, and say so.
+    """Draw a picture by ``plot(path, size=size)`` if there is a file for it, and print the file's name.
 
     Raises:
         UsageError: when the picture has no room; the message is in millimetres, as ``--size`` is.
@@ -256,7 +256,7 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return a function for argparse that makes a path of a text, and refuses any other suffix."""
+    """Return a function for argparse: text → path; it refuses other suffixes than these, "" for none."""
 
     def file(text: str) -> Path:
         path = Path(text)

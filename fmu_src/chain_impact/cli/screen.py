@@ -36,7 +36,8 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")  # the text before each number in the description of a status
+# the separator before each number in the description of a status
+CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
 PHASES = 8  # the table shows the first phases of dry friction, at most this number
 RELATIVE = {
     "impact_speed": "speed",
@@ -46,7 +47,7 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantities of impacts that are always positive; their changes are printed in percent."""
+"""Quantity of impacts that is always positive → word for it; its changes are printed in percent."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 """Name of a wall of the box → words for the wall."""
 
@@ -162,7 +163,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return in words the numbers of each link's points beside its ends: "2–5 on link 1"."""
+    """Return in words the numbers of each link's points other than its ends: "2–5 on link 1"."""
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
         last = first + count - 1

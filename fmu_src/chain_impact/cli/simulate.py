@@ -70,7 +70,7 @@ class Canvas:
 
 @dataclass(frozen=True)
 class Subject:
-    """The subject of the picture, and of the tables below the summary; by default it is the motion.
+    """What the picture and the tables below the summary show; by default the motion.
 
     Attributes:
         sensitivities: parameters; the subject is the derivatives with respect to them. If ``rank`` is given,
@@ -86,7 +86,7 @@ class Subject:
     around: int | None = None
 
     def check(self, *, is_drawn: bool) -> None:
-        """Refuse curves without a picture, or with derivatives or a ranking, and ``around`` without them."""
+        """Refuse curves without a picture, or with derivatives or ranking; ``around`` without curves."""
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
         if self.curves and (self.rank or self.sensitivities):

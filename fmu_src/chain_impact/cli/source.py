@@ -47,7 +47,7 @@ class Source:
 
     @property
     def files(self) -> list[str | Path]:
-        """The name, and the file of the table of inputs."""
+        """The name of the source, and the file of the table of inputs, if any."""
         return [self.name, *([self.inputs[0]] if self.inputs else [])]
 
     def scene(self) -> Scene:
@@ -122,5 +122,5 @@ class Source:
         return float(value_of(values.get(TOLERANCE, starts[TOLERANCE])))
 
     def differences(self, recording: Recording) -> Differences:
-        """Return how a recording differs from a second run: one with the tolerance of this source."""
+        """Return how a recording differs from a run of this source, the source from ``tighter``."""
         return differences(recording, self.record())

@@ -132,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
-    """Return name → values for every ``--vary NAME=VALUES``."""
+    """Return name → values for every ``--vary NAME=VALUES``; refuse a name that is in ``settings``, too."""
     vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():
         raise UsageError(f"--vary {name}={vary[name]}: {name} is given twice")

@@ -76,7 +76,7 @@ def description_findings(path: Path) -> list[Finding]:
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     structure = Structure(root, variables)
-    # fmpy reads only a description without lost references: for one it would raise IndexError or KeyError
+    # fmpy gets only a description without lost references: at one it would raise IndexError or KeyError
     if not (lost := list(structure.lost())):
         faults += structure.findings()
         faults += _of_fmpy(path, known=bool(faults))
@@ -112,7 +112,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of lists, kinds of use, types, variables' names and the default experiment."""
+    """Return the faults of lists, FMI modes, types, variables' names and the default experiment."""
     findings = [
         finding
         for path in LISTS

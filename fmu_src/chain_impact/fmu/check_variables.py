@@ -164,7 +164,7 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield (attribute, sentence) for each attribute that a variable of this kind, or FMU, must not have."""
+    """Yield (attribute, sentence) for each attribute that this causality, or kind of FMU, does not allow."""
     second, causality = root.get("fmiVersion") == "2.0", variable.causality
     if second and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
@@ -196,7 +196,8 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of variables that share a value: FMI 2.0, 2.2.7.
 
-    Only one of the variables that share a value may be set, and all must have the same unit and start value.
+    Only one of the variables that share a value may be set, and only one may have a start value, unless they
+    are constants of the same value. All must have the same unit.
     """
     first: dict[tuple[str, str], Variable] = {}
     findings = []

@@ -115,7 +115,7 @@ def page(prepared: PreparedScene, fmi: int) -> str:
 
 
 def whose(scene: Scene) -> str:
-    """Return the scene's author, version, copyright and license in one line; "" if none is given."""
+    """Return a paragraph with the scene's author, version, copyright and license; "" if none is given."""
     keys = ("author", "version", "copyright", "license")
     said = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
     return f"<p>{'; '.join(said)}</p>" if said else ""
@@ -144,8 +144,8 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
     """Return the terminals: one for each joint and point, the base, the slider, the tip and each wall.
 
     A terminal has the inputs and outputs of its owner. The terminals of walls are inside a terminal
-    ``wall``, so that the path is the first part of the variables' names. All members are signals; an importer
-    connects members with equal names ("bus").
+    ``wall``, so that a terminal's path is the first part of the names of its variables. All members are
+    signals; an importer connects members with equal names ("bus").
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

@@ -36,8 +36,8 @@ def driven_rows(
     The inputs are those of a scene with this table as a signal: rows are interpolated in the same way, and
     derivatives and integrals of an input follow from it. There is a row for each communication point and each
     row of the user's table. fmpy joins rows by straight lines, so a jump takes two rows at the same time;
-    there fmpy makes a communication point. The description has no inputs that nothing drives, because fmpy
-    prints a warning for each.
+    there fmpy makes a communication point. Inputs that nothing drives are left out of the description:
+    fmpy would print a warning for each.
 
     Args:
         description: the model description of the FMU, in fmpy's form.
@@ -99,7 +99,7 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     """Return an input as polynomials in time: their starts [s], and their coefficients.
 
     ``members`` are an input, its integrals and its derivatives, from ``family``. The result is for member
-    ``k``. If it is not in the table, it is a derivative or an integral of a member in the table.
+    ``k``; if it is not in the table, it is computed as a derivative or an integral of a member in the table.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

@@ -211,7 +211,7 @@ def add_categories_and_experiment(root: Element, scene: Scene) -> None:
 
 
 def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
-    """Return the attributes of a variable: name, reference, description, causality, variability."""
+    """Return a variable's attributes: name, reference, description, causality, variability, initial."""
     attributes = {"name": variable.name, "valueReference": str(reference)}
     attributes |= {"description": variable.description, "causality": variable.causality}
     attributes["variability"] = variable.variability
@@ -285,7 +285,7 @@ class Array(NamedTuple):
     Attributes:
         variable: the array as a variable, with the path of the first element.
         shape: one size for each dimension; from one element in the record to the next, the last index changes
-            first.
+            fastest.
     """
 
     variable: Variable

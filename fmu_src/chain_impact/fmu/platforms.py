@@ -22,13 +22,13 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple[str, Finding | None]:
-    """Return the file that an importer loads on this machine, and None; if it is missing, "" and a finding.
+    """Return the file that an importer loads on this machine, and None; or "" and a finding without it.
 
     Args:
         identifier: the attribute ``modelIdentifier``.
         names: the files and folders in the FMU.
-        second: whether the FMU is of FMI 2.0. Its folders have other names than those of FMI 3.0, and are
-            looked for first.
+        second: whether the FMU is of FMI 2.0: then folders with the names of FMI 2.0 are looked for first,
+            else those of FMI 3.0.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if second else platforms[::-1]

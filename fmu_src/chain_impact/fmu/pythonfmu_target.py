@@ -41,8 +41,8 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     files = described(files, prepared, description := model_description(prepared, tool, 2), 2)
-    # both modules have the GUID in their names, because a process imports modules by name and may load
-    # several FMUs
+    # script and slave have a part of the GUID in their names, because a process imports modules by name and
+    # may load several FMUs
     guid = description.attrib["guid"]
     script = f"chain_impact_{guid.replace('-', '')[:16]}"
     modules = {

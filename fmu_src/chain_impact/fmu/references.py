@@ -30,13 +30,13 @@ from chain_impact.variables.prepared import PreparedScene
 REFERENCE_FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
 REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's time
-# if the results up to a time are not reliable, the reference ends at this time / SHORTER instead
+# if at most REFERENCE_ROWS / SHORTER rows are reliable, a reference up to its time / SHORTER replaces it
 SHORTER = 10
 # A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
-# tolerance, differs from the reference by more than max(ASTRAY, tolerance). The allowed error of a user's
-# result is TOLERANCE_FACTOR times the largest difference of the second run before this end, and at least
-# LEAST_TOLERANCE. ASTRAY and LEAST_TOLERANCE are relative to the largest value of all outputs with the same
-# unit.
+# tolerance, differs from the reference by more than ASTRAY or, if it is larger, this tolerance. The allowed
+# error of a user's result is TOLERANCE_FACTOR times the largest difference of the second run before this end,
+# and at least LEAST_TOLERANCE. ASTRAY, the tolerance and LEAST_TOLERANCE are relative to the largest value of
+# all outputs with the same unit.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared at times closer than this to the onset or end of a contact, because they change too
 # fast there. The limit is relative to the communication step.
@@ -89,7 +89,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Return the outputs of a scene at a tolerance of 1e-12, until a run at its own tolerance differs.
+    """Return the outputs of a scene at a tolerance of 1e-12, until a run at the scene's own differs.
 
     If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
 

@@ -52,8 +52,10 @@ def record_fmu(
             as in a scene. An FMU gets its inputs at communication points only.
 
     Raises:
-        SceneError: when the file is not an FMU of a chain, a name is unknown or a value is not a number.
+        SceneError: when the file is not an FMU of a chain, a name is unknown, a value is not allowed, or the
+            table cannot drive the FMU.
         RunError: when the FMU has no binary for this machine, or reports a fault.
+        OSError: when a file cannot be read.
     """
     path, show = Path(path), progress or silent
     description, facts = _chain_of(path), read_facts(path)

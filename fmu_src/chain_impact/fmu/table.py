@@ -38,15 +38,15 @@ HEAD = {
     "guid": "40s",
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
-    **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of motions; 0 if nothing moves
+    **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of prescribed motions; 0 without them
     # offsets in bytes from the beginning of the file; offsets of texts are from `texts_at`
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }
-"""Field of the head of the table → format. packaging/c_header.py writes both for C."""
+"""Field of the head of the table → format. packaging/c_header.py writes VARIABLE and HEAD for C."""
 CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
 Rows = Sequence[tuple[list[Any], int]]
-"""A row of the table for each variable, with the number of values of the variable."""
+"""For each variable: its row of the table, and the number of its values."""
 
 
 def described(
@@ -127,7 +127,7 @@ def _numbers(numbers: Iterable[int]) -> bytes:
 def _words(prepared: PreparedScene) -> dict[str, int]:
     """Return the indices of the words of the record that the C interface itself reads or writes.
 
-    The index is 0 for a word of moving parts if nothing moves.
+    The index of a word of prescribed motions is 0 if there is no such motion.
     """
     paths: dict[str, DataPath] = {
         "time_word": ("step", "time"),

@@ -41,7 +41,7 @@ class Trial:
     """The test calls of an FMU, one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
-        """Unpack the FMU and read its model description."""
+        """Unpack the FMU to ``folder``, and read its model description."""
         import fmpy
 
         fmpy.extract(str(path), folder)
@@ -80,7 +80,8 @@ class Trial:
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
         """Call the FMU, after a line in the report; return the result.
 
-        If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance".
+        If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance"; or
+        "<name> fails" if ``without`` is empty.
         """
         name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
         self.tell(call=name)

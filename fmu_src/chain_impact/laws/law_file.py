@@ -1,4 +1,4 @@
-"""A user's own contact law: a Python file with a function of the same name.
+"""A user's own contact law: a Python file that defines a function with the file's name.
 
 The validation of a scene only reads the file (law_syntax.py); the build of a kernel compiles the law
 (compilation/law.py), and links it to the kernel.
@@ -54,10 +54,10 @@ def read_law(path: Path) -> UserLaw:
 
 
 def parse_law(name: str, source: str) -> UserLaw:
-    """Return the law with a name in the text of its file.
+    """Return the law ``name`` from the text of its file.
 
     Raises:
-        LawError: when the text does not contain a valid law with this name.
+        LawError: when the text does not define a valid law in a function ``name``.
     """
     if not (name.isidentifier() and name.isascii()):
         raise LawError("must have the name of its law: an identifier in the letters A to Z, digits and _")
@@ -88,7 +88,7 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 
 
 def source_of(function: Callable[..., float]) -> str:
-    """Return the text of a file for a law that is given as a Python function; the file imports ``math``.
+    """Return the text of a law's file for a Python function: ``import math``, then the function's source.
 
     Raises:
         LawError: when the function has no name, or Python does not know its source.

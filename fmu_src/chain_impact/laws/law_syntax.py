@@ -1,8 +1,8 @@
 """The allowed syntax of a file with a law: a list of allowed forms, so that no file can run anything else.
 
-Python evaluates the constants of a file and the heads of its functions; numba compiles the functions, and
-Python never runs them. The only values are numbers, tuples of numbers, functions of ``math`` and functions of
-the file, because no other name can be reached.
+Python evaluates the constants of a file and the default values of arguments; numba compiles the functions,
+and Python never runs them. A law can use no names but those of ``FUNCTIONS``, ``MATH`` and the file, so that
+its values are numbers, tuples of numbers, and functions with such names.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a part of the file is allowed in a law; the parts inside it are checked alone."""
+        """Return whether a node of the syntax tree is allowed; its child nodes are not checked here."""
         fine = True
         match node:
             case ast.Name(id=name):
@@ -167,7 +167,7 @@ class _Names:
         """Yield the parts of an expression that are not allowed in a constant.
 
         Args:
-            value: an expression.
+            value: an expression, or None.
             calls: whether the expression may call functions of ``math`` and of Python.
         """
         for node in ast.walk(value) if value else ():
@@ -196,7 +196,7 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 
 
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the text in a part of a file if a text is allowed there.
+    """Yield the text that is directly in a node of the syntax tree, if a text is allowed there.
 
     A text is allowed as a whole statement, such as a docstring, and as a word in ``float("nan")``.
     """

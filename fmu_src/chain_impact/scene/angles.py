@@ -1,4 +1,4 @@
-"""Angles in degrees: their form in a file, and a hint for an angle that is probably not meant in radians."""
+"""Angles: text in degrees in a file, and hints for angles that may be in degrees or off by whole turns."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def degrees_pattern(unit: str) -> str | None:
 
 
 def in_radians(value: Any, unit: str) -> Any:
-    """Return a value in its unit; an angle as text, ``"90 deg"``, is converted to radians."""
+    """Return an angle as text, ``"90 deg"``, as a number in radians; return any other value unchanged."""
     pattern = degrees_pattern(unit) if isinstance(value, str) else None
     match = re.fullmatch(pattern, value) if pattern else None
     return math.radians(float(match[1])) if match else value
 
 
 def or_degrees(unit: str) -> str:
-    """Return words for an error: or text, such as "90 deg"; "" if the unit is not one of angles."""
+    """Return words for an error: that a text, "90 deg", is allowed, too; "" for a unit not of angles."""
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 
 
@@ -43,7 +43,10 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
 
 
 def turns_hint(joint: float, low: float, high: float) -> str:
-    """Return a hint: the angle within a joint's stops that has the same direction; "" if there is none."""
+    """Return a hint for a joint's angle beyond its stops ``low`` and ``high``, all in [rad].
+
+    It names the angle between the stops that differs by whole turns; "" if there is none.
+    """
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau
     return (

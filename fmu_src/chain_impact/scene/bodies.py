@@ -16,12 +16,12 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
 CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for a circle
-# half the length of a stop's mark and of the carriage, relative to the size of the motion
+# half the length of a stop's mark and of the carriage, relative to ``Rail.size``
 STOP_MARK = 0.06
-# how far a line without a stop is drawn beyond the positions of the carriage, relative to the size of the
-# motion
+# how far an end of the line without a stop is drawn beyond the positions of the base, relative to
+# ``Rail.size``
 FREE_END = 0.12
-# the corners of the carriage, along the line and to its left, relative to half its length
+# corners of the carriage: coordinates along the line and to the line's left, relative to ``Rail.half``
 CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
 Disc = tuple[float, float, float]
 """A disc: the coordinates of its centre along a link and to the left of the link, and its radius [m]."""
@@ -53,7 +53,7 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return number of a link → its points beside its ends, as discs, for each link that has such points.
+    """Return number of a link → its points other than its ends, as discs, for each link with such points.
 
     The discs are in the link's axes, in the order of the points' numbers: the corners of a box come first.
     """
@@ -77,7 +77,7 @@ def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[i
 
     Args:
         values: name of a parameter → value.
-        touching: the points that can touch; an end of a link that cannot touch has the radius 0.
+        touching: the numbers of the points that can touch; the other ends of links have the radius 0.
     """
     radius, outlines = values.get("contact.radius", 0.0), {}
     for n, discs in discs_of_links(values).items():
@@ -107,7 +107,7 @@ class Rail:
         angle: direction of the line, from +x [rad].
         low: the least position [m]; −∞ without a stop.
         high: the largest position [m]; ∞ without a stop.
-        size: the size of the motion [m], which determines the size of the carriage.
+        size: width or height of the motion of all points, the larger one [m]; the carriage is scaled to it.
     """
 
     origin: np.ndarray
@@ -120,7 +120,7 @@ class Rail:
     def between(
         cls, origin: np.ndarray, angle: float, low: float | None, high: float | None, size: float
     ) -> Rail:
-        """Return the line between two stops; None for a missing stop."""
+        """Return the line between the stops ``low`` and ``high``; a stop that is None is missing."""
         ends = (-math.inf if low is None else low, math.inf if high is None else high)
         return cls(origin, angle, *ends, size)
 
@@ -136,9 +136,9 @@ class Rail:
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The half-planes in which the stops keep the carriage that is drawn, by the stops' names.
+        """The half-planes in which the existing stops keep the drawn carriage, by the stops' names.
 
-        A stop is half a carriage beyond the position of the base that it allows.
+        The edge of each is half a carriage beyond ``low`` or ``high``, the limit for the base.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half
@@ -171,7 +171,7 @@ class Rail:
 
 
 def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None if the base does not slide, or if nothing tells the line.
+    """Return the line of a slider; None if ``values`` has no ``slider.angle`` and ``positions`` is None.
 
     Args:
         points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
@@ -181,7 +181,7 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
     bases = points[:, 0]
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    # without parameters, the line leads from the base at the least position to the base at the largest
+    # without the parameter, the line points from the base at its least position to the base at its largest
     # position
     elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]

@@ -11,8 +11,8 @@ from chain_impact.scene.scene import Scene
 def candidates(scene: Scene) -> list[tuple[int, int]]:
     """Return the pairs (point, index in ``scene.wall_names``) that can touch.
 
-    The pairs of a point and an existing wall come first. The stops follow, as pairs (joint, index in
-    ``scene.wall_names``); a joint has the number of its link. The stops of a slider belong to point 0.
+    The pairs of a point and an existing wall come first. The stops of joints follow, with the number of the
+    joint's link in place of a point. The stops of a slider come last, with point 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
     joints = stop_pairs(scene)
@@ -22,8 +22,8 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
 def parts_in_words(scene: Scene) -> list[str]:
     """Return words for each part of a scene that can be the reason for a fault, numbered as ``fault.part``.
 
-    These parts are the candidates, then the links, then, for each pair of a point and a wall, the base at
-    this wall.
+    These parts are the candidates, then the links, then the base at the wall of each pair of a point and a
+    wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)

@@ -72,7 +72,7 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """The number of points that are corners of the shape; these points come first."""
+        """The number of corners of the link's shape, 0 without one; they are the first of its points."""
         return CORNERS if self.shape else 0
 
 
@@ -100,7 +100,7 @@ class Slider:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChainTable:
-    """The links from base to tip, and the kind of base."""
+    """The links from base to tip, the kind of base, and its slider."""
 
     base: str = quantity(
         "",
@@ -137,7 +137,7 @@ class ChainTable:
 
     @property
     def is_body(self) -> bool:
-        """Whether some link is more than a line with two ends, or the base slides."""
+        """Whether a link has points, or a centre of mass beside its line, or the base slides."""
         return self.is_skewed or self.slider is not None or any(link.points for link in self.links)
 
     @property
@@ -147,7 +147,7 @@ class ChainTable:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """The points of links, numbered from N + 1 on: the index of the link, and the point."""
+        """Pairs (index of a link, point on it), in the order of the points' numbers, which begin at N + 1."""
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property

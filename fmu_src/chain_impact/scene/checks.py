@@ -32,9 +32,9 @@ IN_MM = (9e3, 1.05e4)  # [m/s²] a gravity in this range is probably the earth's
 
 
 def check(scene: Contents) -> None:
-    """Refuse values of several keys that do not fit together.
+    """Refuse a scene that fails any check of this module or of signal_checks.py.
 
-    The error also has sentences on angles that may be in degrees by mistake.
+    The error also has the sentences of ``angle_hints``.
     """
     try:
         check_together(scene)
@@ -71,7 +71,7 @@ def check_masses(chain: ChainTable) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse values that contradict each other, although each value alone is valid."""
+    """Refuse masses, points, walls and values of contact that are valid alone, but not together."""
     check_masses(scene.chain)
     contact, movable = scene.contact, scene.chain.movable_points
     for point in contact.points:
@@ -119,7 +119,7 @@ def _value_of(table: Any, key: str) -> Any:
 
 
 def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:
-    """Return the coefficients of friction of [contact] and of each wall, by the path of the table."""
+    """Return path of [contact] and of each wall's table → its coefficients of friction, by their keys."""
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
     names = ("friction", "static_friction")
@@ -127,9 +127,9 @@ def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall that no point can reach, if the record has no room for it.
+    """Refuse a wall of ``walls`` that no point can reach, if the record has no room for it.
 
-    It has room for as many walls as pairs that can touch.
+    The record has room for as many of these walls as there are pairs of a point and a wall that can touch.
     """
     if scene.chain.slider is None or not scene.may_touch:
         return
@@ -152,9 +152,9 @@ def check_moved_walls(scene: Contents) -> None:
 
 
 def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -> None:
-    """Refuse a restitution or an exponent in a table that the contact law does not allow.
+    """Refuse a restitution or an exponent that the contact law ``model`` does not allow.
 
-    ``table`` is the path of the table.
+    ``table`` is the path of the table that has the ``values``.
     """
     law, exponent = CONTACT_LAWS.get(model), getattr(values, "exponent", None)
     if law and values.restitution == 0.0 and not law.allows_zero:
@@ -166,7 +166,7 @@ def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -
 
 
 def check_stops(scene: Contents) -> None:
-    """Refuse a stop without a joint, and a table ``stops`` in a scene without stops."""
+    """Refuse a stop of link 1 on a free base, values in [stops] without stops, and those of ``check_law``."""
     if not scene.chain.stops:
         _refuse_table(scene)
         return
@@ -266,7 +266,7 @@ def hints(scene: Contents) -> list[str]:
 
 
 def size_hints(scene: Contents) -> list[str]:
-    """Return questions about the unit of lengths that are probably in millimetres."""
+    """Return questions on the first link that is probably in mm, and on a gravity probably in mm/s²."""
     links, pull = scene.chain.links, math.hypot(*scene.gravity)
     texts = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
@@ -280,7 +280,7 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each coordinate of a base that a signal starts away from initial.position."""
+    """Return a sentence for each value of initial.position that a pinned base with a signal does not have."""
     if scene.chain.base != "pinned":
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
@@ -288,7 +288,7 @@ def start_hints(scene: Contents) -> list[str]:
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
-    """Return the sentence on one coordinate of a base that a signal starts away from initial.position."""
+    """Return the sentence of ``start_hints`` on one coordinate: it is ``start``, not ``given`` [m]."""
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
@@ -310,10 +310,10 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a sentence if a change sets the absolute angle of a link, but not of the next link.
+    """Return a sentence, in a list, if changes set the absolute angle of a link, but not of the next link.
 
-    Only for a scene that gives ``initial.joint_angles``: the links behind keep their absolute angles, which
-    users may not expect.
+    Only for a scene that gives ``initial.joint_angles``: its user may not expect that all further links keep
+    their absolute angles.
     """
     if not scene.has_joint_angles:
         return []

@@ -17,7 +17,7 @@ ANGLES = ("initial", "angles")
 
 
 def completed(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the values that follow from other keys.
+    """Return the scene with the values that follow from other keys, and with the contents of table files.
 
     Relative paths of files begin at ``folder``.
     """
@@ -54,7 +54,7 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_radii(scene: AnyScene) -> AnyScene:
-    """Return the scene with ``contact.radius`` as the radius of each point of a link without a radius."""
+    """Return the scene with the derived radius ``contact.radius`` for link points that have none."""
     links, paths = [], [*scene.derived_paths]
     for i, link in enumerate(scene.chain.links):
         points = []
@@ -84,7 +84,7 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material for each existing wall; values that are not given are None.
+    """Return the scene with a material for each existing wall; a material has None for a value not given.
 
     Refuse a material of a wall that does not exist.
     """

@@ -1,4 +1,4 @@
-"""The contents of a scene file: the top level of its tables, and values that follow from the tables alone.
+"""The contents of a scene file: its keys and tables at the top level, and values that follow from them alone.
 
 Modules that check, change or describe a scene use ``Contents``; users get ``Scene`` from ``scene.py``.
 """
@@ -33,14 +33,14 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
-# up to this cosine of the angle between a slider's line and a wall's normal, the two count as perpendicular:
-# the cosine is then only round-off, and points slide parallel to the wall
+# a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
+# normal is smaller than this round-off
 PARALLEL = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Contents:
-    """The contents of a scene: its tables, and values that follow from the tables alone."""
+    """The contents of a scene: its keys and tables, and values that follow from them alone."""
 
     name: str = quantity("", "model name", pattern=MODEL_NAME)
     description: str = quantity("", "what the scene shows", "", pattern=XML_TEXT)
@@ -69,7 +69,7 @@ class Contents:
         """The names of the walls in the order of their numbers: first the walls of the box, then ``walls``.
 
         In a scene with stops in joints, ``joint_min`` and ``joint_max`` follow; the stops of a slider come
-        last. If no point can touch a wall, ``walls`` have no numbers.
+        last. If no point may touch any wall, ``walls`` are left out.
         """
         walls = self.walls if self.may_touch else ()
         return (
@@ -81,7 +81,7 @@ class Contents:
 
     @property
     def has_joint_stops(self) -> bool:
-        """Whether a joint has a stop; only then ``stops`` has values."""
+        """Whether a joint has a stop; only then the keys of [stops] are not None."""
         return self.stops.exponent is not None
 
     @property
@@ -91,7 +91,10 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether any point may touch a wall; without walls, whether any point would."""
+        """Whether any point may touch walls.
+
+        In a scene with walls, only points count that can reach one of them: see ``keeps_distance``.
+        """
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
         planes = self.half_planes.values()
@@ -111,7 +114,7 @@ class Contents:
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point at a sliding base moves parallel to a wall, so that it never reaches it."""
+        """Return whether a point never reaches a wall: it is at a base that slides parallel to the wall."""
         slider, sites = self.chain.slider, self.chain.sites
         behind = point - len(self.chain.links) - 1
         at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
@@ -134,7 +137,7 @@ class Contents:
     def has_contact_friction(self) -> bool:
         """Whether contacts are possible and may have dry friction.
 
-        They may have it if a coefficient is above 0, or if a wall has its own.
+        They may have it if a coefficient of [contact] is above 0, or if a wall has its own, even 0.
         """
         if not (self.may_touch and self.contact.wall):
             return False
@@ -233,10 +236,10 @@ class Contents:
 
 
 def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str | None:
-    """Return a hint for a name that has the name of a point in place of a number: the right name.
+    """Return a hint with the right name for a name that has a point's name in place of its number.
 
-    For example "toe is point[4]: point[4].x" for ``toe.x`` or ``point[toe].x``. None if there is no such
-    name in ``known``.
+    For example "toe is the name of a point: point[4].x" for ``toe.x`` or ``point[toe].x``. None if the right
+    name is not in ``known``.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):

@@ -10,7 +10,10 @@ from chain_impact.scene.key_rules import Derived
 
 
 def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
-    """Return the rule for a default that is a sum of products of values of one table, divided by a number."""
+    """Return the rule for a default: the sum of products of a table's values (``terms``) / ``divisor``.
+
+    For a link that is a box, the rule ``of_box`` applies, if there is one.
+    """
 
     def value(table: Mapping[str, Any]) -> float:
         if of_box and table["height"]:
@@ -33,7 +36,7 @@ ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), const
 
 
 def as_in_contact(key: str) -> Derived:
-    """Return the rule for a default that equals a key of the table ``contact``, in a scene with stops."""
+    """Return the rule for a default equal to a key of [contact]; None in a scene without stops of joints."""
     return Derived(
         "as in [contact]",
         lambda tables: getattr(tables["contact"], key) if tables["chain"].stops else None,
@@ -42,7 +45,7 @@ def as_in_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """Return the rule for a default that is always ``value``; it exists only in a scene with stops."""
+    """Return the rule for a default that is ``value``, or None in a scene without stops of joints."""
     return Derived(f"{value:g}", lambda tables: value if tables["chain"].stops else None, constant=True)
 
 

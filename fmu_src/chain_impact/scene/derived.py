@@ -1,7 +1,7 @@
 """Derived values of a scene: defaults that follow from other values.
 
 A value stays derived until a user gives it; then it no longer follows other values. Only given values are
-written to files and compared. ``Scene.derived_paths`` has the paths of the derived values. The kernel derives
+written to files. ``Scene.derived_paths`` has the paths of the derived values. The kernel derives
 parameters of a record in the same way: kernel/chain/inertia.py.
 """
 
@@ -19,9 +19,9 @@ from chain_impact.scene.names import DataPath
 
 
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
-    """Yield the paths of derived values in the scene, from their ``paths`` in the data of a file.
+    """Yield the paths in the scene for ``paths`` in the data of a file.
 
-    An entry of the data can stand for several links; in the scene each link has its own entry.
+    An entry of links with a count stands for several links; in the scene each link has its own entry.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -51,9 +51,9 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 
 
 def above(paths: Iterable[Any]) -> set[DataPath]:
-    """Return the paths of all tables and lists that contain one of the values at ``paths``.
+    """Return the paths of all tables and lists that contain a value at one of the ``paths``.
 
-    Names among the ``paths`` are ignored.
+    Whatever is no path, such as a name, is ignored.
     """
     proper = [
         path
@@ -64,7 +64,7 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 
 
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at a path: ``rule``, or its other rule if the link is a box."""
+    """Return the rule that derives the value at a path: ``rule``, or ``rule.of_box`` for a box."""
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box
@@ -72,7 +72,7 @@ def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
-    """Return the rule that derives the value at a path; ``rules`` has the dataclass field of each key."""
+    """Return the rule that derives the value at a path; ``rules``: key (``scene_keys``) → dataclass field."""
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]
     return rule

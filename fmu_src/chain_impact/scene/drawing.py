@@ -14,13 +14,13 @@ LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
 # MARGIN: the free border around the drawing; NEAR: the distance beyond which no wall is drawn; both relative
 # to the size of the chain
 MARGIN, NEAR = 0.15, 1.0
-# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all relative to the size of the
-# drawing
+# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all relative to the longer side of
+# the drawing
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 
 def svg(scene: Contents, values: Mapping[str, Any]) -> str:
-    """Return the drawing as SVG, in the colours of the page that shows it.
+    """Return the drawing as SVG, in the text colour of the page that shows it.
 
     ``values`` are the values of the scene by their names.
     """
@@ -62,5 +62,5 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
 
 
 def _listed(points: np.ndarray | list[np.ndarray]) -> str:
-    """Return points as the text of an SVG list; the y axis of SVG points downward."""
+    """Return points as the text "x,−y x,−y …" for SVG, whose y axis points downward."""
     return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

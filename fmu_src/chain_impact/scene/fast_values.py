@@ -30,15 +30,15 @@ _TABLES: dict[DataPath, Any] = {
     ("simulation",): Simulation,
     **{("chain", "links", i): Link for i in range(LINKS)},
 }
-"""Path → table with keys that may change alone: each is one number or choice.
+"""Path → table in which the keys with the rule ``alone`` have one number or choice each.
 
-In ``Initial`` each is a list.
+``Initial`` is left out, because its keys have lists of numbers.
 """
 
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
-    """Return path or name of a number → its path and its metadata."""
+    """Return path or name of each value that may change alone → its path, and the metadata of its key."""
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
         rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
@@ -50,7 +50,7 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 
 
 def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
-    """Return the keys of a table that may change alone, with their metadata."""
+    """Return the keys of a table that have the rule ``alone``: key → metadata."""
     return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
 
@@ -84,7 +84,7 @@ def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given
 
 
 def _value(given: Any, rule: Mapping[str, Any]) -> Any:
-    """Return the given value if it is a finite number or one of the choices; else None."""
+    """Return a finite number as a float, or a text where the rule has choices; None for another value."""
     if rule["choices"]:
         return given if isinstance(given, str) else None
     if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
@@ -93,7 +93,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
-    """Return the scene with the number at a path changed; None if other values must be checked, too."""
+    """Return the scene with the number or choice at a path changed; None if the whole scene must be read."""
     match path:
         case "chain", "links", int(i), str(key):
             return _with_link(scene, i, key, value)
@@ -112,7 +112,7 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
     """Return whether other values of the scene follow from a number, or must be checked with it."""
-    if path == ("simulation", "stop_time"):  # the end of a table may depend on the end of the run
+    if path == ("simulation", "stop_time"):  # the last piece of a signal's table may depend on the stop time
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)
 

@@ -18,7 +18,7 @@ class HalfPlane:
 
     Attributes:
         normal: the unit vector n.
-        offset: distance of the wall from the origin along n [m].
+        offset: n·p of the wall's points [m], the distance from the origin along n.
     """
 
     normal: tuple[float, float]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
-"""The fields of links that determine whether a link has inertia."""
+"""The fields of links that ``loose_links`` reads."""
 
 
 def chain_view(chain: Any) -> SimpleNamespace:
@@ -16,7 +16,7 @@ def chain_view(chain: Any) -> SimpleNamespace:
 
 
 def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
-    """Return the parts of a record with a signal as the argument of functions in kernel/chain/signals.py."""
+    """Return the parts ``signal`` and ``knot`` of a record as the argument of kernel/chain/signals.py."""
     parts = {"signal": signals, "knot": knots}
     views = {
         name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})

@@ -34,11 +34,11 @@ class KeyRules(TypedDict, total=False):
     per_link: bool  # the list has one value for each link
     entries: tuple[int, int]  # lowest and highest number of entries of a list
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
-    alone: bool  # `with_values` changes it without reading the whole scene again, see fast_values.py
+    alone: bool  # `with_values` can change the key without reading the scene again: fast_values.py
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
-    # name of another key, of the same table or as "table.key"; the file that this key names is one more
-    # choice
+    # name of another key, of the same table or as "table.key"; if this key gives a file, the file's name
+    # without its suffix is one more choice
     extended_by: str
     # function that returns the unit from the values of the keys read before, if these keys decide the unit
     unit_by: Callable[[Mapping[str, Any]], str]
@@ -50,12 +50,13 @@ class Derived:
 
     Attributes:
         text: the rule in words.
-        value: function that returns the default from the values read before, or None if there is no default.
+        value: function that returns the default from the values read before; None for no default, ``MISSING``
+            if the key must be given.
         terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
             the terms, divided by the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
-        constant: whether the default is always the same number; other values only decide if there is a
-            default.
+        constant: whether the default always has the same content; other values only decide its length, or if
+            there is a default.
         of_box: the other rule for a link that is a box, if there is one.
     """
 
@@ -68,7 +69,7 @@ class Derived:
 
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
-"""A pattern, as the rule ``pattern`` has it."""
+"""The rule ``pattern`` for names."""
 NO_KEY = {"key": False}
 """The metadata of a field that is not a key of the scene file."""
 

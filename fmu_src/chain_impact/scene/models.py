@@ -18,7 +18,7 @@ def model_names() -> list[str]:
 
 
 def scene_path(source: str | os.PathLike[str]) -> Path:
-    """Return the path of the scene file that `load_scene` reads for a source."""
+    """Return the path of the scene file that `load_scene` reads for a source; the file need not exist."""
     path = Path(source)
     if path.is_dir() and (path / SCENE_FILE).exists():
         return path / SCENE_FILE

@@ -67,9 +67,9 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: DataPath) -> DataPath:
-    """Return the path that the name of a signal's number shows: ("signal", …) for ("signals", …).
+    """Return the path with the steps of a name: ("signal", "a", "time", 0) for ("signals", "a", "times", 0).
 
-    Any path that does not lead to a number of a signal is returned unchanged.
+    A path that does not lead to a key of a signal is returned unchanged.
     """
     if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
         return path
@@ -78,7 +78,7 @@ def _of_signal(path: DataPath) -> DataPath:
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
-    """Return the name of a wall at any angle, or None if the wall has no name.
+    """Return the name of a wall at any angle; None if ``walls`` has no text for it.
 
     For the template of a wall, return the template of the name.
     """
@@ -147,14 +147,14 @@ def _fits(step: str, form: str) -> bool:
 
 
 def input_key(name: str) -> str | None:
-    """Return the key of `[inputs]` that gives the scene an input; None if no input has this name."""
+    """Return the key of `[inputs]` that adds the input ``name``; None if no input has this name."""
     return next(
         (key for key, names in INPUTS_OF.items() if any(is_like(name, pattern) for pattern in names)), None
     )
 
 
 def input_asked(name: str) -> str | None:
-    """Return the line of a scene file that gives the scene an input; None if no input has this name."""
+    """Return the line of a scene file that adds the input ``name``; None if no input has this name."""
     key = input_key(name)
     if key == "wall_motion":
         return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
@@ -193,7 +193,7 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint for the name of a number of a signal, if the scene lacks the signal; else None."""
+    """Return a hint for a name ``signal.<name>.<key>`` if no signal has this name; else None."""
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:

@@ -34,7 +34,7 @@ class SceneError(ValueError):
     """
 
     def __init__(self, message: str, path: DataPath = ()) -> None:
-        """Store the message as a single line, whatever names and values it quotes."""
+        """Store the message as a single line, also if a name or value in it has line breaks."""
         super().__init__(" ".join(message.splitlines()))
         self.path = path
 
@@ -45,12 +45,12 @@ class SceneError(ValueError):
 
 
 def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
-    """Return the error with the sentence of a fault (refusals.py) on the key at a path of the file."""
+    """Return the error for the key at ``path``: the path, then the sentence of a fault (refusals.py)."""
     return SceneError(f"{path_text(path)} {sentence(fault, **words)}", path)
 
 
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
-    """Return the error on a key that names no wall of the scene; ``value``: the start of the sentence."""
+    """Return the error for a key that names no existing wall; its sentence starts with ``value``."""
     if not walls:
         return refusal(path, "no_walls")
     return refusal(path, "no_wall", value=value, walls=", ".join(walls))
@@ -58,9 +58,9 @@ def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneErr
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Let an error inside the ``with`` block call a value by the name that the user typed.
+    """Replace a value's other name by the typed name in the message of a SceneError in the ``with`` block.
 
-    ``names`` are the typed names. The error may have the value's other name.
+    ``names`` are the names that the user typed; entries that are no text are ignored.
     """
     try:
         yield
@@ -153,13 +153,15 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of the entries if ``kind`` is a list or a dict; else ``kind`` itself."""
+    """Return the type of the entries of a tuple, or of the values of a mapping; else ``kind`` itself."""
     item, *others = get_args(kind) or (kind,)
     return others[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
-    """Reads data into the dataclass ``root`` and its inner dataclasses; ``label`` names a path in errors.
+    """Reads data into the dataclass ``root``, whose fields may be dataclasses, too.
+
+    ``label`` returns the text of a path for errors.
 
     Attributes:
         derived: the paths, in the data, of the values that defaults have derived.
@@ -277,7 +279,7 @@ class Reader:
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on one table where a list of tables must be: where its other keys belong."""
+        """Return advice on a table in place of a list: where the keys belong that ``item`` lacks."""
         moved = [
             self._keys()[key]
             for key in value

@@ -79,9 +79,9 @@ class Rule(NamedTuple):
         fault: the fault that the value then is, a key of SENTENCES.
         key: the refused key; its value is the word ``value`` of the sentence.
         condition: the condition under which the value is refused: parts with "and" between them. A part is a
-            key or a fact whose value is given and not 0 (of several values, one), such a one after "not", or
-            a comparison with a text in quotes or a sum of products of whole numbers and values of keys or
-            facts; the comparison is false if a value is not given.
+            key or fact, true if its value is neither missing nor 0 (of a list: any entry); "not" and a key or
+            fact; or a comparison of a key or fact with a text in quotes, or with a sum of products of whole
+            numbers, keys and facts. A comparison is false if a value is missing.
         least: the sum whose value is the word ``least`` of the sentence; its text is the word ``bound``.
         of: the tables to which the keys belong: "" the whole file, "link" each link, "material" [contact] and
             each table in [contact.wall], whose missing values are those of [contact].
@@ -123,7 +123,7 @@ RULES = (
         "material",
     ),
 )
-"""Rules of a file, in the order in which they are asked."""
+"""Rules of a file, in the order in which they are checked."""
 SIGNAL_RULES = (
     Rule(
         "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"

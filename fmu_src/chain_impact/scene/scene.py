@@ -66,7 +66,7 @@ class Scene(Contents):
     def values(self) -> dict[str, Any]:
         """Every single value by its name, for ``with_values``.
 
-        The entry is None for a value that does not exist.
+        The entry is None for a value that the scene does not have, such as the position of a missing wall.
         """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
@@ -141,7 +141,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     """Return the checked scene for data.
 
-    An error gives the path of a key in a file, or the name of a value that does not come from a file.
+    An error has the path of the key; without ``in_file``, the name of the value, unless links have counts.
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
@@ -162,7 +162,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        # while the data are read, the path is that of the data
+        # an error of the reader has a path in the data; a later error has a path in the scene
         text, path = str(error), error.path if scene is None else path_in_file(error.path, data)
         if error.path and text.startswith(written := path_text(error.path)):
             text = label(path) + text.removeprefix(written)
@@ -210,7 +210,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene without empty tables of stops, signals, materials and lists of points."""
+    """Return the data of a scene; leave out [stops], [signals], materials and lists of points if empty."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
@@ -287,9 +287,9 @@ JOINT_ANGLES_PATH = ("initial", "joint_angles")
 def _path_and_value(
     scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
 ) -> tuple[DataPath, Any]:
-    """Return the path and the value of a change; the change may be a path, or a name that exists.
+    """Return the path and the value of a change by path or by name; refuse an unknown name.
 
-    ``every`` returns name → path of the scene.
+    ``every`` returns name → path for all names of the scene.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
@@ -305,19 +305,19 @@ def _path_and_value(
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
-    """Return a hint how to change a value of the scene that is no parameter; None if it has no such value."""
+    """Return a hint how to change a value that is no parameter; None if the scene has no value ``name``."""
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
 
 
 @functools.cache
 def _keys() -> dict[str, DataPath]:
-    """Return the path of every dotted key, except keys inside lists of tables and tables by name."""
+    """Return dotted key → path; leave out keys in lists of tables and in tables that users name."""
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
 
 def _names(scene: Scene) -> dict[str, DataPath]:
-    """Return the path of every single value, by the value's name."""
+    """Return name → path of every single value."""
     walls = [wall.name for wall in scene.walls]
     return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
@@ -328,7 +328,7 @@ def _leaves(
     """Yield the path and the value of every single value.
 
     Each entry of a list of quantities is a single value. If ``value`` is a list, its first ``apart`` entries
-    are left out: they are corners of a box, and follow from other values.
+    are left out: the corners of a box, which follow from its length and height.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):

@@ -15,7 +15,7 @@ WIDTH = 100  # largest number of characters of a line
 
 
 def text(scene: Contents) -> str:
-    """Return the scene in a few lines: its name, and a summary of each table of the file."""
+    """Return the scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)

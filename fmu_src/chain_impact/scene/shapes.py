@@ -17,7 +17,7 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal
 
 _APART = object()
-"""Stands in a list of points in place of a corner of a box, because the box determines the corner."""
+"""The mark in place of a box's corner in plain data: the corner is not given, but follows from the box."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
@@ -40,7 +40,7 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace the corners of boxes by marks in the plain data of a scene.
+    """Replace the corners of boxes by the mark ``_APART`` in the plain data of a scene.
 
     With ``given``, the corners stay as ordinary points, and the link is no longer a box.
     """

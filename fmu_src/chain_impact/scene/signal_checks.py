@@ -1,4 +1,4 @@
-"""Checks that refuse signals that cannot drive the inputs that they name (scene/signals.py)."""
+"""Checks of signals (signals.py), which refuse a signal that cannot drive its inputs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _input(name: str) -> DataPath:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse inputs that the scene does not have, and a signal for inputs of different units."""
+    """Refuse a signal without inputs, with unknown inputs or, if it is no table, with several units."""
     there = list(inputs_of(scene))
     if not signal.input:
         raise refusal(_input(name), "no_input")
@@ -74,7 +74,10 @@ def _check_numbers(name: str, signal: Signal) -> None:
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a periodic table that is longer than its period, or whose last row differs from its first."""
+    """Refuse a table longer than its period, or with a last row one period after a different first row.
+
+    With the interpolation ``hold`` these two rows may differ.
+    """
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
         return
@@ -93,7 +96,10 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse a table that makes the position or velocity of base or wall jump, or grow with each period."""
+    """Refuse an interpolation with which the velocity of base or wall jumps, and a period of accelerations.
+
+    The velocity could grow with each period. ``order`` says how many times the input is integrated.
+    """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
         raise SceneError(

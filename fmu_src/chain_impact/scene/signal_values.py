@@ -75,14 +75,14 @@ def knots_of(signal: Signal) -> int:
 def joined_by(signal: Signal, driven: str) -> str:
     """Return how the rows of a table for an input are interpolated: ``hold``, ``linear`` or ``spline``.
 
-    The default is the same as for samples in Python: a spline for motions of base and walls, which must not
-    jump.
+    The default is ``spline`` for motions of base and walls, which must not jump, and ``hold`` for others, as
+    for samples in Python.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table is one period after the first row, so repeats it."""
+    """Return whether the last row of a periodic table is one period after the first and must repeat it."""
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= CLOSED * (signal.period or 0.0)
@@ -109,7 +109,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 
     Returns:
         The start of each polynomial, shape (R,) [s]; the coefficients of the powers of the time since this
-        start, shape (R, P); and the growth of the last integral in a period.
+        start, shape (R, P); and the growth of the last integral in a period, 0 without a period.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
@@ -125,7 +125,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
-        # t = 0 is so many periods after the time `begin`, which is in the table
+        # t = 0 is `periods` periods after the time `begin`, which is in the table
         periods = math.floor(-at[0] / period)
         begin = -periods * period
     for _ in range(order):

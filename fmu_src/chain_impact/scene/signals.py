@@ -1,4 +1,4 @@
-"""Signals, functions of time that drive inputs of the scene: their checks, defaults and inputs.
+"""Signals, functions of time that drive inputs of the scene: their defaults, table files and inputs.
 
 kernel/chain/signals.py computes their values.
 """
@@ -22,7 +22,7 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
-"""The end of the name of an input that comes after all others, because it replaces the rate of a target."""
+"""The end of the names of target velocities, which come last, because they replace the rates of targets."""
 
 
 class Driven(NamedTuple):
@@ -62,9 +62,9 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return the names of an input's integrals, of the input, and of its derivatives, in this order.
+    """Return the names of an input's integrals, the input, and its derivatives, in this order.
 
-    The name is "" for an integral that is no input.
+    Only names of inputs are returned, but "" for the integral of a belt's speed.
     """
     head, _, last = name.rpartition(".")
     if head == "base":
@@ -170,7 +170,7 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 
 
 def _completed(name: str, signal: Signal) -> Signal:
-    """Return the signal with its defaults. Refuse a missing key, and a key that the form does not have."""
+    """Return the signal with its defaults; refuse an unfit name, a missing key, and a key of another form."""
     own = FORMS[signal.form]
     if not name.isidentifier():
         raise refusal(("signals", name), "signal_name")
@@ -187,7 +187,7 @@ def _completed(name: str, signal: Signal) -> Signal:
 
 
 def how_asked(scene: Contents, name: str) -> str:
-    """Return words that say how to give a scene an input, or which inputs the scene has."""
+    """Return words for an error on an input that is not there: how to get it, or which inputs are there."""
     key, there = input_key(name), list(inputs_of(scene))
     if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
         return f"there is no wall {wall}"

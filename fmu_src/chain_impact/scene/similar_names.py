@@ -10,17 +10,19 @@ LIKE_NAME = 0.6
 SAME_LAST = 0.45
 """The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
 LIKE_LAST = 0.8
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with a similar last part."""
+"""The least similarity, 0 to 1, of a last part to a name of one part, at which ``nearest`` returns it."""
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
     """Return the name that is most similar to ``name``, or None.
 
-    Names that differ by their numbers only have priority, ``link[1].mass`` for ``link.mass``; then names with
-    the same last part, ``contact[1].y_min.force`` for ``joint[1].force``. If ``name`` has one part, a name
-    with a similar last part has priority: one of [contact], else the shortest, ``contact.stiffness`` for
-    ``stifness`` and ``link[1].length`` for ``lenght``. A similarity is a number from 0 to 1. A name needs at
-    least the similarity ``at_least``; SAME_LAST if the last part is the same; LIKE_LAST for a last part.
+    The first of these kinds that has a name decides:
+
+    - names that differ by their numbers only: ``link[1].mass`` for ``link.mass``
+    - if ``name`` has one part, names whose last part has at least the similarity LIKE_LAST to it: one of
+      [contact], else the shortest: ``contact.stiffness`` for ``stifness``, ``link[1].length`` for ``lenght``
+    - names with the same last part, at least SAME_LAST: ``contact[1].y_min.force`` for ``joint[1].force``
+    - all names with at least the similarity ``at_least``, from 0 to 1
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
     bare = NUMBER.sub("", name)

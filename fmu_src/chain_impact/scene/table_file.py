@@ -22,8 +22,8 @@ TIME = "time"
 # a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the
 # factor is 1000
 TOO_LONG = 990.0
-# rows seem to be missing where a step is longer than the usual one by the factor MISSING, in a table with at
-# least ROWS steps of which half are equal, up to the part EQUAL
+# rows seem to be missing where a step is longer than MISSING times the median step, in a table with at least
+# ROWS steps, half of which differ from the median by at most the factor EQUAL
 MISSING, ROWS, EQUAL = 10.0, 10, 0.01
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
@@ -158,7 +158,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
-    """Return a sentence on the longest step [s] among equal ones, if rows seem to be missing."""
+    """Return a sentence, in a list, on the longest of the steps [s] if rows seem to be missing there."""
     steps = np.diff(times)
     if len(steps) < ROWS:
         return []
@@ -183,7 +183,7 @@ def _column(table: Table, name: str) -> np.ndarray:
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
-    """Return the table if it has a head line, rows, and the same number of cells in each row.
+    """Return the table if it has rows, a head line of different names, and as many cells in each row.
 
     Refuse any other table.
     """

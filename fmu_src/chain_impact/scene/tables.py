@@ -15,7 +15,7 @@ from chain_impact.scene.names import INPUTS_OF
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
-MODEL_NAME = (  # regular expression for names, which are also names of files
+MODEL_NAME = (  # the rule ``pattern`` for a model's name, also the name of files
     rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
     f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
 )
@@ -153,7 +153,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outputs:
-    """The outputs of the FMU, besides the outputs of the last impact."""
+    """The outputs of the FMU; those of the last impact are always there."""
 
     points: bool = quantity("", "position, velocity and acceleration of the points", True)
     links: bool = quantity("", "angle, its rate and acceleration of the links", True)

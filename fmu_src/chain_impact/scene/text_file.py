@@ -63,7 +63,7 @@ def check_separator(head: str) -> None:
     Raises:
         ValueError: when another character separates the columns.
     """
-    # names in quotes may have any mark, and blanks around commas do not count
+    # names in quotes may have any separator, and blanks around commas do not count
     bare = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", head))
     for mark, name in SEPARATORS.items():
         if mark in bare and bare.count(mark) >= bare.count(","):

@@ -11,7 +11,7 @@ PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[
 PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
 """Prefix of a unit → factor, for units that people write behind numbers."""
 USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
-"""Units of which the hint ``number_hint`` knows all prefixes."""
+"""The units that ``number_hint`` knows by default, each with all prefixes."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
 
 
@@ -24,7 +24,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     if word == "%":
         return f"; write {number / 100.0:.12g}" if units is USUAL or {"", "1"} & {*units} else ""
     for unit in filter(None, units):
-        # kg already has a prefix, so the other prefixes are tried before g
+        # kg already has a prefix: the prefixes stand before g, and g is 0.001 kg
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
         for prefix, factor in PREFIXES.items():
             if word == prefix + _plain(base):
@@ -53,7 +53,10 @@ def of_power(unit: str, exponent: float | None) -> str:
 
 
 def of_scene(unit: str, scene: Any) -> str:
-    """Return the unit of a value of a scene: N/m^1.5 for N/m^exponent, with the exponent 1.5."""
+    """Return a unit with the exponent of [contact], or of [stops] if it ends with /rad, in place of the word.
+
+    N/m^exponent becomes N/m^1.5 for the exponent 1.5; other units are returned unchanged.
+    """
     base, power, end = unit.partition("^exponent")
     part = scene.stops if base.endswith("/rad") else scene.contact
     return of_power(base, part.exponent) + end if power else unit

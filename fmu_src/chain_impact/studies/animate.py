@@ -45,11 +45,11 @@ def animate(
             argument of ``load_scene``, which ``record_slowly`` simulates.
         path: the file, whose suffix determines the kind: ``.html`` is a page for a browser that needs no
             other file, ``.gif`` and ``.mp4`` are films. Without a path the page is returned, for a notebook.
-        speed: simulated seconds in a second on the screen, outside of impacts; 1 by default. A film without a
-            given speed is slower if a sine that drives an input would have fewer than 8 frames in a period,
-            but does not get more than 1500 frames by this.
-        impact_time: duration of each impact on the screen [s] at the speed 1; the animation slows down
-            shortly before the impact. With 0 the speed is constant.
+        speed: simulated seconds in a second on the screen, outside of impacts; 1 by default. Without a given
+            speed, a film with slow motion is slower if a sine that drives an input needs this for 8 frames in
+            a period; it is slowed down only up to 1500 frames.
+        impact_time: duration of each impact on the screen [s] at the speed 1, else divided by the speed; the
+            animation slows down shortly before the impact. With 0 the speed is constant.
         size: width and height of a film [pixels].
         progress: called with the finished fraction of a film, 0 to 1, if given.
 
@@ -61,6 +61,7 @@ def animate(
             two rows or no position of a point.
         MissingExtraError: when PyAV is not installed, for an mp4.
         SceneError, SimulationError: when the scene cannot be read, or the solver cannot continue.
+        BuildError: when the kernel cannot be compiled.
         OSError: when the file cannot be written.
     """
     if not isinstance(recording, Recording):
@@ -87,7 +88,7 @@ def record_slowly(
         inputs: as for ``simulate``.
 
     Raises:
-        SceneError: when an input is invalid.
+        SceneError: when the scene cannot be read, or an input is invalid.
         SimulationError: when the solver cannot continue; the error holds the result so far, with evenly
             spaced rows.
         BuildError: when the kernel cannot be compiled.
@@ -97,7 +98,7 @@ def record_slowly(
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
-    # an impact that is too weak for slow motion also gets rows, for its peak force
+    # an impact that is too weak for slow motion also gets dense rows, so that the rows have its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
     course = input_course(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))

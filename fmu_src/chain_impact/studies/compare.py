@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""The factors on the stiffness for which the comparison computes the reachable restitution of an impact that
-is not free."""
+"""The factors on the stiffness for which the comparison computes the reachable restitution, if other forces
+than contact forces act in the first impact, too."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -60,8 +60,8 @@ class Comparison(LawRuns):
         scene: the scene.
         reference: id of the law to which the impacts of all other laws are compared.
         runs: one run for each law, in the order of the registry; a user's own law comes last.
-        reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
-            is not free, at larger stiffnesses.
+        reached: the restitutions that the first impact reaches without losses and with the exact law, at the
+            scene's stiffness and, if not only contact forces act in the impact, at larger stiffnesses.
     """
 
     def __repr__(self) -> str:
@@ -128,7 +128,7 @@ LAW_COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "steps": lambda run: run.steps if run.result else None,
     "note": lambda run: run.note,
 }
-"""The columns of the CSV, and their meanings; "restitution" to "energy lost" belong to the first impact."""
+"""Column of the CSV → function: run → its value; "restitution" to "energy lost" are of the first impact."""
 
 
 def _cell(value: object) -> object:
@@ -143,20 +143,20 @@ def compare(
 ) -> Comparison:
     """Simulate a scene with each law of the registry and with the scene's own law, or with some laws.
 
-    If a law needs another exponent than the scene has, it runs with this exponent, and with the stiffness
-    that gives the first impact the same penetration if it were elastic. A law that does not allow the scene's
+    A law that needs another exponent than the scene has runs with this exponent, and with the stiffness that
+    would give the first impact the same penetration without losses. A law that does not allow the scene's
     restitution, or fails, is listed with the reason. Stops with their own law keep this law; then only the
     law of the walls changes, and the first impact at a wall is compared.
 
     Args:
-        scene: a scene, or an argument of ``load_scene``; the contact model of the scene does not matter.
+        scene: a scene, or an argument of ``load_scene``; each law replaces the scene's contact model.
         progress: called with the finished fraction, 0 to 1, if given.
-        laws: ids of the laws; all laws by default. The scene's own law is added if all others need another
-            exponent.
+        laws: ids of the laws; all laws by default. The scene's contact model is added if all these laws need
+            another exponent than the scene has.
 
     Raises:
         UnknownNameError: when a law does not exist.
-        SceneError: when there is no impact.
+        SceneError: when the scene cannot be read, or has no impact.
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
@@ -190,9 +190,9 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
-    """Return the restitution that can be reached with the stiffness times ``factor``.
+    """Return the restitutions without losses and with the exact law, at the stiffness times ``factor``.
 
-    A run that is already in ``runs`` is not repeated.
+    A run in ``runs``, law → run with this stiffness, is not repeated.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))
@@ -210,10 +210,12 @@ def _why_none(scene: Scene) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare, in the registry's order; at least one has the scene's exponent.
+    """Return the ids of the laws to compare, in the registry's order.
+
+    If all these laws need another exponent than the scene has, the scene's contact model follows.
 
     Raises:
-        UnknownNameError: when no law has an id.
+        UnknownNameError: when an id in ``laws`` does not exist.
     """
     names = scene.law_names
     for law in laws or ():
@@ -273,7 +275,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return the run with number and time of the first impact that differs from the reference, if any."""
+    """Return ``run`` with the number and time of its first impact that differs from ``expected``, if any."""
     if run.result is None:
         return run
     ours, theirs = run.result.impacts, expected.impacts

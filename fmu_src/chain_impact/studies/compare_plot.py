@@ -40,12 +40,12 @@ from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
-BAND_POINTS = 400  # number of penetrations at which a band is computed
+BAND_POINTS = 400  # number of penetrations at which the band of the grey loops is computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
 )
-"""The lines of laws with colours, which are seen on the wide line of the reference law."""
+"""The looks of laws with colours; their lines lie above the wider line of the reference law."""
 COLOURED_LAWS = 1 + len(LINES)  # largest number of laws that get a colour, with the reference law
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
@@ -104,7 +104,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    is_told = bool(banded(comparison, looks))  # the legend has an entry for the band
+    is_told = bool(banded(comparison, looks))  # then the legend explains the grey band
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits = "" if comparison.is_free else "not free"
     if limits and math.isfinite(most := comparison.reached[0].lossless):
@@ -175,7 +175,7 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a line at penetration 0.
 
-    Laws without a colour are drawn together as a band.
+    More than MOST_GREY laws without a colour are drawn together as a band.
     """
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
@@ -198,7 +198,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that are drawn as a band: laws without a colour, if there are too many of them."""
+    """Return the laws that are drawn as a band: laws without a colour, if there are more than MOST_GREY."""
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -229,7 +229,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time; laws without a colour are drawn together as a band."""
+    """Draw the total energy over time; more than MOST_GREY laws without a colour share a band."""
     band = banded(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:

@@ -13,8 +13,8 @@ from chain_impact.recording.text import TextTable, prefixed
 from chain_impact.studies.law_change import EXACT_LAW, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
 
-# the largest difference from the prescribed restitution with which a law realises it, relative to the
-# restitution
+# a law realises the prescribed restitution if its restitution differs by at most this, relative to the
+# prescribed one
 REALISED_WITHIN = 0.05
 NAMED_LAWS = 3  # the largest number of laws that the advice names
 DASH = "–"
@@ -90,7 +90,7 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Return a sentence: which laws realise the prescribed restitution in the impact, and one to take.
+    """Return a sentence: which laws realise the prescribed restitution in the impact, and which to take.
 
     For an impact that is not free, the text also gives the restitution that can be reached. Only an impulse
     gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
@@ -107,12 +107,12 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _few(laws: Sequence[str]) -> str:
-    """Return the names of a few laws, or the number of many laws."""
+    """Return the names of up to NAMED_LAWS laws, or the number of more laws."""
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
-    """Return words that advise one of two or more laws ``near`` the restitution; else ""."""
+    """Return words that advise one of the laws ``near`` the restitution; "" for fewer than two laws."""
     if len(near) < 2:  # noqa: PLR2004
         return ""
     if EXACT_LAW in near:

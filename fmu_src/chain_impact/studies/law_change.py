@@ -29,12 +29,12 @@ def needed_exponent(law: str, exponent: float) -> float:
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Return whether a law can run with the exponents of the scene."""
+    """Return whether a law allows every exponent that it would have in the scene."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield the tables in which the law of `contact` acts, each with its path, exponent and stiffness."""
+    """Yield each table of the scene with a stiffness for the law of `contact`: path, exponent, stiffness."""
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
         yield ("contact",), contact.exponent, contact.stiffness
@@ -65,7 +65,7 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     """Return the changes that give a scene another law; stops with their own law keep this law.
 
     If the law needs another exponent, the elastic penetration of ``impact``, a row of ``Result.impacts``,
-    stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀².
+    stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and stiffnesses do not change.
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
@@ -74,7 +74,7 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # stops with their own law keep their exponent, also if the scene took it from the contact's exponent
+    # stops with their own law keep their exponent, even if it is only the default: the exponent of `contact`
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes

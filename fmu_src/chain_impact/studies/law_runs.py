@@ -21,8 +21,9 @@ FREE = 0.05  # an impact is free if its restitution differs by at most this numb
 class LawRun:
     """The result of one law.
 
-    The values of the first impact are NaN if there is no impact, or it has not ended. If stops have their own
-    law, the first impact is the first impact at a wall.
+    The values of the first impact are NaN if there is no impact. If it has not ended, its force and
+    penetration are the largest so far, and the other values are NaN. If stops have their own law, the first
+    impact is the first impact at a wall.
 
     Attributes:
         law: the id of the law.
@@ -30,7 +31,7 @@ class LawRun:
         stiffness: stiffness K of the run [N/m^n].
         restitution: realised restitution of the first impact.
         peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop all quantities belong to
-            the angle: the peak is a moment [N·m].
+            the angle: the peak is a moment [N·m], the penetration is in rad.
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
         energy_lost: energy that the whole chain dissipates from the onset to the end of the first impact [J].
@@ -94,8 +95,8 @@ class LawRuns:
         scene: the scene.
         reference: id of the law to which the impacts of all other laws are compared.
         runs: one run for each law.
-        reached: the restitution that the first impact can reach, at the scene's stiffness and, if the impact
-            is not free, at larger stiffnesses.
+        reached: the restitutions that the first impact reaches without losses and with the exact law, at the
+            scene's stiffness and, if not only contact forces act in the impact, at larger stiffnesses.
     """
 
     __eq__ = same
@@ -130,7 +131,7 @@ class LawRuns:
         """Whether only contact forces act in the first impact.
 
         A free impact has the restitution 1 without losses, and the scene's restitution with the exact law. An
-        impact that has not ended counts as free.
+        impact that has not ended has no restitution, and counts as free.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
@@ -143,6 +144,6 @@ class LawRuns:
 
 
 def first_of(result: Result | None) -> np.void | None:
-    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``."""
+    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``, or None."""
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]

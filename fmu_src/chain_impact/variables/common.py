@@ -1,7 +1,8 @@
-"""What scenes have in common that differ only in numbers: a cache of the last scenes.
+"""A cache of the data that scenes share if they differ only in numbers.
 
 ``in_common`` marks the parts of ``PreparedScene`` that do not depend on numbers, and keeps them in the cache.
-The cache also has the record of a scene, in which only changed tables need be written again (filling.py).
+The cache also has the record of one of these scenes: for another one, only changed tables are written again
+(filling.py).
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ Part = TypeVar("Part")
 
 @dataclass
 class Common:
-    """What scenes have in common that differ only in numbers.
+    """The data that scenes share if they differ only in numbers.
 
     Attributes:
         scene: the first of these scenes.
         parts: the parts of ``PreparedScene`` that do not depend on numbers, by name.
-        record: one of these scenes with the words of its record, to which nothing may write; None before the
+        record: one of these scenes and the words of its record, which nothing may change; None before the
             first record.
     """
 
@@ -40,7 +41,7 @@ class Common:
 
 
 _cache: list[Common] = []
-"""One entry for each of the last scenes that differ in more than numbers, the newest first."""
+"""The entries of the last scenes, the newest first; scenes that differ only in numbers share one."""
 MOST_CACHED = 16
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
 """The tables of the scene whose numbers can be written again without the other tables."""
@@ -49,7 +50,7 @@ _OTHERS = [
     for entry in fields(Scene)
     if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
 ]
-"""The other tables of the scene, except texts and [simulation], on which only signals depend."""
+"""The other tables of the scene, without texts and [simulation], which matters only to signals."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
@@ -81,7 +82,7 @@ def common_of(scene: Scene) -> Common:
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
             return common
-    new = Common(scene)  # another thread may insert its own at the same time
+    new = Common(scene)  # another thread may insert an equal entry at the same time
     _cache.insert(0, new)
     del _cache[MOST_CACHED:]
     return new

@@ -29,9 +29,9 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def acting(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input in the kernel, and the index of the joint, component or channel.
+    """Return the number of an input (kernel/chain/inputs.py), and the index in the input's array.
 
-    ``path`` is the path of the input in the record.
+    ``path`` is the path of the input in the record. A prescribed motion has the number CHANNEL.
     """
     part, field, index = path
     return CHANNEL if part == MOTION else NAMES.index(str(field)), index

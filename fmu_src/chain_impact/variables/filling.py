@@ -36,8 +36,8 @@ from chain_impact.variables.structure import Structure
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
-"""The conditions on which the record has a field for the given value of a parameter, beside the value in
-use, with the functions that look them up in a scene."""
+"""Condition ``Kind.given_if`` → function that looks it up in a scene; then the record also has a field
+for the given value of a parameter."""
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
@@ -108,7 +108,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     """Return a function that reads the values of a kind of parameters from a scene.
 
-    If the record has a field for given values, these values follow.
+    If the record also has a field for the given values, the function returns them after the values in use.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:
@@ -211,7 +211,7 @@ def _words_of(
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for the numbers of a table, and the functions that read the numbers.
 
-    ``met`` are the conditions that the scene meets.
+    ``met`` are the conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, words, there = layout_of(*sizes), [], []
@@ -228,7 +228,7 @@ def _words_of(
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write the materials of single walls: the given values, and ``if_missing`` where none is given."""
+    """Write the given values of single walls' materials, and ``Kind.if_missing`` for the others."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
         d[part][key] = kind.if_missing
@@ -244,10 +244,10 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return an instance with the tangent instances, which follow it in memory, for derivatives.
+    """Return a copy of an instance, followed in memory by the tangent instances for derivatives.
 
-    ``paths`` are the paths of the parameters in the record. Each parameter has its own direction: there its
-    derivative is 1, and the derivatives of all other parameters are 0.
+    ``paths`` are the paths of the parameters in the record. Each parameter has a direction of its own, in
+    which its derivative is 1 and those of all other parameters are 0.
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()

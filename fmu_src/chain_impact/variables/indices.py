@@ -21,7 +21,7 @@ JOINT_FORCE = "joint_force"
 
 
 class Peak(NamedTuple):
-    """A largest value of all contacts of a run.
+    """The largest value of a quantity over all contacts of a run.
 
     Attributes:
         path: the path in the record.
@@ -51,7 +51,7 @@ PEAKS = {
         ("peaks", "rotation"), "largest rotation beyond a stop", "rad", "max_penetration", at_stops=True
     ),
 }
-"""Name in a sweep and in a ranking → largest value. Only a scene with stops of joints has those at stops."""
+"""Name in a sweep and in a ranking → peak. Only scenes with stops of joints have the peaks ``at_stops``."""
 # layouts are kept, because computing a layout takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
@@ -87,7 +87,7 @@ def first_word(dtype: np.dtype, part: str) -> int:
 
 
 class LogWords(NamedTuple):
-    """The indices of the words of the record that a reader of a run and its log of contacts needs.
+    """Where the status of a run and its log of contacts are in the record: indices of words, and ``room``.
 
     Attributes:
         status: status of the run.

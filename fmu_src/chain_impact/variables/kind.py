@@ -21,7 +21,7 @@ ALWAYS = "always"
 MOTION = "motion"
 """The part of the record with the given motions."""
 MOTIONS = ("position", "velocity", "acceleration")
-"""The fields of this part of the record."""
+"""The fields of the part ``MOTION`` of the record."""
 
 
 class Heading(NamedTuple):

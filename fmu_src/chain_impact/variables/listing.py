@@ -27,14 +27,14 @@ from chain_impact.variables.words import owner_words, scene_words
 KEPT_STRUCTURES = 64  # the number of structures of scenes whose lists of outputs are kept
 BEHIND = "behind"
 """The field with the tangent instances, records of dual numbers that follow an instance in memory
-(prepared.py)."""
+(filling.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
 
 
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
-    """Yield the parameters of the FMU: those with a value in the scene other than ``absent_at``."""
+    """Yield the parameters of the FMU: those whose value in the scene is neither None nor ``absent_at``."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
         path = filled(kind.path or (), owner.values)

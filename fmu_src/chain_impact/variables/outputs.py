@@ -1,9 +1,9 @@
 """The inputs and outputs in the table of variables, one row for each kind; kind.py explains the columns.
 
-A row has the name without the prefix, the unit, the description, and attributes: ``field`` of the record if its
-name differs, and those of ``Kind``. The names and units of inputs are those of ``INPUTS_OF``. A row with {axis}
-stands for two rows, one for x and one for y; {j} is then 0 and 1. The value references follow the order of the
-rows.
+A row has the name without the prefix, the unit, the description, and attributes: those of ``Kind``, and
+``field``, the field of the record if it has another name than the row. Rows of inputs lack name and unit,
+which are in ``INPUTS_OF``. A row with {axis} stands for two rows, for x and y; {j} is then the index of the
+axis, 0 or 1. The value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ def _block(
         owner_kind: the kind of owner.
         prefix: the first part of the names.
         rows: the rows of the table. The index of the owner is appended to each field without an index.
-        names: full name → unit, if the rows begin with the description; only names with the prefix count.
+        names: full name → unit, for rows that begin with the description: the names with the prefix belong to
+            the rows, in this order.
         array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
@@ -65,7 +66,7 @@ def _block(
 
 
 def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield the axis and the cells of each row."""
+    """Yield the axis, "" for none, and the cells of each row; a row with {axis} is yielded for each axis."""
     for line in text.strip().splitlines():
         for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
             yield axis, [cell.strip().replace("{j}", str(j)) for cell in line.split("|")]

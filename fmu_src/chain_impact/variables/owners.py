@@ -1,4 +1,4 @@
-"""The tables of the conditions, counts and owners of variables, and of the numbers that they give a record.
+"""The tables of conditions, counts and owners of variables, and of numbers in a record that follow from them.
 
 Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables. Each of them finds
 only the FACTS and the LISTS of a scene by itself. A rule names conditions, such as "contacts or stops and not
@@ -63,7 +63,7 @@ FACTS = {
         "the number of knots of all signals", lambda of: sum(driven.knots for driven in of.signals)
     ),
 }
-"""Name → each fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
+"""Name → fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
 ``inputs.tip_force``; a list of names counts as its length."""
 LISTS = {
     "links": "jointed: a joint holds it; has_friction: this joint has dry friction",
@@ -120,7 +120,7 @@ COUNTS_OF = {
     "signals": "signals",
     "knots": "knots",
 }
-"""The counts at the start of a record (kernel/record/counts.py), as numbers."""
+"""Name → number (a sum of products) for each count at the start of a record (kernel/record/counts.py)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +128,7 @@ class Owners:
     """The owners of one kind: a row of the table of owners.
 
     Attributes:
-        over: the list whose members are the owners, or their number.
+        over: the name of the list whose members can be owners, or the number of owners.
         has: the rule by which a member is an owner. Only the first of members with equal ``n``, ``of``
             and name is an owner: the two stops of joint 2 are one owner.
         numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
@@ -161,7 +161,7 @@ OWNERS = {
     ),
     "joint": Owners(over="links", has="jointed", numbers=_COUNTED),
     "joint with friction": Owners(over="links", has="has_friction", numbers=_COUNTED),
-    # the record has the outputs of both stops of a joint at the first of them
+    # the record has the outputs of both stops of a joint at the candidate of its first stop
     "stop": Owners(over="candidates", has="at_joint", numbers={"at": "order"}),
     "contact": Owners(
         over="candidates",
@@ -195,7 +195,7 @@ OWNERS = {
 
 
 class Written(NamedTuple):
-    """A number in the record, or one for each member of the list ``over``, that follows from the tables."""
+    """A number in the record that follows from the tables; one for each member of ``over``, if given."""
 
     path: DataPath
     number: str

@@ -37,8 +37,8 @@ HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a va
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
 HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Steps in the template of a path: placeholders of a parameter's key, of an axis's number, and of its
-name."""
+"""Steps in the template of a path: placeholders of a parameter's key, and of the index and name of an
+axis."""
 
 
 @cache
@@ -241,7 +241,7 @@ PARAMETERS = (
             Material,
             path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
-            restitution={"if_missing": -1.0},  # below 0, the restitution of all walls applies
+            restitution={"if_missing": -1.0},  # a value below 0 means: as in [contact]
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
         ),
@@ -265,7 +265,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        # the initial position applies to a moving base as well
+        # the initial position is also the given position of a base that inputs move
         *(
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(
@@ -277,7 +277,7 @@ PARAMETERS = (
                 )
             )
         ),
-        # the velocity of a pinned base can only be zero
+        # only a free base can have an initial velocity that is not zero
         *_vector(
             Initial,
             path=("initial", "velocity"),

@@ -102,7 +102,7 @@ class PreparedScene:
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
-        """The inputs that signals drive: the name of the input → the name of the signal."""
+        """The inputs that signals determine, also by integrals and derivatives: name → name of the signal."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
     @in_common
@@ -155,7 +155,7 @@ class PreparedScene:
 
     @in_common
     def differentiable(self) -> dict[str, Variable]:
-        """The parameters and inputs that have derivatives, by their names."""
+        """The parameters and inputs with respect to which there can be derivatives, by their names."""
         return {
             variable.name: variable for variable in (*self.parameters, *self.inputs) if variable.kind.smooth
         }
@@ -188,12 +188,12 @@ class PreparedScene:
 
     @in_common
     def kernel_size(self) -> int:
-        """The size by which ``kernel_library`` finds the kernel of the scene, see ``kernel_size``."""
+        """The size by which ``kernel_library`` finds the scene's kernel: see the function ``kernel_size``."""
         return kernel_size(self.scene)
 
     @in_common
     def output_words(self) -> np.ndarray:
-        """The indices in the record of the numbers of a row, shape (W,)."""
+        """The indices in the record of the numbers of a row of ``Result.outputs``, shape (W,)."""
         first = first_word(self.layout, "output")
         return np.arange(first, first + self.row.itemsize // WORD)
 
@@ -203,7 +203,7 @@ class PreparedScene:
         return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return the indices of the outputs with some names or patterns, each once, in the order of names.
+        """Return the indices of outputs with some names or patterns, each once, in the order of ``wanted``.
 
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.
@@ -219,7 +219,7 @@ class PreparedScene:
 
     @in_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
-        """The indices of outputs that a single text has named."""
+        """Name or pattern → indices of its outputs, kept from earlier calls of ``indices_named``."""
         return {}
 
     @in_common

@@ -17,7 +17,7 @@ from chain_impact.variables.variable import Variable
 
 
 class Available(Protocol):
-    """What can be named: the parts of ``PreparedScene`` with these names."""
+    """The parts of ``PreparedScene`` that have the variables a user can name."""
 
     scene: Scene
 

@@ -21,7 +21,7 @@ from chain_impact.variables.owners import FACTS, Owner, Parts, owners_of, with_c
 class Structure:
     """All properties of a scene that determine which variables exist, without values of parameters.
 
-    Scenes of one structure have the same outputs. Nothing may write to its tables.
+    Scenes of one structure have the same outputs. Nothing may change ``facts`` and ``lists``.
 
     Attributes:
         facts: the facts of the scene, see ``owners.FACTS``.

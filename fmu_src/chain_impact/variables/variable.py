@@ -162,7 +162,7 @@ def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
     The type is real or integer; the kind is the variability of a parameter, else the causality.
 
     ``word`` is the index of the value in use, and ``set_word`` the index of the value that was set. An
-    importer reads the first of them, and writes a new value to both.
+    importer reads at ``word``, and writes a new value at both.
     """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER

@@ -116,7 +116,8 @@ class Measurements:
     def end(self, stop_time: float) -> float:
         """Return the time [s] up to which a model must run to cover all measurements.
 
-        An impact without a measured time may happen at any time until the scene's stop time.
+        An impact without a measured time may happen at any time until the scene's stop time. With
+        impacts, the result is LATE times the last time.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():
@@ -184,7 +185,7 @@ def read_measurements(
 
 
 class _Book:
-    """A collector of the values of tables."""
+    """The values in the tables of one run, collected table by table."""
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
@@ -280,7 +281,7 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs and inputs in a row, and return the time of the row."""
+        """Add the outputs and inputs in a row; return its time [s], which must be later than ``before``."""
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
             later = f" and > {before:g}, the value of the row before" if before >= 0.0 else ""
@@ -367,7 +368,7 @@ def standard_deviation(name: str, given: float | str, value: float) -> float:
     """Return the standard deviation of a value, from a number or a percentage that is given for a column.
 
     Raises:
-        SceneError: when ``given`` is neither a number nor a percentage.
+        SceneError: when ``given`` is neither a number > 0 nor such a percentage.
     """
     text = str(given).strip()
     try:
@@ -386,5 +387,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with measured values: all except time, WHICH, and standard deviations."""
+    """Return the columns with measured values: all except time, WHICH, joint, and standard deviations."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

@@ -25,7 +25,7 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# the exponential of a larger number is infinite, so an interval ends at infinity there
+# an end of an interval of a logarithm beyond ± this number counts as ± infinity: exp would overflow
 LARGEST_LOGARITHM = 700.0
 ROUGH_BELOW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
 # if the data last longer than this number of times the scene's stop time, their times are probably not in
@@ -187,7 +187,8 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     """Return the model at the end of the search; parameters close to a bound are set to the bound.
 
-    The search stays within the bounds, and approaches them without ever reaching them.
+    The search approaches the bounds without ever reaching them. If the model on the bounds has other usable
+    values, no parameter is changed.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone

@@ -1,8 +1,8 @@
 """The search with a growing horizon: first only early data, at the end all data.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
-many minima; the sum over early data has one minimum. So the horizon is the time up to which the model already
-follows the data, and each search starts at the result of the search before.
+many minima; the sum over early data has one minimum. So each search uses the data up to a horizon, the time
+up to which the model already follows the data, and starts at the result of the search before.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# The first horizon contains this number of values for each parameter, but at most all values divided by this
-# number, and at least one value for each parameter.
+# For P parameters and N values with a time, the first horizon contains at least this number × P values, or
+# N / this number if that is less, but never fewer than P values.
 VALUES_PER_PARAMETER = 3
 # the model follows the data as long as their difference, relative to the size of the column, is at most this
-# number; one number for the first trial, one for the second
+# number; the first number is for the first series of searches, the second for a second series
 FAR = (0.01, 0.0025)
-# A second trial is made if the mean square of the residuals with all data is at least WORSE times that with
-# early data. A mean square less than LEAST_SQUARE counts as LEAST_SQUARE, so that round-off
-# causes no second trial.
+# A second series follows if the first does not converge, or if the mean square of the residuals with all data
+# is at least WORSE times the smallest one with fewer data. A smallest one below LEAST_SQUARE counts as
+# LEAST_SQUARE, so that round-off causes no second series.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
 MANY_VALUES = 20  # with fewer values, a mean square is too random to be compared
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
 # relative change of the sum of squares that ends a rough search and a fine search
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# the smallest standard deviation, relative to the size of a column; a smaller one is an error of the solver,
-# not noise
+# the smallest estimated standard deviation, relative to the size of a column; smaller residuals are errors of
+# the solver, not noise
 LEAST_SIGMA = 1e-8
-# Fewer degrees of freedom are round-off and count as none. A larger limit is not needed: a column with few
-# degrees of freedom gets more of them as its σ grows.
+# Fewer degrees of freedom are round-off and count as none. A larger limit is not needed: with few degrees of
+# freedom σ grows, so the column loses weight, determines fewer parameters, and gets more degrees of freedom.
 NO_FREEDOM = 1e-9
 # SETTLED_SIGMA: the relative change of an estimated standard deviation that ends the rounds; MOST_ROUNDS: the
 # largest number of rounds
@@ -51,7 +51,7 @@ class Found:
         search: the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: the successive times [s] up to which data were used.
-        worse: mean square of the residuals, divided by the smallest mean square with fewer data.
+        worse: mean square of the residuals with all data, divided by the smallest one with fewer data.
     """
 
     search: Search
@@ -64,7 +64,7 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
     """Fit the free parameters.
 
     Raises:
-        SceneError: when the model has no value to compare with the data.
+        SceneError: when the data cannot be fitted, or the model has no value to compare with them.
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
@@ -78,7 +78,8 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """Return the result of a search with growing horizons.
 
-    Each horizon ends where the model differs from the data by more than ``far`` times the size of a column.
+    Each next horizon is the time at which the model first differs from the data by more than ``far`` times
+    the size of a column, and at least GROWTH times the horizon before.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
@@ -126,8 +127,8 @@ def _minimized(
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Return the standard deviations, shape (M,); where none is given, estimate it from the residuals.
 
-    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. A column has no degrees of freedom if
-    it determines as many parameters as it has values. Its residuals then tell nothing; it keeps ``sigma``.
+    A column of residuals r with ν degrees of freedom has σ² = Σ r²/ν, and σ ≥ LEAST_SIGMA times its size. If
+    it determines as many parameters as it has values, ν is 0: its residuals tell nothing, it keeps ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -140,7 +141,7 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
-    """Return the degrees of freedom ν of each column with an estimated σ: number of the column → ν.
+    """Return the degrees of freedom ν of each column with an estimated σ: index of the column → ν.
 
     A column of n values has ν = n − h. Here h is the number of parameters that the column determines: the sum
     of the leverages of its values.
@@ -162,7 +163,7 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return the number of each column without given standard deviations, and its smallest allowed σ."""
+    """Return the index of each column without given standard deviations, and its smallest allowed σ."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
@@ -190,7 +191,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s], before which lie the values that VALUES_PER_PARAMETER asks for, or more.
+    """Return the first horizon [s]: it contains the values that VALUES_PER_PARAMETER asks for, or more.
 
     It is infinity if all data are used at once.
     """
@@ -205,10 +206,10 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """Return the time [s] up to which the model follows the data roughly, later than ``horizon``.
+    """Return the next horizon [s]: the time up to which the model follows the data, or GROWTH × ``horizon``.
 
-    The result is infinity if the model follows all data. It follows the data as long as its outputs are close
-    to the data or, if no outputs were measured, its times of impacts.
+    The later of both is returned, infinity if no data are later. The model follows the data as long as its
+    outputs or, if no outputs were measured, its times of impacts differ by at most ``far`` × size.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

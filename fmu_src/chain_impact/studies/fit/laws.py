@@ -21,8 +21,9 @@ FitOne = Callable[[Sequence[Scene], Progress], Fit]
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the best fit, with the ranking of all.
 
-    The scene's own law is fitted first, and the others start from its result. A law that needs another
-    exponent starts with the stiffness that gives the first impact the same penetration.
+    The scene's own law is fitted first. The others start from its result and, if this fit fails or does not
+    converge, again from ``scenes``. A law that needs another exponent starts with the stiffness that gives
+    the first impact the same penetration without losses.
 
     Args:
         fit: function that fits the scenes of all data sets.
@@ -68,7 +69,7 @@ def _part(progress: Progress, k: int, count: int) -> Progress:
 
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
-    """Return a scene with another law."""
+    """Return a scene with another law; for a new exponent, an impact of ``first`` gives the stiffness."""
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
     impact = None if impacts is None or number is None else impacts[number]
@@ -76,14 +77,14 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
-    """Return the key that sorts laws: first those that use all values, each by the criterion; last no fit."""
+    """Return the key that sorts laws: by use of all values, then by the criterion; without a fit last."""
     if law_fit.fit is None:
         return True, True, math.inf
     return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, CRITERION_DIGITS)
 
 
 def _noted(law_fit: LawFit, most: int) -> LawFit:
-    """Return a law's fit with remarks."""
+    """Return a law's fit with remarks on values that it does not use, and on a missing convergence."""
     if law_fit.fit is None:
         return law_fit
     left = most - int(law_fit.fit.used.sum())

@@ -2,8 +2,8 @@
 
 The results of a chain with impacts change with the parameters: an impact may disappear, or a derivative may
 not exist. So a search fits the values that exist at its start. It refuses a step to a model without one of
-these values, and a step to a sum of squares that is not finite because a residual or a derivative grows
-without limit towards a bound. SciPy then takes a shorter step.
+these values or derivatives, and a step to derivatives so large, near a bound, that the sum of their squares
+overflows. SciPy then takes a shorter step.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def minimize(
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
         enough: relative change of the sum of squares in a step, below which the search has converged.
-        most: the largest number of tried steps.
+        most: the largest number of tried steps; a search that needs more has not converged.
     """
     rows = first.usable
     # parameters without effect are left out, because SciPy would take many steps along them

@@ -31,7 +31,7 @@ class Parameter:
         unit: the unit of the value.
         start: value in the scene; 0 for an input.
         low, high: bounds of the value; infinite if there is no bound.
-        logarithmic: whether the search uses the logarithm, as for a positive number of unknown size.
+        logarithmic: whether the search uses the logarithm, as for every parameter that must be > 0.
         run: index of the data set to which the number belongs; None if all data sets share the number.
     """
 
@@ -52,8 +52,8 @@ class Parameter:
     def ends(self) -> tuple[float, float]:
         """The lowest and the highest coordinate of the search.
 
-        They belong to the bounds. On a logarithmic scale, start / WIDEST and start × WIDEST replace bounds
-        that are farther away.
+        They are the coordinates of the bounds; on a logarithmic scale, start / WIDEST and start × WIDEST
+        replace bounds that are farther away.
         """
         if not self.logarithmic:
             return self.low, self.high
@@ -90,7 +90,8 @@ def parameters_of(
         bounds: name → bounds, as text ``0.1:0.9``, in which one bound may be missing, or as a pair.
 
     Raises:
-        SceneError: when a name is unknown, is given twice, or a bound is not allowed.
+        SceneError: when there is no name, a name is unknown or given twice, bounds are not allowed, or a
+            start value is outside of them.
     """
     scene = scenes[0]
     variables = PreparedScene(scene).differentiable

@@ -19,8 +19,8 @@ from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Me
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # a column of zeros gets this size, because other numbers are divided by the size
-# a parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error; the
-# distance from start to bound replaces the standard error if it is smaller
+# a parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error, or
+# AT_BOUND times the distance from start to bound if that is smaller
 AT_BOUND = 0.01
 # a parameter is also at a bound if its distance from the bound, relative to the distance between both bounds,
 # is at most this number
@@ -52,7 +52,7 @@ class Evaluation:
 
     @property
     def usable(self) -> np.ndarray:
-        """Whether each value can be fitted, because it has derivatives, shape (M,)."""
+        """Whether each value can be fitted: the model has the value and its derivatives; shape (M,)."""
         usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return usable
 
@@ -139,7 +139,7 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Which of the values show how long the model follows the data, shape (M,).
+        """Which of the values decide up to which time the model follows the data, shape (M,).
 
         These are the outputs or, if no data set has outputs, the onsets and ends of impacts.
         """
@@ -189,9 +189,9 @@ class Problem:
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return for each parameter the distance from a bound below which it is at the bound, shape (P,).
 
-        The distance is AT_BOUND times the standard error, or times the way from start to bound if that is
-        less. The standard error alone would not do: it is so large for an undetermined parameter that every
-        value would be near the bound.
+        The distance is AT_BOUND times the standard error, or times the distance from start to bound if that
+        is less, but at least AT_BOUND_PART times the distance between both bounds. The standard error alone
+        is so large for an undetermined parameter that every value would be near the bound.
         """
         way = np.abs(self.start - bounds)
         distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
@@ -241,8 +241,8 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
     """Return a quantity of an impact of the model, and its derivatives, shape (P,).
 
-    The quantity is NaN for the peak force and the force in a joint of an impulse, which has none. While the
-    contact lasts, it is NaN unless the onset already determines it.
+    An impulse has no forces: its peak force and its force in a joint are NaN. If the contact lasts to the end
+    of the run, every quantity is NaN that the onset does not already determine.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

@@ -21,19 +21,19 @@ VISIBLE = 0.01
 # simulation: then a very small χ² needs no remark
 SIMULATED = 1e-6
 IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, below which a remark follows
-# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; random
-# residuals exceed it in 2 % of all cases
+# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this;
+# independent residuals exceed it with a probability of 2 %
 ALIKE_NEIGHBOURS = 2.0
-LEVERAGE_ROUND_OFF = 1e-9  # a smaller 1 − h is round-off of 0
+LEVERAGE_ROUND_OFF = 1e-9  # for a leverage h, a smaller 1 − h is round-off of 0
 NAMED_VALUES = 3  # the largest number of values that the remark names
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     """Yield a remark with the values that contradict all others, the largest contradiction first.
 
-    A fit without a value of residual r and leverage h differs from the value by r / (1 − h), to first order.
-    Its ratio to the other residuals has Student's t distribution (Cook & Weisberg 1982, *Residuals and
-    Influence in Regression*, 2.2). A test of n values takes the n-th part of the probability.
+    If a value with residual r and leverage h is left out, the fit to the others differs from it by
+    r / (1 − h), to first order. The ratio of this to the other residuals has Student's t distribution (Cook &
+    Weisberg 1982, *Residuals and Influence in Regression*, 2.2). Each of n tests uses IMPROBABLE / n.
 
     Args:
         fit: the fit.
@@ -49,7 +49,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)  # 1 − h
-    alone = kept < LEVERAGE_ROUND_OFF  # without this value, nothing determines a parameter
+    alone = kept < LEVERAGE_ROUND_OFF  # only this value determines some parameter
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():
@@ -95,7 +95,8 @@ def unusual(result: Estimates) -> Iterator[str]:
     total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
     least = most - len(result.parameters)
     # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
-    # some of the parameters; then the number is between `least` and `most`, and each test uses the safe one.
+    # some of the parameters; then the number is between `least` and `most`: the test for a large χ² uses
+    # `most`, the test for a small χ² `least`.
     most = most if result.estimated else least
     if least <= 0 or total < SIMULATED * least:
         return

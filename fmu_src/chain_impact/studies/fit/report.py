@@ -70,7 +70,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
 
 
 def _interval(parameter: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
-    """Return the interval of a parameter as text; "not determined" if the interval excludes no value."""
+    """Return an interval as text; "not determined" if it ends at both bounds, or spans a factor > WIDEST."""
     low, high = ends
     if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
         return "not determined"
@@ -80,7 +80,7 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number with the digits that its standard error leaves meaningful, and one more digit."""
+    """Return a number up to one digit after the first digit of its standard error, in 2 to 10 digits."""
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))

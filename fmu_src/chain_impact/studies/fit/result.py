@@ -27,8 +27,8 @@ class LawFit(LawEstimates):
         law: the id of the law.
         fit: the fit; None if the fit failed.
         note: the reason why there is no fit, or a remark.
-        fewer: how many values fewer than the other laws this law uses; if not 0, its criterion cannot be
-            compared.
+        fewer: how many values this law uses fewer than the law with the most; if not 0, Akaike's criterion
+            cannot be compared.
     """
 
     fit: Fit | None
@@ -38,8 +38,8 @@ class LawFit(LawEstimates):
 class Fit(Estimates):
     """The estimates of the free parameters.
 
-    The text of a fit is a report. Parameters have their names in the FMU, with the data set if there are
-    several: ``initial.y of data set 2``.
+    The text of a fit is a report. Parameters have their names in the FMU; a parameter with a value for each
+    data set also has the data set: ``initial.y of data set 2``.
 
     Attributes:
         scene: the scene of the first data set, with the fitted values.
@@ -56,7 +56,7 @@ class Fit(Estimates):
         estimated: columns whose standard deviation was estimated.
         deviance: −2 log of the likelihood, up to a constant that depends only on the data.
         converged: whether the search ended because no step improves the fit.
-        runs: how often the model was evaluated, each time with a run of every data set with derivatives.
+        runs: how often the model was evaluated, each time with a run, with derivatives, of every data set.
         horizons: the successive times [s] up to which data were used.
         unknown: sentences on parameters that the data do not determine.
         notes: further remarks, such as values that were left out and bounds that were reached.
@@ -114,13 +114,15 @@ class Fit(Estimates):
         return plot_fit(self, path, size)
 
     def save(self, path: str | Path, like: str | Path | None = None) -> None:
-        """Write the fitted scene as TOML, with the comments and the order of the original scene file.
+        """Write the fitted scene of the first data set as TOML.
 
         Args:
             path: the file.
-            like: the original scene file. Without it all keys are written, without comments.
+            like: the original scene file, whose comments and order are kept. Without it all keys are written,
+                without comments.
 
         Raises:
+            SceneError: when the original file is not a scene, or another file has the name of its law.
             OSError: when a file cannot be read or written.
         """
         from chain_impact.studies.fit.scene_file import write_scene

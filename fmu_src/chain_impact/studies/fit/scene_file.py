@@ -17,9 +17,9 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file and, in the same folder, the file of the scene's own law, if it is in the cache.
+    """Write a scene file and, in the same folder, a copy of a law that ``with_law`` has put into the cache.
 
-    ``chain_impact.with_law`` has put it there.
+    Paths of other files are changed if ``like`` is in another folder.
 
     Args:
         scene: the scene to write.
@@ -50,10 +50,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """Return the text of a scene file with the given values of a scene.
-
-    Values that are equal keep their text.
-    """
+    """Return the text of a scene file with the values of ``scene``; values that are equal keep their text."""
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
@@ -73,7 +70,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text of a scene file with another path of a file at a key."""
+    """Return the text of a scene file with the path ``file`` at a key."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -83,11 +80,12 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """Return the text with the values of ``wanted`` where they differ."""
+    """Return the text with the values of ``wanted`` where they differ from those of ``present``."""
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # the links differ
+        # a short form cannot hold the changes: all links are written in full
+        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):
             if isinstance(value, Mapping):
@@ -116,10 +114,10 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value of a table; in a list write only the entries that differ.
+    """Write one value of a table; in a list write only the entries that differ from ``present``.
 
-    A comment after the value keeps its column. ``present`` is the value of the scene before the change; the
-    table may have this value in degrees, so that the two cannot be compared.
+    A comment after the value keeps its column. ``present`` is the value of the scene before the change, in
+    its own unit; the table may have this value in degrees.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

@@ -33,7 +33,7 @@ class Information:
     def covariance(self) -> np.ndarray:
         """The covariance of the parameters on the scale of the search, shape (P, P).
 
-        The entry of a parameter that is not determined is infinite.
+        The variance of a parameter that is not determined is infinite; its covariances are NaN.
         """
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
@@ -65,7 +65,7 @@ class Information:
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
     def with_held(self, p: int) -> Information:
-        """Return the information about the other parameters if one is fixed, shape (P − 1, P − 1)."""
+        """Return the information about the others if parameter ``p`` is fixed, shape (P − 1, P − 1)."""
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
@@ -95,8 +95,8 @@ def small_sample(
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
 
     C is the covariance of the parameters. A column c has ν_c degrees of freedom, and the information
-    A_c = J'J/σ² with the derivatives J of its values. It causes the part p_c of each variance: the diagonal
-    of C A_c C divided by the diagonal of C. The degrees of freedom ν of a standard error follow from
+    A_c = J'J/σ² with the derivatives J of its values. Its part p_c of each variance is the diagonal of
+    C A_c C divided by the diagonal of C. The degrees of freedom ν of a standard error follow from
     Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and the variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
 
     Args:
@@ -137,7 +137,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 
 def exceeded(chi_squared: float, freedom: float) -> float:
-    """Return the probability with which a correct model exceeds a value of χ²."""
+    """Return the probability that the χ² of a correct model is larger than ``chi_squared``."""
     from scipy import special  # this import takes long
 
     return float(special.chdtrc(freedom, chi_squared))

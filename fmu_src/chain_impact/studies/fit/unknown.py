@@ -17,7 +17,8 @@ UNKNOWN_PART = 0.125
 # the sentence names a second parameter if the standard error is less than BETTER times as large with the
 # second parameter fixed
 BETTER = 0.5
-HUGE = 10.0  # a larger standard error of a logarithm is not given in percent, but as a factor
+# a larger relative standard error is not given in percent: of a logarithm as a factor, else in the unit
+HUGE = 10.0
 
 
 def unknown(
@@ -60,7 +61,7 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """Return words for a standard error: percent of a positive parameter, else a value with its unit."""
+    """Return words for an error on the scale of the search: percent of a positive value, or with its unit."""
     if not math.isfinite(error):
         return "infinite"
     if parameter.logarithmic and error > HUGE:

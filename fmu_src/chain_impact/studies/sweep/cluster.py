@@ -17,7 +17,8 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
 from chain_impact.studies.sweep.work import Made, Span, Work
 
-# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time limit without any worker
+# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished piece
+# after which the workers are counted
 CONNECT, PATIENCE = 10.0, 30.0
 
 
@@ -33,8 +34,8 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
 
     Raises:
         MissingExtraError: when distributed is not installed.
-        SceneError: when there is no scheduler, or its workers have another version of chain-impact, or cannot
-            see the sweep's folder.
+        SceneError: when there is no scheduler, it has no workers at the start, or a worker has another
+            version of chain-impact, or cannot see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster gives up a piece, has no workers left, or the connection is lost.
     """
@@ -76,8 +77,8 @@ def _sees(folder: Path) -> bool:
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler.
 
-    The function closes a client that cannot connect. Otherwise the garbage collector could close it
-    later, while this thread starts another client and holds the lock that closing needs: a deadlock.
+    A client that cannot connect is closed here. The garbage collector would close it later, perhaps while
+    this thread starts another client and holds the lock that closing needs: a deadlock.
     """
     client = kind.__new__(kind)
     try:
@@ -92,7 +93,7 @@ def _connected(kind: Any, address: str) -> Any:
 
 
 def _check_workers(client: Any, work: Work, address: str) -> int:
-    """Refuse workers that would give different rows; return the number of threads of all workers."""
+    """Refuse workers of another version or without the folder; return the number of all their threads."""
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")

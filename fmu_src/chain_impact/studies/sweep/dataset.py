@@ -46,7 +46,7 @@ class Dataset:
     Attributes:
         path: the folder.
         runs: the number of runs of the sweep.
-        dtype: type of the rows, without the varied values and the word for the status.
+        dtype: type of the rows as computed: they have no varied values and no word for the status.
         files: name of a complete file → runs in the file.
     """
 
@@ -86,7 +86,7 @@ class Dataset:
                 ) from None
 
     def tidy(self) -> None:
-        """Remove files that do not belong to the sweep or are incomplete.
+        """Remove files of runs that do not belong to the sweep or are incomplete.
 
         If there is no complete file, remove the manifest, too.
         """
@@ -112,7 +112,7 @@ class Dataset:
         """Use the files of an earlier call; begin a new folder if there are none.
 
         Raises:
-            SceneError: when the folder belongs to another sweep.
+            SceneError: when the folder belongs to another sweep, or has files but no manifest.
             OSError: when the folder cannot be read or written.
         """
         for left in self.path.glob(f".{MANIFEST}-*"):  # a manifest that a killed process left incomplete

@@ -36,7 +36,7 @@ class Design:
     Attributes:
         variations: the variations, in the order of the columns.
         samples: the number of samples; None for a grid of all combinations, in which the last parameter
-            changes first.
+            changes fastest.
         sampling: how samples are drawn.
         seed: the random seed of the samples.
     """
@@ -69,7 +69,8 @@ class Design:
     def _cubes(self, first: int, end: int) -> np.ndarray:
         """Return a part of a Latin hypercube of all runs, or of consecutive hypercubes of ``CUBE`` runs.
 
-        Hypercube number k has the same bits as SciPy's LatinHypercube with child k of the seed's generator.
+        Hypercube number k has the same bits as one by SciPy's LatinHypercube whose random generator is
+        child k of the generator with ``seed``.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -86,8 +87,8 @@ class Design:
     def _sobol(self, first: int, end: int) -> np.ndarray:
         """Return a part of the Sobol' sequence.
 
-        Each thread has its own generator of the sequence, which skips the points before ``first``. This takes
-        only 5 ns for a point.
+        Each thread has its own generator of the sequence, which skips the points before ``first``, in 5 ns
+        for each point.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
@@ -97,7 +98,7 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # SciPy warns if the first call asks for a number of points that is not a power of two
+        # the first call asks for one point: SciPy warns if this number is not a power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
@@ -110,7 +111,7 @@ def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """Return the cells of the samples of a Latin hypercube, shape (varied, count).
+    """Return the cell of each sample of a Latin hypercube for each parameter, shape (varied, count).
 
     The range of each parameter has ``count`` cells, from 1 to ``count``; each cell has one sample.
     """
@@ -167,7 +168,7 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit into memory, unless its rows are written to files.
+    """Refuse a table that does not fit into memory; if ``streamed`` to files, refuse only > MOST_RUNS runs.
 
     Raises:
         SceneError: when there are too many runs.

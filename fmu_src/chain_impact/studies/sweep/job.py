@@ -50,7 +50,7 @@ class Job:
 
     @property
     def scene(self) -> Scene:
-        """The scene, with the values that no run varies."""
+        """The scene, which has the values that are not varied."""
         return self.prepared.scene
 
     @property
@@ -69,13 +69,13 @@ class Job:
 
     @property
     def differentiated(self) -> list[Variable]:
-        """The parameters and inputs with respect to which columns are derivatives."""
+        """The parameters and inputs of the derivatives among the columns; empty without derivatives."""
         asks = any(name.startswith(SENSITIVITY) for name in self.columns)
         return self.prepared.varied if asks else []
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """The largest force of each joint: name → output. ``joint_force`` is the largest of them."""
+        """The largest force in each joint: name → output; the column ``joint_force`` is their maximum."""
         outputs = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: outputs[name] for name in names if name in outputs}
@@ -118,8 +118,8 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
 def has_own_kernel(job: Job) -> bool:
     """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile it.
 
-    Runs do not need this kernel, so a compiler that fails only causes a warning. Derivatives have one kernel
-    for all sizes.
+    Runs do not need this kernel, so a compiler that fails only causes a warning. With derivatives the result
+    is False, because they have one kernel for all sizes.
     """
     if job.differentiated:
         return False
@@ -152,7 +152,7 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # impulses of walls cost time, so they are computed only if a column needs them
+        # integrals such as impulses of walls cost time, so they are computed only if a column needs them
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
@@ -226,7 +226,7 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """In runs that did not reach the end, set the values at the end to NaN."""
+        """In runs that did not reach the end, set energies and other outputs to NaN; counts stay."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.record_path[0] in {"output", BEHIND}:

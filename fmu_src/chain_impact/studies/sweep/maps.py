@@ -28,8 +28,8 @@ WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its smal
 # the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
 # than a tenth of the largest one would look the same
 WIDE_COLOURS = 10.0
-# the colours end at a quantile, MOST or 1 − MOST, if the few values beyond it would take more of the scale
-# than this, relative to the range between the quantiles
+# the colours end at a quantile, MOST or 1 − MOST, in place of the extreme value, if the distance of both is
+# more than this, relative to the range between the quantiles
 BEYOND = 1.0
 MOST = 0.95  # quantile for the large value in these ratios, 1 − MOST for the small one; extremes do not count
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
@@ -180,7 +180,7 @@ def label_of(runs: Runs, variation: Variation) -> str:
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:
-    """Return the unit of a parameter; it has the exponent if all runs have the same exponent."""
+    """Return the unit of a parameter, with the number of the exponent if no run varies an exponent."""
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
     return unit if varied else of_scene(unit, runs.scene)

@@ -17,7 +17,7 @@ FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the 
 SHORTEST_PIECE_TIME, LONGEST_PIECE_TIME = 0.5, 60.0  # [s] shortest and longest time that a piece may take
 SHARE = 0.2  # time of a piece, relative to the time so far; an interruption loses at most this part of it
 # A piece has at most PIECE_RATIO times as many runs as the piece before. The last pieces are smaller, so that
-# all workers end together; but they take at least 1/PIECE_RATIO of the wanted time.
+# all workers end together; but they take at least 1/PIECE_RATIO of the time of a usual piece.
 PIECE_RATIO = 16
 AHEAD = 2  # number of pieces for each worker, so that no worker waits for the caller
 
@@ -25,7 +25,8 @@ AHEAD = 2  # number of pieces for each worker, so that no worker waits for the c
 class Pieces:
     """The missing runs of a sweep, given out piece by piece.
 
-    The time of a piece is a part of the time so far, so that an hour of a core has about a hundred pieces.
+    A piece takes about SHARE × the time so far, within the limits, so that an hour of a core has about a
+    hundred pieces.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
@@ -68,7 +69,7 @@ def hand_out(
 
     Args:
         executor: executes the pieces in threads of this machine, or on the machines of a cluster.
-        count: the number of pieces at the same time.
+        count: the number of workers; AHEAD × ``count`` pieces are submitted at the same time.
         do: function that computes a piece, and returns the result and the computing time [s].
         spans: the runs, in order.
         check: function that is called when no piece was finished for some time; it raises an error if there

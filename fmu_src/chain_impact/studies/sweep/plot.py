@@ -54,7 +54,7 @@ COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 # [inch] width of the names of choices, and smallest width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
-MOST_VARIED = 2  # largest number of parameters that vary
+MOST_VARIED = 2  # largest number of parameters that vary in a picture without samples
 MOST_DRAWN = 2**18  # largest number of runs in a picture
 # over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
 # smallest one: a power law is then a straight line
@@ -125,7 +125,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def name_once(figure: Figure) -> None:
-    """Keep the name of a horizontal axis only at the lowest of the panels above each other that share it."""
+    """Keep the name of a horizontal axis only at the lowest of the panels in a column that share it."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
@@ -193,9 +193,9 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return how many panels are in a row of a figure of some width [inches]: two at most.
+    """Return how many panels are in a row of a figure of some width [inches]: two, or all of three panels.
 
-    Three panels are all in one row, or in one column if they are maps in a narrow figure, and leave no gap.
+    Three maps are in one column if the figure is narrower than THREE_MAPS.
     """
     if count != 3:  # noqa: PLR2004
         return 2
@@ -203,7 +203,7 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return the number of panels with dots in a row, so that rows are equally full; ``width`` in inches."""
+    """Return how many panels with dots are in a row, about as many in each; ``width`` in inches."""
     most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 

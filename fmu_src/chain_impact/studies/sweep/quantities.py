@@ -67,9 +67,9 @@ QUANTITIES = (
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
-"""The units in which an output at the end of each run has the same prefix as the main results."""
+"""The units in which an additional output has the same prefix as the main results; in others it has none."""
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
-"""The columns for which a spread of the results is usually wanted."""
+"""The columns with forces and moments; for samples only these are drawn, if any of them differs."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,8 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities of a sweep, without those that the scene cannot have, such as forces at walls.
 
     The columns that ``panels`` names are drawn. Without names, the quantities that differ between the runs
-    are drawn, or all if none differs. For samples only the ``LOADS`` among these are drawn, if there are any.
+    are drawn, or all if none differs, with at most MOST_ASKED additional outputs. For samples only the
+    ``LOADS`` among these are returned, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -139,7 +140,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
 
 
 def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
-    """Return the outputs that the table of a job needs in addition for the panels of a picture.
+    """Return the outputs in ``panels`` that the table of a job does not have yet.
 
     Raises:
         UnknownNameError: when there is neither a column nor an output for a panel.
@@ -166,7 +167,7 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return quantities with prefixes that suit the largest values; all forces have the same, and so on."""
+    """Return quantities with a prefix for each unit that suits its largest value; see SHARED."""
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
     scales = {"": (1.0, "")}
@@ -182,6 +183,6 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
 
 
 def _differs(values: np.ndarray) -> bool:
-    """Return whether finite values differ by more than round-off, or no value is finite."""
+    """Return whether finite values differ by more than round-off; True if no value is finite."""
     finite = values[np.isfinite(values)]
     return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())

@@ -74,7 +74,7 @@ def sweep(
     Raises:
         SceneError: when an argument is not allowed, which is reported before any run; or when the path
             belongs to another sweep, or another sweep is writing to it.
-        MissingExtraError: when a library for samples, Parquet or a cluster is not installed.
+        MissingExtraError: when a library for Parquet or a cluster is not installed.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
@@ -134,7 +134,7 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """Store the finished runs of an interrupted sweep: as a table, and in a file for its continuation."""
+    """In this context, store the finished runs of an interrupted sweep: as a table, and for ``take_up``."""
     try:
         yield
     except BaseException:

@@ -39,8 +39,8 @@ class Sweep(Runs):
     ``sweep["peak_force"]`` is a column with one value for each run. The first columns are the parameters that
     vary. The other columns are:
 
-    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
-      contact, and a force of 0 for an impulse.
+    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls and at stops of the
+      slider; 0 without a contact, and a force of 0 for an impulse.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
       with stops.
     - ``joint_force`` [N]: the largest force in any joint at any time, in a scene with ``outputs.loads``.
@@ -114,10 +114,12 @@ class Sweep(Runs):
             size: width and height [inches]; with the height None, the contents determine the height.
                 In a picture narrower than 6 inches all panels are in one column.
             panels: the columns to draw, ``*`` for any text, such as ``"peak_force"``; by default the main
-                results and the additional outputs, as far as they differ between the runs.
+                results and the first four additional outputs, as far as they differ between the runs. Of
+                samples, only forces and moments among these are drawn, if there are any.
 
         Raises:
-            SceneError: when too many parameters vary for a picture, or there is no column for a panel.
+            SceneError: when too many parameters vary for a picture, there are too many runs or panels, or no
+                column for a panel.
             ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """

@@ -25,7 +25,7 @@ STOP_TIME_VARIABLE = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed"
 LOG = "log"
 MOST_VALUES = 10**7  # the largest number of values in a range such as 0.1:0.9:9
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
-"""A range in a form that is not allowed, such as 0.1-0.9; its error names the allowed forms."""
+"""A range in a form that is not allowed, such as 0.1-0.9; the error then shows the allowed form."""
 FORMS = (
     "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
     "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
@@ -63,7 +63,7 @@ class Variation:
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at fractions of the whole range, each with 0 ≤ fraction < 1."""
+        """Return the values at fractions of the interval, or of the list of values; 0 ≤ fraction < 1."""
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
