@@ -67,7 +67,7 @@ def modules(*names: str) -> list[str]:
 
 
 def script_data(content: Any) -> str:
-    """Return data as text for a script element of a page."""
+    """Return data as JSON for a script element of a page."""
     return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 

@@ -49,8 +49,8 @@ if unknown := DRAWN.keys() - _NAMES:
 def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str, Any]]]:
     """Return group → its entries, from the columns of a recording.
 
-    An entry has the number ``n`` and the ``name`` of its owner (0 and "" without them), and its ``columns``:
-    name of the quantity → values, shape (T,). Entries that cannot be drawn are left out.
+    An entry has the number ``n`` and the ``name`` of its owner (0 and "" if it has none), and its
+    ``columns``: name of the quantity → values, shape (T,). Entries that cannot be drawn are left out.
     """
     groups: dict[str, dict[tuple[int, str], dict[str, np.ndarray]]] = {group: {} for group in GROUPS}
     for name, values in columns.items():

@@ -93,7 +93,7 @@ def kit(scene: Scene) -> dict[str, Any]:
 
 
 def _keys(table: Any) -> dict[str, Any]:
-    """Return the keys of a table of the scene file, by their names."""
+    """Return the rules of the keys of a table of the scene file, by the names of the keys."""
     return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
 
 
@@ -219,7 +219,7 @@ def _sentence(item: Item) -> str:
 
 
 def _layout() -> dict[str, Any]:
-    """Return the indices of the words of the record from which the page reads the results of a run."""
+    """Return the coefficients for the indices of the words from which the page reads the results of a run."""
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
@@ -252,9 +252,9 @@ def _is_real(path: DataPath) -> bool:
 
 @cache
 def word_terms(path: DataPath) -> list[int]:
-    """Return the coefficients of the index of a word in the record, and the distance to the next index.
+    """Return the coefficients of the index of a word in the record for ``{at}`` = 0, and its stride.
 
-    The distance [words] leads from the word of one index ``{at}`` to the word of the next one.
+    The stride [words] is the increase of the index when ``{at}`` increases by 1.
     """
 
     def word(record: np.dtype, index: int) -> int:

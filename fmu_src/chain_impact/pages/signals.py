@@ -19,7 +19,7 @@ def tables_of(scene: Scene) -> dict[str, Any]:
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
-    """Return a table: the name of its file, and the polynomials of each input that the table drives."""
+    """Return a table: file name, interpolation, period, and the polynomials of each input that it drives."""
     signal, columns = scene.signals[name], {}
     for driven in driven_by(scene):
         if driven.signal == name:

@@ -1,4 +1,4 @@
-"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes figure or file."""
+"""Pictures of a recording: functions that fill figures; ``draw_figure`` writes a file or returns a figure."""
 
 from chain_impact.pictures.bars import Bars, bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities

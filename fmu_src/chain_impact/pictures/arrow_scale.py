@@ -37,13 +37,13 @@ class ArrowScale:
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether a force [N] is so large that its arrow is longer than the shortest one."""
+        """Return whether the arrow of a force [N] is longer than LEAST times the side."""
         return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:
-        """Return the distance from the ruler's left end [m] and the text of each mark, the largest first.
+        """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
-        Marks are the powers of ten that have room.
+        Marks are powers of ten [N], the largest first; a mark closer than FROM or APART is left out.
         """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side
@@ -57,9 +57,9 @@ class ArrowScale:
         return marks
 
     def draw(self, axes: Axes, y: float, colour: str) -> None:
-        """Draw the ruler, with marks and the word "force", from the left edge of axes, below them.
+        """Draw the ruler, with marks and the word "force"; it begins at the left edge of axes.
 
-        ``y`` is the position of the ruler, relative to the height of the figure.
+        ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
         figure = axes.get_figure(root=True)
         assert figure is not None
@@ -78,7 +78,7 @@ class ArrowScale:
                 text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **text_style
             )
             box = label.get_window_extent()
-            if box.x1 > free:  # in a small film only few numbers have room
+            if box.x1 > free:  # in a small film this number would touch the one at its right
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)

@@ -1,4 +1,4 @@
-"""Curves that a reader can distinguish: dashed ones, and bands for many grey ones or a fast oscillation."""
+"""Curves that a reader can distinguish: dashed curves; a band for many grey curves or a fast oscillation."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
     """Return, for each curve, how many earlier curves it would hide because they look the same.
 
-    Such a curve is dashed, so that the earlier curves are seen through its gaps.
+    A curve that would hide others is dashed, so that they are seen through its gaps.
 
     Args:
         curves: the curves, each of shape (T,).
         same: the largest distance of curves that look the same, relative to the range of all curves.
-        share: the part of the rows in which they look the same.
+        share: the least part of the rows in which such curves look the same.
     """
     every = [curve[np.isfinite(curve)] for curve in curves]
     whole = np.concatenate(every) if every else np.zeros(0)
@@ -73,9 +73,10 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
-    """Return whether a curve turns so often, by at least ``least``, that its drawing would be an area.
+    """Return whether a curve turns so often that its drawing would be an area.
 
-    A curve with missing values, or with at most ``bins`` rows, does not count.
+    A turn counts if the value changes by at least ``least`` until the next turn. The result is False for a
+    curve with missing values, or with at most ``bins`` rows.
     """
     if not np.isfinite(values).all() or len(along) <= bins:
         return False
@@ -87,7 +88,7 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 
 
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the middles of equal parts of an axis, and the least and the largest values around them.
+    """Divide an axis into ``bins`` equal parts; return their middles, and their least and largest values.
 
     The values of a part include those of its neighbours, so that the edges do not follow the oscillation.
     """

@@ -24,7 +24,7 @@ from chain_impact.pictures.style import (
 # [inch] the width of the figure, the space above and below all bars, the space between two blocks, and the
 # height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
-BAR_MARGIN = 0.03  # the free part of an axis at each end with bars
+BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 
 

@@ -80,7 +80,8 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 def calm(recording: Recording) -> np.ndarray:
     """Return whether each row is outside of all impacts, shape (T,).
 
-    Within an impact all quantities change so fast that a shift in time makes the derivative very large.
+    A parameter also shifts impacts in time; within an impact, where all quantities change fast, this makes
+    the derivatives very large.
     """
     return ~within(recording, recording.impacts)
 
@@ -102,9 +103,9 @@ def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
 def relative_changes(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
 ) -> np.ndarray:
-    """Return the largest changes of the outputs, outside of impacts, relative to their ranges, shape (T, P).
+    """Return, for each row and parameter, the largest change of any output, shape (T, P).
 
-    The result is 0 within impacts.
+    A change is relative to the range of its output. The result is 0 within impacts.
     """
     ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
     shares = [np.abs(sensitivities.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
@@ -140,7 +141,7 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
 def draw_changes(
     axes: Axes, recording: Recording, sensitivities: Sensitivities, output: str, looks: Looks
 ) -> None:
-    """Draw the changes of an output over time for each parameter, with gaps where they are unknown."""
+    """Draw the changes of an output for each parameter, with gaps in short impacts and where unknown."""
     changes = sensitivities.changes(output)
     changes[short_contacts(recording)] = np.nan
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
@@ -192,7 +193,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time from the first row in which all derivatives are unknown to the end, if there is one."""
+    """Shade the time from the first row, if any, in which all derivatives are unknown, to the end."""
     unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

@@ -47,8 +47,8 @@ def curves_size(curves: Curves) -> tuple[float, float]:
 def clear_panels(curves: Curves) -> list[list[str]]:
     """Return the names of the outputs, one list for each panel.
 
-    A panel has one unit. If a unit has more curves than there are colours, each of its quantities, which are
-    the last parts of the names, has a panel, unless the picture would have too many panels.
+    A panel has one unit. A unit with more curves than colours has one panel for each quantity, the last part
+    of a name, unless the picture would have too many panels.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -189,10 +189,10 @@ def draw_all(
 
 
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
-    """Return the number of the look of each curve of a panel, from 0.
+    """Return, for each curve of a panel, the index of its colour and dashes, from 0.
 
-    Quantities of one owner, such as a point, have the same look in all panels. ``places`` are the owners of
-    earlier panels with their numbers; those of this panel are added.
+    Quantities of one owner, such as a point, have the same index in all panels, if a panel has one curve for
+    each owner. ``places``: owner → index in earlier panels; the owners of this panel are added.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]
@@ -226,7 +226,7 @@ def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
-    """Draw a dotted line at the end of an impact, if the end is known."""
+    """Draw a dotted line at the end of an impact, if it is known; arguments are as in ``mark_impacts``."""
     end = recording.impacts["end"][number - 1]
     if np.isfinite(end):
         look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}

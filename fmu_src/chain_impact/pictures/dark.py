@@ -20,12 +20,12 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
 DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
-# the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. A larger number
-# would make blue and light blue alike
+# the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. With a larger
+# number, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
-# the least contrast ratios to the ground: of colours and of text, and of grey lines (WCAG 2.1, 1.4.3 and
-# 1.4.11). A grey up to TEXT, from 0 for black to 1, is text or an outline; one up to LINES is a line. Paler
-# greys are areas and grids.
+# the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE: of colours, and of greys
+# from 0 (black) to TEXT, which are text and outlines; VISIBLE: of greys from TEXT to LINES, which are lines.
+# Paler greys are areas and grids, without a least ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # the number of mixtures that are tried; a mixture with this luminance is white
@@ -33,15 +33,15 @@ MIXTURES, NEAR_WHITE = 41, 0.999
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"
-ORANGE, SKY = "#e69f00", "#56b4e9"  # too pale for lines on white
-# colours of curves that are too dark for a dark ground → their replacements; mixtures with white are alike
+ORANGE, SKY = "#e69f00", "#56b4e9"  # for curves on a dark ground; too pale for lines on white
+# colours too dark for a dark ground → replacements; mixed with white, the colours would look alike
 REPLACED = {UMBER: ORANGE, PLUM: SKY}
 COLOURED = 0.15  # a colour with less saturation counts as a grey
-# on a dark ground, the exponent for the distance of a grey from the ground, from 0 to 1: it makes the
-# distance larger, because greys near black are hard to see
+# on a dark ground, the distance of a grey from the ground, 0…1, is raised to this power: it becomes larger,
+# because greys near black are hard to see
 SPREAD = 0.8
 TEXT_OUTLINE = 3.0  # [points] the width of the outline of a text
-# the name of the colour map for time; on a dark ground its colours change, because lines have them, too
+# the name of the colour map for time; on a dark ground its colours change, because lines are drawn in them
 TIME = "time"
 Colour = tuple[float, float, float, float]
 
@@ -112,13 +112,13 @@ class Ground(NamedTuple):
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours for a collection.
 
-        A single colour is returned without a list, so that it goes with any number of opacities.
+        A single colour is returned without a list, because matplotlib then accepts any number of opacities.
         """
         each = [self.suited(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
-        """Return the colour map for an artist; except for TIME, only the colour of missing values changes."""
+        """Return the colour map for an artist: TIME in new colours, others with that of missing values."""
         own = artist.get_cmap()
         if own.name == TIME:
             return ListedColormap([self.suited(own(index)) for index in range(own.N)], TIME)

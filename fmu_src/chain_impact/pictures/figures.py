@@ -39,7 +39,7 @@ LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label
 USUAL_AXES_HEIGHT = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 LIMIT_ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
-# if a figure is too low, heights that are larger by a multiple of STEP [inch] are tried, at most HIGHER steps
+# if a figure is too low, larger heights are tried: multiples of STEP [inch], fewer than HIGHER
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # a label is broken into two lines if its length, relative to the length of its axis, exceeds this
@@ -73,8 +73,8 @@ def draw_figure(
         fill: function that draws the figure.
         path: the file; its suffix png, svg or pdf determines the kind. None returns the figure.
         size: width and height [inches]; the height may be None, for a height that the contents need.
-            None: no room is checked.
-        usual: width and height [inches] if ``size`` is None.
+            If ``size`` is None, it is ``usual``, and the room is not checked.
+        usual: default width and height [inches], also the first guess if only the height is None.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the panels.
@@ -128,8 +128,8 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
 def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width with the height [inches] that its contents need.
 
-    A figure narrower than WIDE has the usual height. A wider figure, narrower than usual, is also lower.
-    If this height is too low for the contents, the figure is that of ``least_figure``.
+    First the usual height is tried, or a lower one for a width between WIDE and the usual width. If it is too
+    low for the contents, the figure is that of ``least_figure``.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -153,9 +153,9 @@ def least_figure(
 ) -> Figure:
     """Return the figure with the least tried height that has room for all panels.
 
-    The tried heights are multiples of STEP above ``height`` [inches], which has no room. ``mean`` and
-    ``lacks`` are the argument and the result of ``lacking_height`` at this height; ``free_height`` is as in
-    ``StyledFigure``.
+    The tried heights are multiples of STEP above ``height`` [inches], which has no room. ``mean`` is as in
+    ``has_room``; ``lacks`` is the result of ``lacking_height`` at ``height``, inf if it is unknown;
+    ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         ValueError: when no tried height is enough.
@@ -175,7 +175,7 @@ def least_figure(
             low = k
             continue
         high, found = k, figure
-        if -STEP < lacks < 0.0:  # the panels of the next lower figure lack height
+        if -STEP < lacks < 0.0:  # a figure that is lower by STEP would lack height
             break
     if found is None:
         raise NoRoomError(width, height, "wider for the panels")
@@ -232,8 +232,8 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """Arrange a figure: legends get the width of their axes, and labels longer than their axes are broken.
 
-    ``scaled`` are axes with the same scale along x and y. The layout is made without this condition; then the
-    condition can only make the axes narrower, so that their labels have room.
+    ``scaled`` are axes with equal scales along x and y. The layout is made without equal scales; then equal
+    scales can only make the axes narrower or lower, so that their labels keep their room.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)

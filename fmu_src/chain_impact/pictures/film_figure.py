@@ -267,7 +267,7 @@ class Film:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _forces(self, frame: int) -> Iterator[Artist]:
-        """Yield the arrows of forces, the marks of stop moments and of sticking, and the numbers at them."""
+        """Yield arrows of forces, marks of stop moments and of sticking, and texts with their numbers."""
         for artist in self.moving:
             artist.remove()
         self.moving.clear()

@@ -12,8 +12,8 @@ from matplotlib.colors import to_rgb
 from chain_impact.extras import require
 
 SHADES = 6  # number of shades of each colour in a gif, from the colour towards the ground
-# a shade whose red, green and blue differ from the ground by at most this number is left out, because Pillow
-# would take it for the ground
+# a shade whose red, green and blue each differ from those of the ground by at most this number is left out,
+# because Pillow would take it for the ground
 NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 GIF_END = b";"  # the last byte of a gif

@@ -14,7 +14,7 @@ from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
-TIMES = 3  # the number of times that axes are moved: after a move the texts may need another space
+TIMES = 3  # how often the axes are made smaller: after each time the texts may need another space
 LEAST_PART = 0.2  # axes are not made smaller than this part of their width or height; then texts stay cut off
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 

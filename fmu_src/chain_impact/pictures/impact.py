@@ -79,7 +79,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     give_ticks(*timed, loop)
     figure.align_ylabels(timed)
     legend = loop.get_legend()
-    if legend is not None and len(legend.get_texts()) == 1:  # the text below the title says the same
+    if legend is not None and len(legend.get_texts()) == 1:  # its entry repeats the text below the title
         legend.remove()
     settle(figure)
     figure.set_layout_engine("none")
@@ -88,8 +88,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
 def shown_time(impact: np.void, course: Course) -> float:
     """Return the time after the onset [s] for which a contact is shown; 0 for an impulse.
 
-    This is the duration of the contact. Of a long contact only the impact is shown: the longer of two times,
-    the theoretical duration of the impact, and a few times the time until the peak force.
+    This is the duration of the contact or, for a long contact, the longer of two times: LONGEST_IMPACT times
+    penetration / impact speed, and AFTER_PEAK times the time until the peak force.
     """
     if not len(course.time):
         return 0.0

@@ -22,13 +22,13 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
 MOST_COLOURED_POINTS = 5  # the largest number of points with individual colours, so that the legend has room
-# impacts have equal distances if there are more than REGULAR of them, and the distances differ at most by
-# EQUAL, relative to the mean distance
+# impacts have equal distances if there are more than REGULAR of them, and the largest and the smallest
+# distance differ at most by EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 # the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
 HEADROOM = 1.3
-# [points] the size of the mark of an impact, and how much larger a mark is for each mark that covers it
+# [points] the size of the mark of an impact, and how much larger a mark is for each colour that covers it
 IMPACT_DOT, COVERED_RIM = 4.0, 3.0
 # the size of the cells in which marks of impacts count as one, relative to the duration and the largest
 # height
@@ -155,9 +155,10 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
 
 
 def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
-    """Return name, colour and impacts of each group of impacts: points with the fastest impacts, and others.
+    """Return groups of impacts: name, colour, and indices of the impacts.
 
-    Impacts of points and of joints at their stops are in different groups.
+    The points, and the joints at their stops, with the fastest impacts have a group each; all others share a
+    grey group.
     """
     impacts = recording.impacts
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
@@ -206,7 +207,7 @@ def numbered_step(axes: Axes, recording: Recording) -> int:
     gaps = np.diff(onsets)
     if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
         return 1
-    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")  # with two spaces between two numbers
+    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")  # the longest number, and two spaces
     width = probe.get_window_extent().width
     probe.remove()
     ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]

@@ -29,9 +29,9 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
 COVERED = 0.6  # the largest part of a leader that may cover other drawn things
-# STRONG: a pixel is strong if its red, green or blue is below this
-# CROSSED: [points] how much of a leader may be on strong pixels, tried in this order, except within OWN
-# [points] of its position, where its mark is
+# STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] limits, tried in
+# this order, of the length of a leader on strong pixels; the first OWN [points] of a leader, where the mark
+# of its position is, do not count.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
 # [points] where no leaders are allowed, a label is on its position's side of each strong line that is farther
 # away than this
@@ -62,7 +62,7 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """The pixels of a figure that are drawn on, except areas of one colour on which labels may stand."""
+    """The drawn pixels of a figure; areas with the colour of a ground are free, as labels may stand there."""
 
     def __init__(self, figure: Figure) -> None:
         """Draw the figure, which also arranges its contents, and store its pixels."""
@@ -76,7 +76,7 @@ class Ink:
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = counted(self._strong)
-        # strong pixels with their surroundings, which close the white rim of a mark on a link
+        # strong pixels and their neighbours: no leader can pass the white rim between a mark and a link
         self._near_strong = widened(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
@@ -85,7 +85,7 @@ class Ink:
         self._counts = counted(self._drawn)
 
     def pixels(self) -> list[np.ndarray]:
-        """Return copies of what labels change, for ``restore``."""
+        """Return copies of the arrays that change when labels are written, for ``restore``."""
         return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
 
     def restore(self, pixels: list[np.ndarray]) -> None:
@@ -125,9 +125,10 @@ class Ink:
 
         With ``on_pale`` a box without strong pixels and labels is free, too.
 
-        The leader, a straight line from ``position`` to the box, must pass no other label or leader and
-        little else; it is marked, too. At most ``crossed`` pixels of the leader may be at strong pixels; its
-        first ``own`` pixels do not count. Without ``position`` there is no leader.
+        The leader, a straight line from ``position`` to the box, must pass no other label or leader, and may
+        cover drawn pixels with at most the part COVERED; it is marked, too. At most ``crossed`` of its pixels
+        may be at strong pixels; its first ``own`` pixels do not count. Without ``position`` there is no
+        leader.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -178,8 +179,8 @@ def place_labels(
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
-    If some have no room and leaders are allowed, these are written first, if necessary with the short texts
-    of all. The result is kept if fewer labels are left then.
+    If some labels have no room and leaders are allowed, all labels are written again, those without room
+    first; if this does not help, all with their short texts. It helps if fewer labels have no room.
 
     Args:
         axes: the axes inside which the labels stay.
@@ -255,9 +256,9 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether there is one.
 
-    For each limit in CROSSED on how much of the drawing a leader may cross, the texts are tried on free
-    ground; then, if leaders are allowed, on pale drawn lines, with an outline. For each text, positions that
-    leave the best positions of later labels free come first.
+    For each limit in CROSSED, the texts are tried on free ground; then, if leaders are allowed, on pale drawn
+    lines, with an outline. Each text is tried first at positions that leave the best positions of later
+    labels free, then at all positions.
 
     Args:
         axes: the axes inside which the text stays.
@@ -292,7 +293,7 @@ def _place(
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
-        if crossed:  # positions without a leader were tried with the first of CROSSED
+        if crossed:  # the limit is for leaders: positions without one were tried with the first limit
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if steps[step] in FAR else {}

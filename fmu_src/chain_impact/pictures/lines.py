@@ -1,4 +1,4 @@
-"""Breaks texts into lines: where a line may end, and as few lines as possible, of similar lengths."""
+"""Breaking of texts into as few lines as possible, of similar lengths, and where a line may end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# a space at which a line may end: not beside the sign before a number, and not before a unit
+# a space at which a line may end: not beside = or ≤, and not before a unit
 BREAKABLE_SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
@@ -62,7 +62,7 @@ def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], p
     """Return lines, each with as many pieces as fit into a width [pixels]."""
     space = width("n n") - width("nn")
     lines: list[str] = []
-    filled = math.inf  # the width [pixels] of the last line with a space at its end; no line exists yet
+    filled = math.inf  # the width [pixels] of the last line and a space; infinite while no line exists
     for piece in pieces:
         if filled + width(piece.rstrip(parts)) <= room:
             lines[-1] += f" {piece}"

@@ -35,10 +35,11 @@ from chain_impact.recording.view import size_of
 MOST_STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
 FAINT_POSES = 80  # the number of faint poses, in evenly spaced rows
 PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
-MOST_MARKED_POINTS = 12  # the largest number of points that get marks
+MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
 MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more points the paths are fainter
-# RIM_WIDTH: [points] how much wider the start is than the end that would cover it: if each point is at the
-# end nearer to its start than COVERED_WITHIN, relative to the size of the motion
+# RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
+# COVERED_WITHIN: the distance of each point from its start below which this is so, relative to the size of
+# the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line of a ball, relative to that of a link
 SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
@@ -48,8 +49,8 @@ SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint st
 RING_DISTANCE = 0.03
 # the length of the arrow of the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
-# SHORTEST_LOAD: the least length of this arrow when an arrow would leave the view, relative to LONGEST_LOAD;
-# a force that points out of the view from its edge has such an arrow, which crosses the edge
+# SHORTEST_LOAD: the least length of this arrow if all arrows are shortened to stay in the view, relative to
+# LONGEST_LOAD; an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
 # MOST_IN_LABEL: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
 # ring with more lists this number of impacts, the fastest ones, and says how many others there are
@@ -83,7 +84,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
-        if row == 0 and is_covered(recording):  # behind its own drawing, which the legend shows
+        if row == 0 and is_covered(recording):  # a wider copy behind the chain, which the legend shows
             rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
@@ -148,13 +149,13 @@ def colour_of_time(recording: Recording) -> Any:
 
 
 def strongest(recording: Recording, count: int) -> np.ndarray:
-    """Return the rows of the fastest impacts, the fastest first."""
+    """Return the ``count`` fastest impacts, rows of ``recording.impacts``, the fastest first."""
     fastest: np.ndarray = recording.impacts[by_speed(recording)[:count]]
     return fastest
 
 
 def by_speed(recording: Recording) -> np.ndarray:
-    """Return the rows of the impacts, from 0, in the order of their impact speeds, the fastest first."""
+    """Return the indices of the impacts, in the order of ``end_speeds``, the fastest first."""
     return np.argsort(-recording.end_speeds, kind="stable")
 
 
@@ -213,8 +214,9 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
     """Draw the largest force in each joint as an arrow, at the position of the joint at that time.
 
-    The length shows the peak force, also between rows if the recording has peaks. Direction and position come
-    from the row with the largest force. All arrows are shorter if otherwise an arrow would leave the view.
+    The length shows ``joint[i].peak_force``, which includes times between rows, or else the largest force in
+    a row. Direction and position come from the row with the largest force. All arrows are shorter if an arrow
+    would otherwise leave the view.
     """
     arrows = []
     for joint, force in recording.loads.items():

@@ -30,7 +30,7 @@ def brief_hit(recording: Recording, impact: np.void) -> str:
 
 
 def full_names(recording: Recording) -> str:
-    """Return the full names of the points that the impacts and the dry friction show with short names."""
+    """Return, as text, numbers and long names of the points with impacts at walls or dry friction."""
     shown = {*recording.impacts["point"][~recording.at_stops].tolist()}
     shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
     names = recording.point_names

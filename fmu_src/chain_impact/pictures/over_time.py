@@ -34,11 +34,11 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-# an energy is dashed if its curve is closer to an earlier one than ALIKE, relative to the range of all
-# energies, in the part MOSTLY of the rows
+# an energy is dashed if its curve differs from an earlier one by at most ALIKE, relative to the range of all
+# energies, in at least the part MOSTLY of the rows
 ALIKE, MOSTLY = 0.03, 0.8
-# another zero of the potential energy is drawn if it makes the range of all energies smaller than this,
-# relative to the range with the usual zero
+# the zero of the potential energy is moved if the range of all energies then is smaller than this, relative
+# to the range with the usual zero
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
@@ -57,7 +57,7 @@ VISIBLE_ELASTIC = 0.01
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
-SHORT = 0.002  # phases of dry friction up to this part of the run's duration are too short to be drawn
+SHORT = 0.002  # sliding for up to this part of the run's duration is too short to be explained in a legend
 # the least duration of a contact, relative to the run's duration, that is drawn as a thick line
 SEEN_CONTACT = 0.01
 
@@ -88,7 +88,8 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return the energies to draw, with their looks.
 
-    The total is wide and behind the others. Other curves are dashed if they would hide an earlier one.
+    The total is wide and behind the others. Other curves are dashed if they would hide an earlier one, or are
+    in PARTS.
     """
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
     for name in ENERGIES:
@@ -141,7 +142,7 @@ def offset_text(offset: float) -> str:
 def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
     """Return the properties of the curve of an energy, with matplotlib's names.
 
-    ``offset`` is the result of ``without_gap``, which the label of a changed energy tells.
+    ``offset`` is the number from ``without_gap``; the labels of potential and total energy tell it.
     """
     is_total, label = name == "total", name
     if offset and name in ("potential", "total"):
@@ -155,7 +156,7 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Shade the times in which nothing moves, and set the numbers of the axes."""
+    """Shade the times in which nothing moves, and give the axes enough numbers."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 

@@ -69,7 +69,7 @@ The functions return the numbers without room, as text.
 """
 # LISTED_HEIGHT: the largest height of texts at the foot that name impacts, relative to the figure's height
 LISTED_HEIGHT = 0.25
-FEET = 3  # the text at the foot takes room, so the panels are arranged again, at most this number of times
+FEET = 3  # how often, at most, the panels are arranged again because the text at the foot takes room
 PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
@@ -78,9 +78,9 @@ PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
 
-    In a wide figure the motion is to the left of the panels over time, in a narrow figure above them; there
-    the legend of a slim motion is beside it. The title "" stands for the summary of the run, None for no
-    title.
+    The motion is to the left of the panels over time; in a narrow figure, or if it is broader than BESIDE, it
+    is above them. In a narrow figure, the legend of a slim motion is beside it. The title "" stands for the
+    summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -147,7 +147,7 @@ def number_and_list(figure: Figure, panel_axes: dict[str, Axes], recording: Reco
 def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording) -> str:
     """Write the numbers of impacts into all panels that have numbers.
 
-    Returns a sentence on the numbers without room.
+    Returns a sentence on the numbers without room; "" if there are none.
     """
     ink, parts = Ink(figure), []
     for name, write in NUMBERS.items():
@@ -256,8 +256,8 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         panel_axes["motion"] = motion = figure.add_subplot(grid[0], label="motion")
         motion.set_anchor("W" if narrow else "C")
     if timed:
-        # a grid within the cell of a wide figure: the panels over time share a margin, which does not
-        # depend on the motion
+        # in a wide figure the panels over time have a grid of their own: their margin does not depend on the
+        # motion
         last = grid if narrow else grid[len(parts) - 1].subgridspec(len(heights), 1, height_ratios=heights)
         cells = [last[k, 0] for k in range(-len(heights), 0)]
         panel_axes["time"] = clock = figure.add_subplot(cells[-1], label="time")

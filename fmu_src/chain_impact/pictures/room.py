@@ -30,7 +30,7 @@ STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
 ON_WALL = 1e-9
-# the ends of a disc, relative to its radius
+# left, right, lowest and highest point of a disc, from its centre, relative to its radius
 DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
 

@@ -19,7 +19,7 @@ SMALL_LENGTH = 0.01  # [m] a shorter bar has its length in millimetres
 def round_length(most: float) -> float:
     """Return the largest round length that is at most ``most`` [m]."""
     power = 10.0 ** math.floor(math.log10(most))
-    # the logarithm of a number just below a power of ten may be rounded up
+    # just below a power of ten the logarithm may be rounded up, so ``power`` may exceed ``most`` by round-off
     return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 

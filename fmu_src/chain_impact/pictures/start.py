@@ -98,7 +98,7 @@ def _chain(
 
     Returns the axes, the positions of the points 0…N [m], and the size of a typographic point [m].
 
-    The view contains the chain and the nearest points of all walls.
+    The view contains the chain and, of each wall, the point that is nearest to the middle of the chain.
     """
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])

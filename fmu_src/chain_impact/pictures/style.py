@@ -79,14 +79,14 @@ COLOURS: Any = {
 If the user's style is dark, ``suit_figure`` then changes the colours.
 """
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The kinds of settings that have an effect when a figure is drawn."""
+"""The groups of matplotlib's settings, such as ``font``, that a figure keeps until it is drawn."""
 DPI = 160
 FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the least for two columns of axes
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
-# the largest height of the texts at the foot, relative to the height of the figure; FREE_FOOT: if the
-# contents determine the height of the figure
+# the largest height of the texts at the foot, relative to the height of the figure. MOST_FOOT: if the height
+# of the figure is given; FREE_FOOT: if the contents determine it
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
 # font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
 # two lines
@@ -140,7 +140,7 @@ class StyledFigure(Figure):
             super().savefig(*args, **options)
 
     def _repr_png_(self) -> bytes:
-        """Return the picture for IPython if no backend of matplotlib has registered a way to show figures."""
+        """Return the picture as PNG; IPython uses it if no backend of matplotlib shows figures."""
         file = BytesIO()
         self.savefig(file, format="png", dpi="figure")
         return file.getvalue()
@@ -222,10 +222,10 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 
 
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
-    """Write a text at the foot of a figure, above other texts there.
+    """Write a text at the foot of a figure, above other texts there; return the text, None without room.
 
-    The texts at the foot take at most the part ``most`` of the figure's height, and by default FREE_FOOT or
-    MOST_FOOT; otherwise return None.
+    All texts at the foot take at most the part ``most`` of the figure's height, by default FREE_FOOT or
+    MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT

@@ -13,8 +13,8 @@ MOST_PARTS = 32  # the largest number of pieces between two rows
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the path of the tip.
 
-    The path has the rows and, between rows with the tip at distant places, points of a smooth curve; none
-    across an impact.
+    The path has the position in each row. If the tip is at distant places in two successive rows, it also has
+    points of a smooth curve between them, except across an impact.
 
     Args:
         recording: the recording to show.
@@ -55,7 +55,7 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return between which rows the path has no smooth curve, shape (T − 1,).
+    """Return, for each pair of successive rows, whether the path between them is straight, shape (T − 1,).
 
     The velocity jumps at an impact. If velocities are computed from positions, those of the rows beside the
     impact are wrong, too.

@@ -1,4 +1,4 @@
-"""The points of links in results, and which parameters determine how bodies are drawn."""
+"""The points on links other than the links' ends, and which parameters determine how bodies are drawn."""
 
 from __future__ import annotations
 
@@ -20,5 +20,5 @@ def site_radii(values: Mapping[str, Any]) -> list[float]:
 
 
 def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
-    """Return number of a link → number of its points beside its ends, for each link that has such points."""
+    """Return index of a link → how many of its points are no ends, for each link that has such points."""
     return {link: len(discs) for link, discs in discs_of_links(values).items()}

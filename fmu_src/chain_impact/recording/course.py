@@ -14,8 +14,8 @@ from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times at which the course of an impact is computed
-LASTING_SAMPLES = 4000  # the number of equally spaced times in a contact that lasts longer than its impact
-SOON = 1e-6  # in such a contact, the first time after the onset, relative to the duration of the contact
+LASTING_SAMPLES = 4000  # the number of equally spaced times in a contact longer than ``near`` of course_of
+SOON = 1e-6  # in such a contact, the first sample after the onset, relative to the contact's duration
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
@@ -52,15 +52,15 @@ def course_of(
     """Return the course of an impact, a row of ``Result.impacts``.
 
     The run is repeated up to the end of the impact, with additional rows during the impact. The repeated run
-    has the same bits, because rows do not change the solution.
+    is identical bit by bit, because additional rows do not change the solution.
 
     Args:
         prepared: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the row of ``Result.impacts``.
-        until: the end of the course [s] for a contact that has not ended.
-        near: in a contact that lasts longer than this time [s], the samples are also dense from the onset
-            until this time has passed; 0 for equal distances between all samples.
+        until: the end of the course [s], used if the end of the contact is NaN.
+        near: if the contact is longer than this [s], additional samples are dense just after the onset, and
+            until this time after it; 0 for equal distances between all samples.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
@@ -79,7 +79,7 @@ def course_of(
     at, sign = contact_output(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # at onset and end the output is 0, as the penetration is 0
+    if len(speed):  # at onset and end ``penetration_rate`` is 0, because the penetration is 0
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]

@@ -29,7 +29,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
 
     Args:
         path: the file, with columns ``time`` [s] and outputs of the FMU, at least the positions of the
-            points.
+            points 0 and 1.
         scene: the scene with the walls and stops, which are not in a table.
 
     Returns:

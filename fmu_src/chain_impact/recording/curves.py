@@ -33,7 +33,7 @@ class Curves:
         values: name → shape (T,).
         units: name → unit; "" for an output without a unit.
         onset: the onset [s] of the impact in a close view; None in a view of the whole run.
-        number: the number of the impact in a close view, from 1.
+        number: the number of the impact in a close view, from 1; 0 in a view of the whole run.
     """
 
     time: np.ndarray
@@ -125,7 +125,10 @@ def impact_numbers(count: int) -> str:
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return additional times [s]: everywhere in a close view, else within the first FOLLOWED impacts."""
+    """Return additional times [s] from ``low`` to ``high``.
+
+    They are equally spaced in a close view, otherwise only within the first FOLLOWED impacts.
+    """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)
     impacts = recording.impacts[:FOLLOWED]

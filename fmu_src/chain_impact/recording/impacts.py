@@ -15,7 +15,7 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS, is_like
 from chain_impact.scene.warning import warn
 
 _LOG = contact_log_dtype(0)
-_OF_RING = ("count", "collected", "number")  # fields of the log that are no columns
+_OF_RING = ("count", "collected", "number")  # fields of the log of contacts that are no columns
 LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
 """The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
@@ -30,8 +30,8 @@ NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". 
 of the simulation, its end and its separation speed are NaN.
 
 Under the law ``newton_impact`` a bounce has no duration and no peak: its peak force, the force in a joint,
-and the number of the joint are 0. ``joint[i].impulse`` jumps by the impulse of the bounce in joint i. A
-contact that lasts under this law has the largest forces during the contact.
+and the number of the joint are 0. ``joint[i].impulse`` jumps by the impulse of the bounce in joint i. For a
+contact with a duration, the forces are the largest ones during the contact, as under the other laws.
 
 At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
 1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop

@@ -57,7 +57,10 @@ def at_stop(scene: Scene, wall: int) -> bool:
 
 
 def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
-    """Return whether a wall stands for the stops of joints; without stops, any wall may have their names."""
+    """Return whether a wall stands for the stops of joints.
+
+    If no joint has stops, the result is False: a true wall may then have the name of a stop.
+    """
     return has_stops and wall_names[wall] in STOPS
 
 

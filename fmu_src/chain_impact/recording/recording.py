@@ -32,7 +32,8 @@ from chain_impact.variables.outputs import OUTPUTS
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
 _OWNERS = sorted({re.split(r"[.[]", kind.name)[0] for block in OUTPUTS for kind in block.kinds})
 _NAME = re.compile(rf"({'|'.join(_OWNERS)})(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
-"""The parts of an output's name in the FMU: owner; number; wall, or ``force`` in a joint; and quantity."""
+"""The parts of an output's name in the FMU: owner, such as ``point``; number; wall, or ``force`` of a joint;
+and quantity."""
 
 
 class Recording:
@@ -49,8 +50,8 @@ class Recording:
             its outputs.
         walls: name → free side, of each wall.
         wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
-        parameters: FMU variable name → value at the start, for a choice its name; empty if the values are
-            unknown.
+        parameters: FMU variable name → value at the start, of an enumeration the chosen name; empty if the
+            values are unknown.
         sensitivities: the requested derivatives, if any.
         stops: joint → its range, for the joints with stops.
         point_names: the names of points, by their numbers; not every point has a name.
@@ -117,7 +118,7 @@ class Recording:
 
     @property
     def sites(self) -> np.ndarray:
-        """Positions of the points of links beside their ends, numbered from N + 1, shape (T, P, 2) [m]."""
+        """Positions of the points on links that are no ends, numbered from N + 1, shape (T, P, 2) [m]."""
         return self.all_points[:, self.link_count + 1 :]
 
     @cached_property
@@ -146,7 +147,7 @@ class Recording:
         return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls in their positions at a time [s], and the drawn stops of a slider."""
+        """Return the walls in their positions at a time [s], and the stops of a slider as they are drawn."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
@@ -173,7 +174,7 @@ class Recording:
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:
-        """The outlines of links with points, in the links' axes, shape (C, 2) [m].
+        """Link → its outline in the link's axes, shape (C, 2) [m], for links with points other than ends.
 
         The dict is empty if the places of points on links are not known.
         """
@@ -199,7 +200,7 @@ class Recording:
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
-        """The force on the link at each joint, shape (T, 2) [N]; empty if the forces are not known."""
+        """Joint → the force on the joint's link, shape (T, 2) [N]; empty if the forces are not known."""
         return {
             joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
             for (joint, kind), parts in self._columns_of("joint").items()
@@ -235,7 +236,7 @@ class Recording:
         return touches
 
     def __repr__(self) -> str:
-        """Return the name, the duration and the number of impacts and outputs."""
+        """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
         end = f"{self.time[-1]:g}" if len(self.time) else "0"
         return (
             f"Recording({self.name})  0 … {end} s, {plural(self.impact_count, 'impact')}, "
@@ -271,9 +272,9 @@ class Recording:
 
     @property
     def end_speeds(self) -> np.ndarray:
-        """The speeds of the impacts, shape (I,) [m/s].
+        """The impact speeds, shape (I,) [m/s].
 
-        For an impact at a stop of a joint, this is the speed of the link's end about the joint.
+        At a stop of a joint, this is the angular speed times the length of the joint's link.
         """
         arms = [
             self.stops[point].length if stopped else 1.0
@@ -302,14 +303,14 @@ class Recording:
         return pose
 
     def row_at(self, time: float) -> int:
-        """Return the row that is nearest to a time [s]."""
+        """Return the index of the row that is nearest to a time [s]."""
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return the place [m] of an impact on its wall, which is a radius away from the point.
+        """Return the place [m] of an impact: the position of its point, projected onto its wall.
 
         An impact at a stop of a joint is where the link crosses the arc of the joint's range. An impact at a
-        stop of a slider is half a carriage beyond the base, as they are drawn.
+        stop of a slider is where the stop is drawn, half a carriage beyond the base.
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]

@@ -115,7 +115,7 @@ class Sensitivities:
         return self.impact_slopes[quantity][:, self._number(parameter)]
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
-        """Return the full names of some outputs.
+        """Return the names of the outputs to draw; refuse a name without derivatives.
 
         By default these outputs are the position of the tip, and the total energy.
         """

@@ -113,7 +113,7 @@ class Touch:
 
     @property
     def at_wall(self) -> bool:
-        """Whether the contact is at a wall, not in a joint or on a slider."""
+        """Whether the contact is at a wall: no stop, and no dry friction in a joint or on a slider."""
         return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 

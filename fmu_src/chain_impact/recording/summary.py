@@ -30,10 +30,10 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     )
     for stop in (False, True)
 )
-"""The columns of the list of impacts, with their units at walls and at stops of joints."""
+"""The units of the columns VALUES in the list of impacts: at walls, and at stops of joints."""
 NONE = "—"  # the text for a number that does not exist
 LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
-# numbers from FIVE_DIGITS to MILLION are written without an exponent, although a number has only four digits
+# numbers from FIVE_DIGITS to MILLION, rounded to four digits, are written without an exponent
 FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
@@ -136,7 +136,7 @@ def _peak(value: float) -> str:
 
 
 def digits(value: float) -> str:
-    """Return a number with four digits, without an exponent below a million; a dash for NaN."""
+    """Return a number rounded to four digits, from 1e-4 to a million without exponent; a dash for NaN."""
     if np.isnan(value):
         return NONE
     text = f"{value:.4g}"
@@ -174,7 +174,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield a line with the number of steps of the solver, and a line on how the run ended."""
+    """Yield a line with the solver's numbers of steps and evaluations, and a line on how the run ended."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
@@ -182,9 +182,10 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a sentence on the wall with the deepest penetration if this is deeper than the smallest body.
+    """Return a list of one sentence if a penetration of a wall is larger than the smallest body.
 
-    Such a wall is too soft to stop a body. The list is empty if no penetration is so deep.
+    The sentence names the wall with the deepest penetration, which is too soft to stop a body. Otherwise the
+    list is empty.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)

@@ -23,7 +23,7 @@ from chain_impact.variables.prepared import PreparedScene
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes of a file with a list of impacts."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
-"""Kind of owner → dimensions that an array of this kind has in addition to the time."""
+"""Owner of an output → the dimensions of the output's array after the time."""
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
@@ -80,7 +80,7 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
             values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        # the record's index also counts the stops of joints, which lie before the stops of a slider
+        # the index in the record is not used: it also counts stops of joints, which ``contacts`` lacks
         if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]

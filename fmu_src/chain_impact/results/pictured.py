@@ -98,7 +98,7 @@ class Pictured(Recording):
 
         Raises:
             ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches
-                or has no room for the panels, or axes are given with a file or a size.
+                or has no room for the panels, or two arguments exclude each other, as ``ax`` and ``path``.
             UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """
@@ -161,8 +161,8 @@ class Pictured(Recording):
         The picture gives the realised restitution, and the energy that the whole chain lost during the
         impact. If the contact lasts much longer than the impact, the picture shows only the impact over time.
         Rows are usually farther apart than an impact is long, so the run is repeated up to the end of the
-        impact, with rows within the impact. The repeated run has the same bits, because rows do not change
-        the solution.
+        impact, with rows within the impact. The repeated run is identical bit by bit, because additional
+        rows do not change the solution.
 
         Args:
             number: the number of the impact, from 1, as in pictures and tables.

@@ -88,12 +88,12 @@ class Ranking:
         unit: the unit of the quantity.
         where: words for the impact, the joint or the time of the quantity.
         effects: the effects of the parameters that have an effect, the largest first; the parameters with
-            the value 0 come last, because the size of their step has no meaning of its own.
+            the value 0 come last, because the size of their step is arbitrary.
         without: the parameters without an effect.
         unknown: the parameters whose derivatives cannot be trusted; ``limits`` gives the reason.
         limits: sentences, as ``Result.sensitivity_limits``.
-        left_out: exponents of contact laws that are not ranked, because they were not named in full. With
-            another exponent the stiffness has another unit, so the same number is another stiffness.
+        left_out: exponents of contact laws that are not ranked, because they were not named in full: a
+            change of the exponent changes the unit, and so the meaning, of the stiffness.
     """
 
     source: str

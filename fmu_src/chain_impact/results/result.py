@@ -1,6 +1,6 @@
 """The result of a simulation."""
 
-# a recording's attributes are read-only, which their annotations cannot say: computed ones may override them
+# attributes of a recording are only read, so properties may override them; mypy does not know this
 # mypy: disable-error-code="override"
 
 from __future__ import annotations
@@ -140,12 +140,12 @@ class Result(Pictured):
 
     @property
     def _has_all(self) -> bool:
-        """Whether the result has all outputs, as complete rows of the kernel's record."""
+        """Whether ``outputs`` is complete: with the fields of ``output_dtype``, not with chosen names."""
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is pinned, at rest or moving, so that joint 1 connects it with link 1."""
+        """Whether the base is pinned: link 1 then turns about joint 1 at the base, which may be moved."""
         return self.scene.chain.base == "pinned"
 
     @cached_property
@@ -165,7 +165,7 @@ class Result(Pictured):
 
     @cached_property
     def parameters(self) -> Mapping[str, Any]:
-        """The parameters: name → value; for a choice, its name."""
+        """The parameters: name → value; of an enumeration, the chosen name."""
         values = self.scene.values
         return {name: values[name] for name in self.prepared.parameter_paths}
 
@@ -304,7 +304,7 @@ class Result(Pictured):
         """Return the outputs that change continuously as a dataset of xarray, with units.
 
         Its dimensions are time, point, axis, link and contact. Outputs that ``simulate(output=…)`` left out
-        are NaN. If the result has no output of a kind, the dataset does not have the kind.
+        are NaN. A variable of which all outputs were left out, such as ``angle``, is not in the dataset.
 
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
@@ -323,7 +323,9 @@ class Result(Pictured):
         return tables.impact_table(self.impacts, self.wall_names, stops=bool(self.stops))
 
     def stick_slip_table(self) -> pandas.DataFrame:
-        """Return the phases of dry friction as a table of pandas: ``STICK_SLIP_DTYPE`` in words.
+        """Return the phases of dry friction as a table of pandas, with words for wall and mode.
+
+        The columns are those of ``STICK_SLIP_DTYPE``, with "" as the wall of a joint or slider.
 
         The rows count from 1. ``attrs["units"]`` has the unit of each column.
 
@@ -341,7 +343,7 @@ class Result(Pictured):
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:
-        """Return lines on the energy, on probable mistakes in the scene, and on the solver."""
+        """Return lines on the energy, on a wall that is too soft, and on the solver."""
         facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 

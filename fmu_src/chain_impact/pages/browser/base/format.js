@@ -13,7 +13,7 @@ export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }
 
-/** Return a number with `count` significant digits, but with all digits before the point, and at most 9 decimals. */
+/** Return a number with `count` significant digits, or more if more are before the point, and at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
@@ -42,7 +42,7 @@ export function ticksOf(ticks) {
   });
 }
 
-/** Return a force as text, for example 12.3 kN; with a count of 0, with up to 6 digits. A moment has another `unit`. */
+/** Return a force as text, for example 12.3 kN: with `count` digits, or up to 6 if it is 0. A moment has another `unit`. */
 export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
   const value = newtons / factor;

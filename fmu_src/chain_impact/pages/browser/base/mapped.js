@@ -1,4 +1,4 @@
-// The values of tables.
+// Tables with computed values.
 
 /** Return a table with each value of another table replaced by the value of a function. */
 export function mapped(table, of) {

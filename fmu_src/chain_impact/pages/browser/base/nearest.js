@@ -4,7 +4,7 @@ const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");
 const lastOf = (name) => name.slice(name.lastIndexOf(".") + 1);
 
-/** Return how many letters two texts have in common: those of the longest common part, and of the texts beside it. */
+/** Return how many letters two texts have in common: in their longest common part, and so on in the texts on each side of it. */
 function commonLetters(a, b) {
   let [size, atA, atB] = [0, 0, 0];
   for (let i = 0; i < a.length; i += 1) {
@@ -17,7 +17,10 @@ function commonLetters(a, b) {
   return size && size + commonLetters(a.slice(0, atA), b.slice(0, atB)) + commonLetters(a.slice(atA + size), b.slice(atB + size));
 }
 
-/** Return the name that is most similar to `name`, of equal ones the last by the alphabet; undefined below a similarity. */
+/**
+ * Return the name that is most similar to `name`, of equally similar ones the last by the alphabet; undefined if none reaches
+ * `least`.
+ */
 function mostAlike(name, names, least) {
   const likeness = (other) => 2 * commonLetters([...other], [...name]) / ([...other].length + [...name].length);
   const rated = names.map((other) => [likeness(other), other]).filter(([rate]) => rate >= least);

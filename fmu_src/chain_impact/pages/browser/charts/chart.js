@@ -5,12 +5,12 @@ import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-// the least number of ticks on a vertical axis, and on one where these ticks would be nearer than TICKS_APART
+// the least number of ticks on a vertical axis; the second one if the ticks would be nearer than TICKS_APART with the first
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
 const TICKS_APART = 17; // [pixels]
-const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights above the axes, and of the axis below them
+const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights of the space above the plot, and of the axis below it
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
-// where the letters of curves for comparison are: A at a part of the width of the chart, and the next letters further on
+// positions of the letters of curves for comparison, relative to the width of the chart: of A, and from one letter to the next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
 const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label

@@ -13,7 +13,10 @@ const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
 
-/** Return curves with 0 for values that are round-off of the largest value of their unit; forces have a known scale. */
+/**
+ * Return curves with 0 for values that are round-off of the largest value; for forces, of the recording's largest force if it is
+ * larger.
+ */
 function withoutRoundOff(curves, { peakForce }) {
   const scale = curves.reduce((most, { values }) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most),
     curves[0].unit === "N" ? peakForce : 0);
@@ -62,7 +65,7 @@ class UnitChart extends TimeChart {
     else this.makeCurves(curves, data);
   }
 
-  /** Draw at a time, with the whole time or the time `close` from one time to another, which the axis counts from `onset`. */
+  /** Draw at the time `now`: the whole time, or the times `close`, [from, to], with an axis that counts from `onset`. */
   draw(now, close, onset) {
     if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
@@ -83,8 +86,8 @@ export class CurveCharts {
   #compared = [];
 
   /**
-   * `curvesOf` returns the curves of a recording, if it has any; `zoomButton` is a button for the view of one impact, and `title`
-   * an element that names this impact; `note` is an element that names the motions for comparison without these curves.
+   * `curvesOf` returns the curves of a recording, if it has any. The elements may be missing: `zoomButton` switches to the view of
+   * one impact, `title` names this impact, and `note` names the motions for comparison without some of the curves.
    */
   constructor(element, seek, { curvesOf, label, zoomButton, title, note, wordsOf = (name) => name }) {
     Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, wordsOf, charts: new Map() });
@@ -112,7 +115,7 @@ export class CurveCharts {
         ...curve,
         words: this.wordsOf(curve.name),
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // another one when the colour comes again
+        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // another dash when the colour comes again
       })));
     });
     this.#nameWithout();

@@ -135,7 +135,7 @@ export class ForceChart extends Chart {
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ points: [, y] }) => y));
-      // the range of the scale does not hold for limits that are set
+      // uPlot does not apply `range` to limits that are set
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve

@@ -131,7 +131,7 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Return the pattern of a line with dashes as a background of the style sheet; its parts are alternately seen and not. */
+/** Return a line as a background for the style sheet; `dash`: lengths [pixels] that are alternately seen and left out. */
 function patternOf(stroke, dash = [1]) {
   const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
   const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);

@@ -33,8 +33,8 @@ export class ArrowScale {
   }
 
   /**
-   * Return the powers of ten on the ruler whose numbers have room: `at`, the distance [pixels] from its foot, and `text`. If only one
-   * has room below the largest force, the ruler goes on to the next power of ten.
+   * Return the powers of ten on the ruler whose numbers have room: `at`, the distance [pixels] from its foot, and `text`. If fewer
+   * than two have room below the largest force, the ruler goes on to the next power of ten.
    */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));

@@ -81,7 +81,7 @@ export class ChainDrawing {
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
     this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
-    this.linesAbove = () => []; // the lines in them that labels must not cover
+    this.linesAbove = () => []; // returns the lines in `above` that labels must not cover
   }
 
   /** Use another recording. */
@@ -117,8 +117,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the index of the body to which a point belongs: as an end of the chain, or as a point of a link. For a joint between
-   * links it is undefined; for an end of a link without an outline it is −1.
+   * Return the index of the body of a point: at an end of the chain the outline of its link, −1 without one; at a joint between
+   * links undefined; for a point of a link the outline with the nearest corner.
    */
   #nearestBody(point) {
     const { links, bodies } = this.recording;
@@ -130,7 +130,7 @@ export class ChainDrawing {
     return distances.indexOf(Math.min(...distances));
   }
 
-  /** Give the drawing a width and height [pixels], which the next frame has. */
+  /** Set the width and height [pixels] that the drawing has from the next frame on. */
   resize(width, height) {
     this.size = [width, height];
     this.isFitted = false;
@@ -288,8 +288,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw rings at recent impacts: rings widen and fade, each around the ring before at the same position. A number stands nearer to
-   * its own ring than to any other, or is left out.
+   * Draw rings at recent impacts, which widen and fade; at one position, each begins wider than the one before began. A number
+   * stands nearer to its own ring than to any other, or is left out.
    */
   #drawRings(frame) {
     const { recording } = this;
@@ -316,7 +316,7 @@ export class ChainDrawing {
     });
   }
 
-  /** Draw the forces of walls and the moments of stops; return their texts in the form for `#label`. */
+  /** Draw the forces of walls, and marks of stops and of sticking; return texts for forces and moments in the form for `#label`. */
   #drawArrows(frame) {
     const { recording } = this;
     this.arrows.clear();
@@ -336,7 +336,7 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      // the list of impacts has the force without friction
+      // the text says so if it includes friction: the list of impacts has the force without it
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
@@ -362,7 +362,10 @@ export class ChainDrawing {
     });
   }
 
-  /** Draw the arrow of a force [N] from a position in a direction; return its text, unless it is empty, in the form for `#label`. */
+  /**
+   * Draw the arrow of a force [N] from a position in a direction; return a list with its text for `#label`, empty without a text or
+   * for a short arrow.
+   */
   #arrow([x, y], [dx, dy], force, kind, text) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
@@ -375,8 +378,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Write a text at the first free place around a position, beginning ahead of it; if no place is free, ahead of it all
-   * the same.
+   * Write a text at the first free place around a position, first in a direction; without a free place, in this direction all the
+   * same.
    */
   #label(position, direction, distance, text, kind) {
     const candidates = positionsAround(position, direction, distance, FORCE_MULTIPLES);

@@ -4,8 +4,8 @@
 const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
 const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
-const AVOIDED = 16; // number of candidates, two rounds of directions, that a label passes over to keep free of what it should avoid
-const HALF = 7; // [pixels] half the side of the square that stands for a mark, with the outline of a text beside it
+const AVOIDED = 16; // number of candidates, two rounds of directions, that a label tries further to keep off what it should avoid
+const HALF = 7; // [pixels] half the side of the square that is kept free for a mark, and includes the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {
@@ -15,8 +15,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a line crosses the box of a text, or comes near it: by the fractions of the line between the sides of the
- * box.
+ * Return whether a line crosses the box of a text, or comes near it: whether its part between left and right overlaps its part
+ * between top and bottom.
  */
 function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
@@ -57,7 +57,7 @@ export class LabelSpace {
 
   /**
    * Return the first of some candidates {at, anchor} at which a text of a size covers nothing and `isAllowed` accepts its middle,
-   * and mark it as used; undefined if there is none. A candidate that covers what labels should avoid counts as AVOIDED later.
+   * and mark it as used; undefined if there is none. A candidate that covers what labels should avoid ranks AVOIDED later.
    */
   findPosition(text, size, candidates, isAllowed = () => true) {
     let [best, least] = [undefined, Infinity];

@@ -1,16 +1,16 @@
 // The trace of the tip on the screen: a smooth curve through the frames, with corners at impacts.
 
-const APART = 1.5; // [pixels] distance between positions of the trace
+const APART = 1.5; // [pixels] least distance between positions of the trace
 const OFF = 0.05; // [pixels] largest distance from the curve to the straight lines that are drawn for it
-// largest distance of a curve from its chord, relative to the difference between the curve's slope and the chord's slope
+// largest distance of a curve from its chord, relative to the difference between the slopes of curve and chord at one end
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of parts of the curve between two frames
 const MOST = 20_000; // largest number of positions of a trace
 const CELL = 6; // [pixels] size of the cells in which the trace is looked for
 
 /**
- * Return the positions of the tip on the screen, without positions that coincide, and the frame of each position, which may
- * have a fraction.
+ * Return positions of the tip on the screen, each APART or more from the one before, and the frame of each position, which may have
+ * a fraction.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;

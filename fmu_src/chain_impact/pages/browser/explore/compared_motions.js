@@ -20,19 +20,22 @@ export class ComparedMotions {
     this.before = null;
   }
 
-  /** Keep the shown motion as the motion before the change, unless this change continues the last change. */
+  /**
+   * Keep the shown motion as the motion before the change, unless the change continues the last one: if it `goesOn`, or comes
+   * within GESTURE.
+   */
   change(goesOn) {
     const now = performance.now();
     if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
     this.#last = now;
   }
 
-  /** The recordings that are drawn behind the next motion. */
+  /** Return the recordings that are drawn behind the next motion: before the last change, and pinned. */
   get behind() {
     return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
   }
 
-  /** Pin the shown motion, unless it is pinned already; its text describes the changes in it. */
+  /** Pin the shown motion, unless it is pinned already; the list names it by the changes in it. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
@@ -85,7 +88,7 @@ export class ComparedMotions {
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
-    // while the panel is shown, the charts are lower, so that the list of impacts has space
+    // while the panel is shown, the charts are less high, so that the list of impacts has space
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
@@ -123,13 +126,13 @@ function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
-/** Return the first position on the screen, from a position to the right, that is TIPS_APART from all others. */
+/** Return a position on the screen, moved to the right until it is TIPS_APART or more from all `others`. */
 function besideOthers([x, y], others) {
   const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return a cell for an impact: its time and peak force, and the other values when pointed at; a dash without an impact. */
+/** Return a cell for an impact: time and peak force, and as tooltip what touches where and how long; a dash without an impact. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);

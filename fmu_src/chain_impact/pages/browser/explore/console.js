@@ -14,8 +14,8 @@ export function consoleInterface(changes, ask) {
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
     /**
-     * Simulate the scene with some parameters changed, independently of the page: {time, columns, impacts, statistics}. If
-     * the simulation stops before its end, an error has its `status`, its `time` [s] and the `result` so far.
+     * Simulate the scene with the parameters `given` changed, without the page's changes: return {time, columns, impacts,
+     * statistics}. If the simulation stops before its end, throw an error with `status`, `time` [s] and the `result` so far.
      */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;

@@ -18,7 +18,7 @@ function noOutput(name, columns) {
   return `${name} is no output${near === undefined ? "" : `; the nearest is ${near}`}`;
 }
 
-/** Return the names in a text with commas, as for `simulate --curves`; an error says which name is not possible. */
+/** Return the names in a text with commas and `*`, as for `simulate --curves`; refuse unknown names and too many curves or units. */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
     const names = like(part, columns);
@@ -100,7 +100,7 @@ export class CurveChoice {
     return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
   }
 
-  /** Choose the names in a text, without a call of `changed`; an error says which name is not possible. */
+  /** Choose the outputs in a text, without a call of `changed`; an error says what is not possible. */
   take(text) {
     this.names = namesIn(text, this.#columns);
   }

@@ -1,4 +1,4 @@
-// The changes of the reader in a scene that is edited: as far as the edit leaves their values, they stay changes, which can be reset.
+// The reader's changes in a scene that is edited: a change whose value the edit leaves stays a change, which can be reset.
 
 import { inFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";

@@ -35,8 +35,8 @@ const POINT = { x: "Along", y: "Left", radius: "Radius" };
 
 export class Editor {
   /**
-   * `openContents` shows a scene with some contents, and `openEdited` also with the reader's changes, or they throw an error;
-   * `openFirst` shows the page's own scene; `keys` are the rules of the keys of a scene file, with their units.
+   * `openContents` shows a scene with some contents; `openEdited` does so and keeps the reader's changes; both throw an error if a
+   * key is wrong. `openFirst` shows the page's own scene; `keys` are the rules of the keys of a scene file, with their units.
    */
   constructor(changes, { openContents, openEdited, openFirst }, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
@@ -136,7 +136,7 @@ export class Editor {
     return Object.entries(labels).map(([key, label]) => `${label}, ${unitText(this.units[table][key].unit)}`);
   }
 
-  /** Return the cells of a link's row. A free base has no joint, and so no stop; the last link cannot be removed. */
+  /** Return the cells of a link's row. A free base has no joint, and so no stop; an only link cannot be removed. */
   #linkRow({ chain: { base, links } }, link, k) {
     const field = (key) =>
       this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), this.units.link[key].unit);
@@ -173,7 +173,7 @@ export class Editor {
   #field(name, value, set, unit = "") {
     const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
-    // a key that the scene does not give: its value, if it follows from other keys, is the placeholder of the empty field
+    // if the scene does not give a key, and the value follows from other keys, the value is the placeholder of the empty field
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = numberText(Number(derived.toPrecision(4)));
     field.addEventListener("change", () => {
@@ -197,7 +197,7 @@ function stopsShown({ base, links }) {
   return base === "free" && links.length === 1 ? [] : STOPS;
 }
 
-/** Return a cell that knows its head: on a narrow screen a row takes several lines, and each cell has its head above it. */
+/** Return a cell with the head of its column as data: on a narrow screen the style sheet shows this head above the cell. */
 function withHead(cell, head) {
   cell.dataset.head = head;
   return cell;

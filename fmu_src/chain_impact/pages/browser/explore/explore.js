@@ -24,11 +24,11 @@ import { GridMap } from "./map/map.js";
 import { showParameterList } from "./parameters/parameter_list.js";
 import { showMainParameters } from "./parameters/sliders.js";
 
-const WAITING = 120; // [ms] the time after which an old motion becomes grey
-const PATIENCE = 250; // [ms] the time after which the next change ends a run: a slider shows its effect while it is dragged
+const WAITING = 120; // [ms] the computing time after which the old motion becomes pale
+const PATIENCE = 250; // [ms] the time that a run has before the next change ends it: so a slider shows its effect while it is dragged
 const REST = 300; // [ms] the time without a change after which the address gets the changes
-// The view of the present motion stays if the view of the next motion lies inside it and is larger than this part of it; the
-// size of a view is the larger of its width and height.
+// The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is the larger of
+// its width and height.
 const KEPT = 0.5;
 
 const { file, kit, command, module: packedModule } = JSON.parse(find("data").textContent);
@@ -51,9 +51,9 @@ const choice = new CurveChoice(changes, () => {
 });
 
 /**
- * Return the parts of the next motion with a view that holds this motion and the motions behind it; `ownView` is the view of the
- * motion alone. So that the picture does not move, the present view stays if the next one lies inside it and is not much
- * smaller, or if a handle is dragged.
+ * Return the parts of the next motion, with `view`, which holds this motion and the motions of its scene behind it, and `ownView`,
+ * which holds this motion alone. The present view stays, so that the picture does not move, if the next one lies inside it and is
+ * not much smaller (KEPT), or while a handle is dragged.
  */
 function withSteadyView(next) {
   const ownView = next.view;
@@ -98,7 +98,7 @@ function withoutFriction() {
 
 let [started, nextRun] = [-Infinity, 0]; // when the present run began, and the timer of the next one
 
-/** Simulate with the present parameters: at the end of the present run, or when PATIENCE is over. */
+/** Simulate with the present parameters, as soon as the present run has ended or has taken PATIENCE. */
 function simulateSoon() {
   clearTimeout(nextRun);
   const left = started + PATIENCE - performance.now();
@@ -106,7 +106,7 @@ function simulateSoon() {
   else simulateNow();
 }
 
-/** Simulate with the present parameters and show the motion, unless another run begins meanwhile. */
+/** Simulate with the present parameters, and show the motion, unless a newer run has replaced this one. */
 async function simulateNow() {
   [started, nextRun] = [performance.now(), 0];
   find("reset-all").hidden = changes.count === 0;
@@ -133,13 +133,13 @@ async function simulateNow() {
   if (nextRun) simulateSoon();
 }
 
-/** Return the address of the page with the changes. */
+/** Return the address of the page with the open scene, the changes and the chosen outputs. */
 function address() {
   const hash = hashOf(changes, { scene: opened, curves: choice.names.join() });
   return location.href.split("#")[0] + (hash && `#${hash}`);
 }
 
-/** Put the changes into the address after a time without changes, because browsers limit such calls. */
+/** Put the changes into the address after a time without changes, because browsers limit how often an address may change. */
 function updateAddressSoon() {
   clearTimeout(addressTimer);
   addressTimer = setTimeout(() => history.replaceState(null, "", address()), REST);
@@ -169,14 +169,14 @@ function openEdited(contents) {
   else openFile(whole, { values: ofInputs, inputSteps });
 }
 
-/** Return the complete file with some contents if it is a scene with the parameters of some changes; else undefined. */
+/** Return the complete file of some contents if it is a scene that has all parameters of the changes `values`; else undefined. */
 function sceneWith({ contents, values }) {
   try {
     const whole = complete(contents, kit);
     const names = describe(kit, whole, []).parameters.map(({ name }) => name);
     return Object.keys(values).every((name) => names.includes(name)) ? whole : undefined;
   } catch {
-    return undefined; // the edited scene is possible only with the changes
+    return undefined; // without the changes, the edited contents are no scene
   }
 }
 

@@ -2,15 +2,18 @@
 
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
-/** Return a word of a command for a shell, if necessary in double quotes, which shells of Windows also accept. */
+/**
+ * Return a word of a command for a shell: if necessary in double quotes, which Windows also accepts, or in single quotes for $ and
+ * alike.
+ */
 function quoted(word) {
   if (/^[\w./:=+,-]+$/.test(word)) return word;
   return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
 /**
- * Return the command that gives the same motion; inputs can be given only in Python, as signals if any input changes while the
- * motion plays.
+ * Return the command that gives the same motion: of the command line or, with changed inputs, of Python; all changed inputs are
+ * signals if any of them changes while the motion plays.
  */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
@@ -30,9 +33,7 @@ export function commandOf(changes) {
   return ["python", "-c", program].map(quoted).join(" ");
 }
 
-/**
- * Return the Python code that adds the table of a command to its scene; this table is the last signal of the page's file.
- */
+/** Return the Python code that adds the table of the option --inputs to the scene: the last signal of the file; "" without the option. */
 function tableOf({ signals }, [path]) {
   if (!path) return "";
   const [name, { input, interpolation }] = Object.entries(signals).at(-1);

@@ -1,5 +1,5 @@
-// The handles with which the reader changes the start: joints, arrows of velocity and walls, which can be dragged while the
-// clock shows the start.
+// The handles with which the reader changes the start: joints, points of links, arrows of velocity and walls, which can be dragged
+// while the clock shows the start.
 
 import { freeRegionWithin } from "../recording/half_planes.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
@@ -7,7 +7,7 @@ import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
 const LONGEST = 0.2; // the largest length of an arrow, relative to the view's size; for longer arrows the time is shorter
 const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
-// [pixels] the distance from a joint to the start of its arrow: so the grip of a joint at rest lies beside the joint
+// [pixels] the distance from a joint to the start of its arrow: so the grip of a velocity of 0 lies beside the joint
 const STEM = 32;
 const WALL = 18; // [pixels] the size of the grip of a wall
 const MOST_DECIMALS = 15;
@@ -83,8 +83,8 @@ export class Handles {
   }
 
   /**
-   * Return the position [m] of the grip of each wall that can be moved: in the middle of its visible part, or at the nearest
-   * edge.
+   * Return the position [m] of the grip of each wall that can be moved: in the middle of its visible part or, for a wall beyond the
+   * view, inside the edge of the view.
    */
   get #walls() {
     const { camera } = this.player.drawing;
@@ -146,7 +146,10 @@ export class Handles {
     });
   }
 
-  /** Return the arrows of the velocities that can be changed, on the screen: `from` a point a stem to `foot`, the arrow to `to`. */
+  /**
+   * Return the arrows of the velocities that can be changed, on the screen: a stem goes from the point, `from`, to `foot`, the
+   * arrow from there to `to`.
+   */
   #arrows() {
     const { positions, velocity } = this.#start;
     const time = this.#arrowTime(velocity);
@@ -163,8 +166,8 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem of a point at rest: away from the chain at the base, else the direction
-   * in which its link turns.
+   * Return the direction on the screen of the stem of a point at rest: at the base opposite to link 1, at another point the
+   * direction in which a positive angular velocity of the link before it moves it.
    */
   #aside(k) {
     const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
@@ -182,7 +185,7 @@ export class Handles {
 
   #drop() {
     this.dragged = null;
-    this.changes.replace({ ...this.changes.values }); // drawn again, with a view that fits the motion
+    this.changes.replace({ ...this.changes.values }); // simulate again, with a view that fits the motion
   }
 
   #drag(event) {
@@ -234,7 +237,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes that move a point of a link, on this link, to a position [m]. */
+  /** Return the changes of a point's coordinates on its link that move it to a position [m]. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));
@@ -254,7 +257,7 @@ export class Handles {
     const { positions, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
     const vector = vectorTo(positions[k], [x, y]);
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the arrow without its stem
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the fraction without the stem
     const speed = vector.map((component) => (share * component) / this.dragged.time);
     if (k === 0) return { "initial.vx": byHand(speed[0], pixel), "initial.vy": byHand(speed[1], pixel) };
     const link = [0, 1].map((axis) => positions[k][axis] - positions[k - 1][axis]);
@@ -295,7 +298,10 @@ function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }
 
-/** Return the position, `inside` the edge of the view, that is nearest to a wall beyond the view; undefined without a wall. */
+/**
+ * Return where the perpendicular from the middle of the view to a wall beyond the view is `inside` [m] before the edge of the view;
+ * undefined if the middle is not on the wall's free side.
+ */
 function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
   if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;

@@ -93,7 +93,7 @@ export class Clock {
   /** Go to the largest force of an impact. */
   toImpact(impact) {
     this.seek(impact.peakTime);
-    // the frame is a rounded number, but the chosen impact must have begun
+    // round-off in the frame can give a time just before the onset
     while (this.time < impact.onset) this.frame += 1e-3;
     this.#goneTo = impact;
     this.set({});

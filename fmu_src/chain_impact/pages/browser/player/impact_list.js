@@ -12,7 +12,7 @@ const TITLES = {
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
-/** Return the peak of a force as text, as far as it is known. */
+/** Return the largest force or moment as text; a dash if it is unknown. */
 function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
 }

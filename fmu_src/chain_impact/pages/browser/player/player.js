@@ -73,7 +73,7 @@ export class Player {
     requestAnimationFrame((next) => this.#tick(next));
   }
 
-  /** Draw in the size of the view, at once, because a drawing in the next frame would be one frame late. */
+  /** Fit the drawing into its place on the page, and draw at once, because a drawing in the next frame would be one frame late. */
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");

@@ -8,8 +8,8 @@ const COORDINATES = 2_000_000; // largest number of coordinates in all frames
 const FEWEST_FRAMES = 200; // smallest number of frames
 
 /**
- * Return the impacts in the form of the page: an unknown end becomes `stop`, the recording's end, and a peak of 0 null;
- * `impactEnd` is the end or, if it is earlier, the time until which the contact counts as an impact, from its depth and speed.
+ * Return the impacts in the form of the page: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.
+ * `impactEnd` is the end of the impact: `end` or an earlier time, whose distance from the onset follows from depth and speed.
  */
 export function contactsOf(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {

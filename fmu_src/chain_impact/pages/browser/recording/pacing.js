@@ -5,7 +5,7 @@
 
 export const PACING = SHARED.pacing;
 
-/** Return onset and end [s] of the impacts that are shown slowly, from all impacts with their speeds. */
+/** Return onset and end [s] of the impacts that are shown slowly, the fastest, in order of time. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
@@ -20,7 +20,7 @@ function between(from, to, count) {
   return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
 }
 
-/** Return the values at `allX` of straight lines between nodes; `allX` and `nodes` increase. */
+/** Return linearly interpolated values at `allX`; `allX` and `nodes` increase. */
 function interpolated(allX, nodes, values) {
   let at = 0;
   return allX.map((x) => {
@@ -30,8 +30,8 @@ function interpolated(allX, nodes, values) {
 }
 
 /**
- * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: `rate`,
- * if there are not too many frames.
+ * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: about `rate`,
+ * or less, so that there are at most `most` frames.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];

@@ -33,7 +33,7 @@ export class Recording {
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
-    // a contact is the present contact from the middle between the end of the contact before and its own onset
+    // the time from which each contact is the present contact: the middle between the end of the contact before and its own onset
     this.turns = this.contacts.map(({ onset }, index) =>
       index ? onset - Math.max(0, (onset - this.contacts[index - 1].end) / 2) : -Infinity);
   }
@@ -50,7 +50,7 @@ export class Recording {
     return this.between(this.time, frame);
   }
 
-  /** Return the simulated seconds per second on the screen at a frame, with slow motion, at the speed 1. */
+  /** Return the rate at a frame: simulated seconds per second on the screen with slow motion, at the speed 1. */
   rateAt(frame) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
@@ -96,7 +96,7 @@ export class Recording {
 
   /**
    * Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider; `shown`: the recording
-   * in whose drawing they are, as the size of a carriage is that of the drawing.
+   * that gives the size of the carriage.
    */
   bodiesAt(frame, shown = this) {
     const links = this.bodies.map(([link, corners]) => {

@@ -16,8 +16,8 @@ function ends(numbers) {
 }
 
 /**
- * Return the lines of a pinned base's mark at the start, above the base if the chain is on average below it; `x` and `y`
- * contain all points.
+ * Return the lines of the mark of a pinned base, for its position at the start: above it if the chain is on average below it; `x`
+ * and `y` contain all points in all rows.
  */
 function pinLines(x, y, points) {
   const size = VIEW.PIN * sizeOf(x, y);
@@ -29,7 +29,7 @@ function pinLines(x, y, points) {
   return VIEW.PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/** Return the corners of the free region between the walls, if it ends on all sides within ROOM of the motion. */
+/** Return the corners of the free region between the walls if it ends on all sides within ROOM of the motion; else an empty list. */
 function enclosureOf(walls, [low, high], width) {
   const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];
   const { corners } = freeRegionWithin(walls, around);
@@ -57,7 +57,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + travels[axis][end])));
   const enclosure = enclosureOf(walls, reach, width);
   const corners = [...reach, ...pins, ...enclosure];
-  const open = [[1, 1], [1, 1]]; // fractions to the left and below, to the right and above
+  const open = [[1, 1], [1, 1]]; // 1 for open space, 0 for a wall: to the left and below, to the right and above
   for (const { normal, offset } of Object.values(walls)) {
     if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);

@@ -6,7 +6,7 @@ import { numberText } from "../base/format.js";
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
   [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad]
-const DEGREE_DIGITS = 12; // number of digits of degrees, which round-off leaves right
+const DEGREE_DIGITS = 12; // number of digits of a value in degrees that round-off leaves right
 
 /** Return a text such as "90 deg" in radians; return other values unchanged. */
 export function inRadians(value, unit) {
@@ -14,7 +14,7 @@ export function inRadians(value, unit) {
   return number ? Number(number) * DEGREE : value;
 }
 
-/** Return words for a refusal: or text in degrees; "" if the unit is not one of angles. */
+/** Return words for a refusal, such as ', or text in degrees as "90 deg"'; "" if the unit is not one of angles. */
 export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }

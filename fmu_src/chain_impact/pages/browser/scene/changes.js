@@ -23,7 +23,7 @@ export class Changes {
     this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
-  /** Use another scene; of the changes `from` an earlier scene, those of parameters that this scene also has are kept. */
+  /** Use another scene; keep the changes `from` an earlier scene whose parameters this scene has, too. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
@@ -81,8 +81,8 @@ export class Changes {
   }
 
   /**
-   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is not a
-   * change, except for a value that the scene derives: that value then stays fixed.
+   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is no change, unless
+   * the scene derives the value: the change then fixes the value.
    */
   with(given, from = this.values) {
     const values = { ...from };
@@ -107,7 +107,7 @@ export class Changes {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
 
-  /** Give an input a value from a time on; what it had later goes. */
+  /** Give an input a value from a time on; its steps from this time on are removed. */
   setFrom(name, given, time) {
     const before = (this.inputSteps[name] ?? []).filter(([from]) => from < time);
     this.replace(this.values, { ...this.inputSteps, [name]: [...before, [time, this.numberOf(name, given)]] });

@@ -1,13 +1,13 @@
 // The geometry of a scene for given values of its parameters: walls, points of links, names of stops.
 
 /**
- * The inward normals of the walls of the box; the stops of a joint, which are keys of a link and names among the walls; the stops
- * of a slider: name among the walls → key.
+ * NORMALS: wall of the box → its inward normal. STOPS: the stops of a joint, as keys of a link and as names among the walls.
+ * SLIDER_STOPS: stop of a slider, as a name among the walls → its key.
  */
 export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
 /** The names of the walls of the box, in the order of their numbers. */
 export const BOX_WALLS = Object.keys(NORMALS);
-/** The corners of a box, in the order of their numbers, along the link relative to its length, and to its left, to its height. */
+/** The corners of a box, in the order of their numbers: along the link and to its left, as fractions of length and height. */
 export const { CORNERS } = SHARED.file;
 
 /** Return the coordinates [m] of a corner of a box by its number, from 1: along the link, and to its left. */

@@ -4,7 +4,7 @@ import { numberText } from "../base/format.js";
 
 const MARK = "@"; // stands behind the name of an input with steps in a link
 
-/** Return the parts of a link: names, and texts with pairs of a time and a value. */
+/** Return the inputs with steps as parts of a link: pairs of a name and a text, such as 0.5:2,1:3 for times and values. */
 export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }

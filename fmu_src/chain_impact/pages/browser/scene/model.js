@@ -31,8 +31,8 @@ function valuesOf(file, rows) {
 }
 
 /**
- * Return the words of the record that the page draws: of both coordinates of each point, and of the quantities in `drawn.py` of
- * each owner, in groups.
+ * Return the words of the record that the page draws: `points`, the coordinates of each point, and `groups`, the quantities in
+ * `drawn.py` by group and owner.
  */
 function drawnOf(kit, known, outputs) {
   const groups = Object.fromEntries(SHARED.drawn.GROUPS.map((group) => [group, new Map()]));
@@ -48,8 +48,8 @@ function drawnOf(kit, known, outputs) {
 }
 
 /**
- * Return the parameters of a scene in the form of the page: of `rows` those with a value in the scene other than `absentAt`, then
- * all `others` (inputs and times).
+ * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, unless the value is `absentAt`,
+ * then all `others` (inputs and times).
  */
 function parametersOf(rows, others, values, { known }, byName) {
   const shown = rows.filter(({ name, has, absentAt }) => has && values.has(name) && values.get(name).number !== absentAt);
@@ -65,7 +65,7 @@ function parametersOf(rows, others, values, { known }, byName) {
   });
 }
 
-/** Return the words for each part that can be the reason of a fault: each candidate, each link, and the base at each wall. */
+/** Return the words for the parts that a fault can name, in order: each candidate, each link, and the base at each wall. */
 function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),

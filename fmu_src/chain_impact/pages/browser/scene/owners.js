@@ -74,13 +74,13 @@ function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
 
-/** Return the number that a text of the tables stands for. */
+/** Return the number for a text of the tables: a sum of products of numbers and known names. */
 export function numberIn(text, known) {
   const product = (term) => term.split("*").reduce((result, word) => result * Number(known[word] ?? word), 1);
   return text.split(" + ").reduce((sum, term) => sum + product(term), 0);
 }
 
-/** Return whether a rule of the tables holds. */
+/** Return whether a rule of the tables holds: known names with `not`, `and` and `or`. */
 function holds(rule, known) {
   const isSo = (word) => Boolean(known[word.replace(/^not /, "")]) !== word.startsWith("not ");
   return rule.split(" or ").some((each) => each.split(" and ").every(isSo));
@@ -93,7 +93,10 @@ function withConditions(facts, lists, { conditions, counts }) {
   return { ...known, ...mapped(counts, (text) => numberIn(text, known)) };
 }
 
-/** Return the owners of one row of the table of owners: the values of members of its list, with numbers and conditions. */
+/**
+ * Return the owners of one row of the table of owners: the members of its list that meet its rule `has`, with their numbers and
+ * conditions.
+ */
 function ownersIn({ over, has, numbers, conditions }, known, lists) {
   const found = new Map();
   (lists[over] ?? range(numberIn(over, known)).map(() => ({}))).forEach((member, order) => {
@@ -113,7 +116,7 @@ export function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
 
-/** Return the rows of templates for every owner of their kind, and whether the owner meets their conditions. */
+/** Return all rows of the groups for each owner of the group's kind; `has`: whether the owner meets the row's conditions. */
 export function rowsOfOwners(groups, { owners, known }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...known, ...owner };

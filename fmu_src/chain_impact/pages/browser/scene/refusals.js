@@ -15,7 +15,7 @@ function written(value) {
   return `{${Object.entries(value).map(([key, inner]) => `${written(key)}: ${written(inner)}`).join(", ")}}`;
 }
 
-/** Refuse the value at a path of the file with the sentence of a fault, in which words stand for the texts in braces. */
+/** Refuse the value at a path of the file with the sentence of a fault, in which `words` replace the names in braces. */
 export function refuse(path, fault, words = {}) {
   const sentence = SHARED.refusals[fault].replace(/\{(\w+)\}/g, (_, word) => {
     if (words[word] === undefined) throw new Error(`${fault}: no word for ${word}`);
@@ -41,7 +41,7 @@ function sumIn(text, valueOf) {
   return terms.reduce((sum, factors) => sum + factors.reduce((product, value) => product * value, 1), 0);
 }
 
-/** Return whether a part of a condition of a rule holds. */
+/** Return whether one part of a rule's condition holds: a comparison, or a value, alone or after `not`. */
 function isSo([first, comparison, ...others], valueOf) {
   if (!others.length) {
     const value = valueOf(comparison ?? first);
@@ -65,8 +65,8 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
 }
 
 /**
- * Refuse the first value of a file that does not go together with others. The functions, of a path in the file, return the value
- * and the text for the value.
+ * Refuse the first value of a file that does not go together with others; `valueAt` and `textAt` return the value at a path of the
+ * file, and its text.
  */
 export function keepFileRules(file, valueAt = (path) => inFile(file, path), textAt = pathText) {
   const walls = Object.keys(file.contact.wall).map((name) => ["contact", "wall", name]);

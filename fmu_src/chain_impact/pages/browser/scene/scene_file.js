@@ -1,5 +1,5 @@
-// The contents of a scene file, completed and checked by the rules of the keys in `kit.py`. The kernel refuses values that
-// are valid alone but not together.
+// The contents of a scene file, completed and checked by the rules of the keys in `kit.py` and by rules for several values. The kernel
+// refuses further values that are valid alone but not together.
 
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
@@ -21,7 +21,7 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
-/** Refuse that a key of the file is missing. */
+/** Refuse a missing key of the file. */
 function refuseMissing(path, key, { meaning }) {
   refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
 }
@@ -61,7 +61,7 @@ class ContentsReader {
     return value;
   }
 
-  /** Return the rule of a key with the unit of the first input of a signal, if the values of the key have this unit. */
+  /** Return the rule of a key; if its values have the unit of a signal's input, with the unit of the first of its inputs. */
   #inUnitOf(names, rule) {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
     if (!rule.hasUnitOfInput) return rule;
@@ -116,7 +116,7 @@ export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
 
-/** Return the existing stops of a slider, with their names among the walls. */
+/** Return the names among the walls of the existing stops of a slider. */
 export function sliderStopsOf({ chain: { slider } }) {
   return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
 }
@@ -131,14 +131,17 @@ export function wallsOf({ box, walls }) {
   return [...BOX_WALLS.filter((name) => name in box), ...walls.map(({ name }) => name)];
 }
 
-/** Return the points that can touch a wall if the file does not list points. */
+/** Return the numbers of the ends of links that can move: the base unless it is pinned, and the end of each link. */
 export function movablePoints({ chain: { base, links } }) {
   return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
 }
 
 const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
 
-/** Return the numbers of the points that may touch walls: listed ends of links, else those that move; points of links that move. */
+/**
+ * Return the numbers of the points that may touch walls: the ends of links that the file lists, by default those that can move, and
+ * the points of links, except at a pinned base.
+ */
 export function touchingPoints(file) {
   const { chain: { base, links }, contact } = file;
   const movable = sitesOf(file).flatMap((site, s) => (base === "pinned" && isAtBase(site) ? [] : [links.length + 1 + s]));
@@ -196,7 +199,7 @@ function completeAll(file, data, kit) {
   setStops(file, kit.keys.stops.keys);
 }
 
-/** Add the corners of links that are boxes; a base that does not slide has no slider by default. */
+/** Add the corners of boxes to the points of their links; remove the default slider of a base that does not slide. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
@@ -229,7 +232,7 @@ export function asWritten(file) {
   return written;
 }
 
-/** Replace joint angles by absolute angles. */
+/** Replace joint angles by absolute angles; without angular velocities, add zeros. */
 function setAngles({ initial, chain }) {
   if (initial.joint_angles && initial.angles) refuse("initial", "angles");
   let sum = 0;
@@ -249,7 +252,7 @@ function setWallAngles({ walls }) {
   });
 }
 
-/** Set the numbers of the stops' law that do not follow from other numbers, if there are stops. */
+/** Add the constant defaults of the stops' law if there are stops; else refuse its keys. */
 function setStops(file, keys) {
   const [first] = stopsOf(file);
   const [given] = Object.keys(file.stops);
@@ -295,7 +298,7 @@ function checkContents(file) {
   });
 }
 
-/** Refuse a wall that no point can reach, if there are more walls than pairs, for which the record has room. */
+/** Refuse a wall that no point can reach, if there are more walls than pairs of a point and a wall: the record has no room for it. */
 function checkReach(file) {
   const { walls } = file;
   const reached = pairsOf(file).map(([, name]) => name);

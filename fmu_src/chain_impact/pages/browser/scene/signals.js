@@ -1,5 +1,5 @@
 // The signals of a scene: the inputs that each signal drives, the data of signals in the record, and the checks, as in
-// `scene/signals.py` and `scene/signal_values.py`. The page has only the tables of its own scene.
+// `scene/signals.py`, `scene/signal_values.py` and `scene/signal_checks.py`. The page has only the tables of its own scene.
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";
@@ -45,7 +45,7 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
-/** Refuse a signal that cannot drive an input; `order`: how many times the input is integrated, `moves`: it is a motion. */
+/** Refuse a signal that cannot drive an input; `order`: how many times the input is integrated, `moves`: whether it is a motion. */
 function checkMotion(what, input, signal, order, moves) {
   const speed = Math.abs(signal.amplitude * signal.frequency);
   const facts = {
@@ -57,7 +57,7 @@ function checkMotion(what, input, signal, order, moves) {
   keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }
 
-/** Return the driven inputs, with a row of the record for each, its first knot and its number of knots. */
+/** Return the driven inputs in the order of their rows in the record, each with its first knot and its number of knots. */
 export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,

@@ -34,7 +34,7 @@ function wordSpans(outputs) {
 const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
 
 export class Kernel {
-  /** Return a promise of the kernel of a module, for the scene of a description. */
+  /** Return a promise of the kernel of a module, for a scene in the form of `describe`. */
   static async load(module, scene) {
     const { exports } = await WebAssembly.instantiate(module, { Math: mathematics });
     return new Kernel(exports, scene, scene.record);
@@ -194,7 +194,7 @@ export class Kernel {
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
-  /** Return rows of the log of contacts. */
+  /** Return `count` rows of the log of contacts; `rowOf` returns the row of an index. */
   #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
@@ -207,8 +207,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that have not ended, with their peaks so far, which follow the ended contacts; drop what the kernel
-   * has computed beyond the present time.
+   * Return the contacts that have not ended, with their peaks so far; in the log, they follow the ended contacts. The kernel drops
+   * what it has computed beyond the present time.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);

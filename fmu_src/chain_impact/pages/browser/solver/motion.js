@@ -11,7 +11,7 @@ import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./outlines.js";
 
 const PARTS = 100; // number of parts of the first run, between which the run can be stopped
-const ROWS_OF_INPUTS = 2000; // number of rows of the first run if signals drive inputs
+const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 // largest number of impacts with additional rows of chosen outputs, and number of these rows
 const { FOLLOWED, WITHIN } = SHARED.curves;

@@ -43,8 +43,8 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
 }
 
 /**
- * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is half a
- * carriage beyond the position of the base that it allows.
+ * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is half a carriage
+ * beyond the last position of the base.
  */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");

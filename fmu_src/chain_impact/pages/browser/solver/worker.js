@@ -28,7 +28,7 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
   return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
 
-/** Return some words of the record at the end of runs with rows of values of some parameters. */
+/** Run once for each row of values of some parameters, and return some words of the record at the end of each run. */
 function* study(kernel, values, { names, each, words }) {
   const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const stops = new Float64Array(each.length / names.length).fill(stop);
@@ -41,7 +41,7 @@ function columnsOf({ time, columns = {}, rows: runs }) {
 }
 
 const KINDS = { motion, rows, study };
-const newest = {}; // kind → number of the newest request; older requests of some kinds are given up
+const newest = {}; // kind → number of the newest request; older requests with `replaces` are given up
 const kernels = {}; // kind → promise of a separate kernel for this kind, because runs of several kinds take turns
 const queues = {}; // kind → promise of the end of the request before
 let loaded; // the scene and the compiled module

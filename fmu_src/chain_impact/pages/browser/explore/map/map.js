@@ -28,12 +28,12 @@ function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return a list with the output of a name, empty if the scene has none; its value is the largest of its words of the record. */
+/** Return a list with the output of a name, empty if the scene has none; `words`: the map shows the largest of these. */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
 
-/** Return the largest values of a run, by their names in a sweep: at walls, at stops of joints, and in joints. */
+/** Return the outputs for the largest values of a run, named as in a sweep: at walls, at stops of joints, and in joints. */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
   const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
   const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
@@ -46,7 +46,7 @@ export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run at which a finger has pointed
   #chosen; // the run that the keyboard has chosen
-  #refuses = false; // whether the text tells why the fields are refused
+  #refuses = false; // whether the dialog's text tells why the fields are refused
 
   /** `begin` is a function that makes an engine. */
   constructor(begin, changes) {
@@ -159,7 +159,7 @@ export class GridMap {
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
     this.#stop();
-    if (this.#refuses) return; // the text tells why fields are refused that were changed in the meantime
+    if (this.#refuses) return; // keep the text: it refuses fields that were changed during the runs
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
@@ -265,13 +265,13 @@ export class GridMap {
     this.drawing.drawScales(this.shown, units, { present, chosen: this.#chosen });
   }
 
-  /** Return whether the present parameters differ from the runs of the map only in the two parameters of the map. */
+  /** Return whether the present parameters differ from the map's only in its two parameters; false if inputs have steps. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
-  /** Return the runs as a table: both parameters and the output. */
+  /** Return the runs as CSV: both parameters and the output. */
   #table() {
     const { names, output, results } = this.shown;
     const lines = Array.from(results, (value, index) => [...Object.values(this.#valuesAt(index)), value ?? ""].join(","));
@@ -287,7 +287,7 @@ export class GridMap {
     save(picture, `${this.changes.scene.name}-map.png`);
   }
 
-  /** Return the run at a position on the canvas; undefined if there is none yet. */
+  /** Return the index of the run at a position on the canvas; undefined if there is none yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;
@@ -297,7 +297,7 @@ export class GridMap {
     return this.shown?.results[index] === undefined ? undefined : index;
   }
 
-  /** Move from run to run with the arrow keys, first from the run in the middle; open a run with Enter. */
+  /** Move from run to run with the arrow keys, first to the run in the middle; open a run with Enter. */
   #press(event) {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
@@ -346,7 +346,7 @@ export class GridMap {
   #open(index) {
     if (this.shown.results[index] === undefined) return;
     try {
-      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {}); // its inputs are constant
+      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {}); // runs of a map have constant inputs
       this.dialog.close();
     } catch (error) {
       this.#say(`${error.message}.`);

@@ -39,7 +39,7 @@ export class MapDrawing {
    *
    * @param map names and values of both axes, number of points along an axis, the output and its ends.
    * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
-   * @param present the present values of both parameters if the map is about the present scene.
+   * @param present the present values of both parameters; null if other parameters differ from the map's.
    * @param chosen the index of the run that the keyboard has chosen, if any.
    */
   drawScales({ names, axes, output, ends, points }, units, { present, chosen }) {

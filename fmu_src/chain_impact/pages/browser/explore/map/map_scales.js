@@ -37,7 +37,7 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the words for an output with a name; the name itself if there are none. */
+/** Return the title for the name of an output; the name itself if it has none. */
 export function quantityOf(name) {
   return QUANTITIES[name] ?? name;
 }

@@ -22,7 +22,7 @@ export function refusal() {
   return message;
 }
 
-/** Show in a row why the value in it is refused, until the value changes, or show nothing. */
+/** Show in a row why its value is refused; nothing if it is not. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
@@ -34,7 +34,7 @@ export function presentUnit(changes, name) {
   return unit.includes("^") ? unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"))) : unitText(unit);
 }
 
-/** Return a field for a number, or a choice, whose value follows the changes. */
+/** Return a field for a number or a choice, and a function that shows the present value in it. */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
   const field = items.length

@@ -5,8 +5,8 @@ import { breakable, readable } from "../../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * Fill the list of all parameters when it is first opened; `search` leaves the parameters whose name or meaning contains a
- * text.
+ * Fill the list of all parameters when it is first opened; the field `search` leaves the parameters whose name and meaning contain
+ * all its words.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];

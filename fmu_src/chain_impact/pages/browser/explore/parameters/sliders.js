@@ -7,8 +7,8 @@ import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * The main parameters, which have a slider: name, label, and the ends of the slider. These are given, as powers of ten if
- * logarithmic, or follow from the start value: `decades` below and above it, or 0 and `spread` times it.
+ * The main parameters, which have a slider or a choice: name, label, and the ends of the slider: `ends`, as powers of ten if
+ * logarithmic, or from the start value: `decades` powers of ten below and above it, or 0 and `spread` times it.
  */
 export const MAIN_PARAMETERS = [
   { name: "contact.model", label: "Contact law" },
@@ -23,7 +23,7 @@ export const MAIN_PARAMETERS = [
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // number of steps of a slider
-// keys of a signal that get a slider only if the scene gives them, because they are 0 otherwise
+// keys of a signal that are 0 by default, and get a slider only if they are not 0
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
 /** Return the functions between the position of a slider, from 0 to 1, and its value. */
@@ -58,8 +58,8 @@ function labelOf(changes, { name, label: words }) {
 }
 
 /**
- * Return the row of a main parameter: label, field, reset button, and a sentence on a choice, or a slider for a number. While
- * the motion plays, the slider of an input acts from the present time on, which `now` returns.
+ * Return the row of a main parameter: label, field, reset button, and a sentence on a choice, or a slider for a number. `now`
+ * returns the present time, and whether the motion plays: while it plays, the slider of an input acts from this time on.
  */
 function mainParameter(changes, entry, now) {
   const { name } = entry;
@@ -127,8 +127,8 @@ function slider(changes, entry, field, now, unit) {
 }
 
 /**
- * Return the sliders of the inputs, from −x to x: x is the value that the weight of the chain needs, half a turn, the length of
- * the chain, or the speed after a fall through this length; in other units it is 1.
+ * Return the sliders of the inputs, from −x to x; by the unit, x is the weight of the chain [N], weight times length of the chain
+ * [N·m], half a turn, 10 rad/s, the length [m], or the speed after a fall through the length [m/s]; else 1.
  */
 function inputSliders({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
@@ -141,7 +141,7 @@ function inputSliders({ scene, starts }) {
   });
 }
 
-/** Return the ends of the slider for a number of a signal, by its key, its value and the other values of the signal. */
+/** Return the ends of the slider for a number of a signal, by its key, its value, similar values of the signal and the stop time [s]. */
 function endsOfSignal(key, value, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
   if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
@@ -151,8 +151,8 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the sliders of the signals: for the numbers that a form needs, and for other numbers that the scene gives. The list of
- * all parameters has the rest.
+ * Return the sliders of the signals: for all their numbers but those that are 0 by default and in the scene. The list of all
+ * parameters has the rest.
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
@@ -167,9 +167,7 @@ function signalSliders({ scene, starts }) {
   });
 }
 
-/**
- * Return the main parameters and the inputs of the scene; if walls have their own friction or restitution, one for each of them.
- */
+/** Return the main parameters and the inputs of the scene; walls with their own friction or restitution have one each. */
 export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
