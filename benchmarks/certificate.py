@@ -87,7 +87,10 @@ class Part:
         self.courses = [tuple(map(_joined, a, b)) for a, b in zip(courses, wide_courses, strict=True)]
 
     def range_of(self, terms: Row, low: float, high: float) -> arb:
-        """Return a ball that holds a function for all x in [low, high]."""
+        """Return a ball with all values in [low, high] of a function, given by its Taylor polynomial.
+
+        ``terms``: the coefficients about the middle of the part, and the remainder.
+        """
         x, centre = arb(low).union(arb(high)) - self.middle, arb(0.5 * (low + high)) - self.middle
         polynomial = arb_poly(terms[:-1])
         value: arb = polynomial(centre) + polynomial.derivative()(x) * (x - centre) + terms[-1] * x**ORDER

@@ -42,7 +42,7 @@ def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Measure."""
+    """Time the sweeps and the loop in turn, print the results and save them."""
     rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
     vary = {NAME: f"{FIRST}:{LAST}:{RUNS}"}
     found = [sweep(SCENE, vary, threads=count).rows for count in THREADS]

@@ -39,7 +39,10 @@ SIZE = (13.0, 7.6)  # inches, of the chart
 
 
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
-    """Return a problem's rows, all contenders and tolerances timed in turn; and missing family → reason."""
+    """Return the rows of a problem, and a dict: missing family → reason.
+
+    All contenders and tolerances are timed in turn, ``rounds`` times.
+    """
     problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
     stop, entries = problem.times[-1], {}
     missing: dict[str, str] = {}

@@ -65,10 +65,10 @@ class Function(types.Dispatcher):
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
-        """Return the compiled function for arguments of some types: the function itself, or a replacement.
+        """Return the compiled function for ``arguments``, which are types: the function, or its replacement.
 
-        A function has a replacement for dual numbers if ``RULES`` has one, and for complex numbers if
-        ``COMPLEX_RULES`` has one.
+        Replacements for dual numbers are in ``RULES``, those for complex numbers, which come first, in
+        ``COMPLEX_RULES``.
         """
         rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules

@@ -99,7 +99,7 @@ class Walls:
         )
 
     def _links(self, plane: Plane) -> set[int]:
-        """Return the links that can touch a plane."""
+        """Return the indices of the links that can touch a plane."""
         if plane.touching is None:
             return set(range(len(self.parts)))
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}

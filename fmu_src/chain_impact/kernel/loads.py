@@ -37,8 +37,9 @@ from chain_impact.kernel.work import counted_work, uncount_work
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-# A parabola through three samples may lie below the peak of the squared force. The peak is searched for where
-# the parabola exceeds NEAR_PEAK times the largest square so far. A larger value would miss some peaks.
+# A parabola through three samples of a squared joint force may lie below the force's peak. So the peak is
+# searched for where the parabola exceeds this part of the largest square so far. Nearer to 1, some peaks
+# would be missed.
 NEAR_PEAK = 0.95
 
 

@@ -37,13 +37,13 @@ class ArrowScale:
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether the arrow of a force [N] is longer than LEAST times the side."""
+        """Return whether the arrow of a force [N] is longer than SHORTEST_ARROW times the side."""
         return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:
         """Return, for each mark, its distance from the ruler's left end [m] and its text.
 
-        Marks are powers of ten [N], the largest first; a mark closer than FROM or APART is left out.
+        Marks are powers of ten [N], the largest first; a mark closer than FIRST_MARK or MARK_GAP is left out.
         """
         marks: list[tuple[float, str]] = []
         highest, free, whole = math.floor(math.log10(self.peak)), math.inf, LONGEST_ARROW * self.side

@@ -247,7 +247,7 @@ def short_name(name: str, names: Sequence[str]) -> str:
 
 
 def shared_part(names: Sequence[str]) -> str:
-    """Return the last part of some names if all names share it; "" otherwise.
+    """Return the part behind the last dot of some names if all share it; "" otherwise.
 
     For a component of a vector, the last part includes the name of the vector: "force.x".
     """

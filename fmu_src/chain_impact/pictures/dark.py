@@ -23,9 +23,9 @@ DARK = 0.18  # a ground with less luminance is dark: white text has more contras
 # the least luminance of a colour on a dark ground; on black this gives the contrast ratio 5. With a larger
 # number, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
-# the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE: of colours, and of greys
-# from 0 (black) to TEXT, which are text and outlines; VISIBLE: of greys from TEXT to LINES, which are lines.
-# Paler greys are areas and grids, without a least ratio.
+# the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST: of colours, and of
+# greys from 0 (black) to TEXT, which are text and outlines; VISIBLE_CONTRAST: of greys from TEXT to LINES,
+# which are lines. Paler greys are areas and grids, without a least ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # the number of mixtures that are tried; a mixture with this luminance is white

@@ -89,7 +89,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     """Return the energies to draw, with their looks.
 
     The total is wide and behind the others. Other curves are dashed if they would hide an earlier one, or are
-    in PARTS.
+    in ENERGY_PARTS.
     """
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
     for name in ENERGIES:

@@ -78,9 +78,9 @@ PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
 
-    The motion is to the left of the panels over time; in a narrow figure, or if it is broader than BESIDE, it
-    is above them. In a narrow figure, the legend of a slim motion is beside it. The title "" stands for the
-    summary of the run, None for no title.
+    The motion is to the left of the panels over time; in a narrow figure, or if it is broader than
+    BROADEST_BESIDE, it is above them. In a narrow figure, the legend of a slim motion is beside it. The title
+    "" stands for the summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.

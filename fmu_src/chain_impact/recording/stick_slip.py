@@ -118,9 +118,9 @@ class Touch:
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """Return the phases of dry friction in outputs over time, see ``STICK_SLIP_DTYPE``.
+    """Return the phases of dry friction at walls, in joints and of a slider, see ``STICK_SLIP_DTYPE``.
 
-    Start and end are accurate to the distance between two rows.
+    A start or an end is the time of a row, so it may be late by the distance between two rows.
     """
     changes: list[tuple[float, int, int, int]] = []
     for touch in touches:

@@ -120,7 +120,7 @@ class Ranking:
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | TextTable]:
-        """Yield the lines of the ranking, and the table of the effects."""
+        """Yield lines, the table of the effects of 1 %, that of parameters that are 0, and remarks."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = by_step(self.effects)

@@ -159,7 +159,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Return whether the changed start has no faults and gives no hints."""
+    """Return whether a scene with another position or angle passes the checks of its start without a hint."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False
     try:

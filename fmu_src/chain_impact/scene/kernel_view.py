@@ -1,4 +1,7 @@
-"""Parts of a scene as the kernel's functions take them: objects whose attributes are fields of a record."""
+"""Stand-ins for the kernel's record: objects with values of a scene under the names of the record's fields.
+
+Functions of the kernel can read them like a record.
+"""
 
 from types import SimpleNamespace
 from typing import Any

@@ -162,7 +162,8 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         scene = completion.completed(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
-        # an error of the reader has a path in the data; a later error has a path in the scene
+        # an error of the reader has a path in the data; a later error has a path in the scene, where an entry
+        # with a count has become several links
         text, path = str(error), error.path if scene is None else path_in_file(error.path, data)
         if error.path and text.startswith(written := path_text(error.path)):
             text = label(path) + text.removeprefix(written)

@@ -87,8 +87,8 @@ def motion_of(
         signals: name of an input → number, function, or samples (times, values).
         stop: end of the run [s].
         called: function of (name, time) that returns the value of a user's function.
-        lines: whether samples are joined by straight lines; else positions and velocities are joined by a
-            cubic spline, and the speed of a belt is held.
+        lines: whether samples are joined by straight lines; else samples of a belt's speed are held, and all
+            others, of a position, velocity or acceleration, are joined by a cubic spline.
     """
     given = next((name for name in channel.names if name in signals), None)
     if given is None:
@@ -165,7 +165,7 @@ def _integrated(
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
-    """Return the derivatives of one ``order`` of M signals at both ends of P pieces, shape (2, P, M)."""
+    """Return the derivatives of this ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
     powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
     x = (ends - pieces.middle) * pieces.scale
     total = np.zeros((*x.shape, powers.shape[2]))

@@ -49,7 +49,7 @@ class Structure:
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
-        """The quantities that signals drive: name → row of the signal, and index among its ``outputs``."""
+        """The quantities that signals drive: name → number of the signal, index in its ``outputs``."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

@@ -13,7 +13,7 @@ from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.forces.contact import latch_onset
 from chain_impact.kernel.forces.holding import RISE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance, farthest
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
@@ -128,7 +128,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = impacts.TOUCHES * impacts.release_gap(d, 2)
+    limit = impacts.TOUCHES * impacts.release_gap(d, 2, farthest(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
@@ -354,14 +354,14 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
     y[2:5] = 0.0, 1.1, 0.0
     c = stops_of(d)[0]
     locate_points(d, y)
-    near = impacts.release_gap(d, c)
+    near = impacts.release_gap(d, c, farthest(d))
     y[:2] += 1e6
     locate_points(d, y)
-    assert impacts.release_gap(d, c) == near == 1e-13 * d.model.longest_link
-    assert impacts.release_gap(d, 0) >= 1e-8
+    assert impacts.release_gap(d, c, farthest(d)) == near == 1e-13 * d.model.longest_link
+    assert impacts.release_gap(d, 0, farthest(d)) >= 1e-8
     # an angle of many turns has a larger round-off
     y[3:5] += 1e4
-    assert impacts.release_gap(d, c) > 5e-11 * d.model.longest_link
+    assert impacts.release_gap(d, c, farthest(d)) > 5e-11 * d.model.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():

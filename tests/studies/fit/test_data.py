@@ -100,7 +100,7 @@ def test_standard_deviations_are_columns_percentages_or_numbers():
     found = read(table, {"point[4].x": "10%", "point[4].y": 2e-3})
     assert found.sigma.tolist() == pytest.approx([0.1, 2e-3, 2e-3, 0.3])
     assert standard_deviation("x", "2%", -50.0) == 1.0
-    for wrong in ("0", "-1%", "much", "inf", -2.0):
+    for wrong in ("0", "-1%", "much", "inf", -2.0, "nan", "nan%"):
         assert "must be a number > 0, or percent of each value: 2%" in refusal(
             standard_deviation, "x", wrong, 1.0
         )

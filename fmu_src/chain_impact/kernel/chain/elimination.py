@@ -191,8 +191,9 @@ def arms(d, y, rate, middle):
         kept = d.work.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
-    # accelerations from the middle outward; the points of a moving base have its given acceleration, but in
-    # the rate the base has 0
+    # accelerations from the middle outward: a toward the last link, c toward the base, which gets c. A base
+    # that inputs move is itself the middle: the links get its given acceleration, but the rate of the base is
+    # 0, because the solver does not integrate its motion.
     cx, cy = ax, ay
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]

@@ -166,10 +166,10 @@ def join_near_contacts(d):
     Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
     finite time.
     """
-    touch = d.touch
+    touch, far = d.touch, farthest(d)
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * release_gap(d, c):
+        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * release_gap(d, c, far):
             join_impact(d, c)
             mark(d, c, NEIGHBOUR)
 
@@ -250,13 +250,13 @@ def is_gentle(d):
     lift points, which would arrive gently again, without end.
     """
     force = mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
-    slow, energy, fall = True, 0.0, 0.0
+    slow, energy, fall, far = True, 0.0, 0.0, farthest(d)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.touch.onset_speed[c]
             slow = slow and speed <= STICK * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.touch.effective_mass[c] * speed * speed
-            fall = max(fall, TOUCHES * release_gap(d, c))
+            fall = max(fall, TOUCHES * release_gap(d, c, far))
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
     return slow or energy <= force * fall
@@ -314,23 +314,23 @@ def end_unstopped_contacts(d):
     list_touching(d)
 
 
-def release_gap(d, c):
-    """Return the clearance [m] that the point of candidate c gets when it is released; it must be located.
+def release_gap(d, c, far):
+    """Return the clearance [m] that the point of candidate c gets when it is released.
 
-    The clearance of a joint's stop follows from angles, whose round-off does not grow with the distance from
-    the origin.
+    ``far`` is the result of ``farthest`` [m]. The clearance of a joint's stop follows from angles, whose
+    round-off does not grow with the distance from the origin.
     """
-    size = coordinates_size(d, c, d.step.state_end) if at_joint(d, c) else farthest(d)
+    size = coordinates_size(d, c, d.step.state_end) if at_joint(d, c) else far
     return max(RELEASE_GAP * d.model.longest_link, RELEASE_OF_COORDINATES * size)
 
 
 def release_contacts(d):
     """End the contacts that no force holds, and move their points a little away from the wall."""
-    parting = False
+    parting, far = False, farthest(d)
     start_from_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c, released = d.touch.active_index[k], not d.constraints.in_active_set[k]
-        require(d, k, release_gap(d, c) if released else 0.0)
+        require(d, k, release_gap(d, c, far) if released else 0.0)
         if released:
             end_contact(d, c, True)
             parting = True

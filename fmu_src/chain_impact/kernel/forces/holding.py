@@ -210,8 +210,8 @@ def power_of_motion(d, y, rate):
     total = 0.0
     for i in range(d.links):
         total += d.model.mass[i]
-    # the force F₀ on the base, from the links' masses m and accelerations a_C, gravity g and the other forces
-    # F: F₀ = Σ m (a_C − g) − Σ F
+    # Newton's law for the whole chain gives the force F₀ that moves the base, with the links' masses m, the
+    # accelerations a_C of their centres of mass, gravity g and the other forces F: F₀ = Σ m (a_C − g) − Σ F
     px, py = momentum(d, d.work.acceleration)
     fx = px - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
     fy = py - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy

@@ -115,7 +115,7 @@ def parts_beside_one(x):
     """Return ln(1 + x), for −1 < x < ∞, as the sum of two doubles."""
     whole = 1.0 + x
     lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
-    # 1 + x = w + d, where w is the rounded sum and d the lost part: ln(1 + x) = ln w + d/w − …
+    # ln(1 + x) = ln w + d/w − …, where w is the rounded sum 1 + x, and d = 1 + x − w the lost part
     high, low = any_parts(whole)
     return high, low + (lost - 0.5 * lost * lost) / whole
 

@@ -11,8 +11,8 @@ from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, ta
 
 # number of changes of modes, for each element on average, that the log can store until they are collected
 CHANGES_OF_EACH = 4
-# number of finished contacts that the log can store until they are collected, in addition to one for each
-# candidate
+# number of finished contacts at which the run waits until they are collected; the log has one more row for
+# each candidate, because all contacts may end in one step
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request fewer
 
@@ -107,7 +107,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step, for the search for peaks
         ("speed", REAL, (candidates,)),
-        # N/s, dF/dt at the start of the step, of which the search for peaks uses the sign
+        # N/s, rate of the contact force at the start of the step; the search for peaks uses only its sign
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
         # side of the kink (forces/contact_force.py) whose force a step continues smoothly: 1 beyond the kink,

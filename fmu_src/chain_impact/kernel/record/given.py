@@ -62,8 +62,8 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         # distance of the centre of mass from the proximal joint, divided by the length
         ("center_of_mass_ratio", REAL, (links,)),
         ("offset_ratio", REAL, (links,)),  # offset of the centre of mass, divided by the length
-        ("proximal_inertia", REAL, (links,)),  # kg·m², inertia about the proximal joint
-        ("distal_inertia", REAL, (links,)),  # kg·m², inertia about the distal joint
+        ("proximal_inertia", REAL, (links,)),  # kg·m², of the link about its proximal joint
+        ("distal_inertia", REAL, (links,)),  # kg·m², of the link about its distal joint
         # first site of each link; entry N is the number of sites
         ("first_site", bounded(0, sites), (links + 1,)),
         # number of the point at which the two arms of the elimination meet; 0, the base, if it has a joint
@@ -308,7 +308,7 @@ def site_dtype(links: int, sites: int) -> np.dtype:
 
 @written_by("chain/motion.py", rest="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the motion of each candidate's wall, in a scene with moving walls."""
+    """Return the layout of the present motion of each candidate's wall, in a scene with moving walls."""
     return table(
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
@@ -316,7 +316,7 @@ def shift_dtype(candidates: int) -> np.dtype:
         ("rest", REAL),  # m, offset of the wall if its motion has the position 0
         ("rate", REAL),  # m/s, speed of the wall along n
         ("acceleration", REAL),  # m/s², acceleration of the wall along n
-        ("travel", REAL),  # m, travel of the belt along t
+        ("travel", REAL),  # m, distance that the belt has moved along t
         ("belt_rate", REAL),  # m/s, speed of the belt along t
         ("belt_acceleration", REAL),  # m/s², acceleration of the belt along t
     )

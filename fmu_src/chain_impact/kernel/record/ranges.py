@@ -25,7 +25,7 @@ def marked(layout, mark):
 
 _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links in (2, 3))
 RANGED = tuple(_SMALL)
-"""The paths of the reals with a range."""
+"""The paths, in the record, of all real numbers that must lie in a range."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
 # what has the entries of a field of RANGED: links, sites, stops in joints, or the whole chain
 OF_LINKS, OF_SITES, OF_STOPS, OF_ALL = 0, 1, 2, 3

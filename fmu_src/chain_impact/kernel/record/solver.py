@@ -80,7 +80,7 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # s, in the step's integration variable
         ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("outcome", bounded(ACCEPTED, DIVERGED)),  # whether the step is accepted, see kernel/ode/control.py
+        ("outcome", bounded(ACCEPTED, DIVERGED)),  # ACCEPTED, or why not: kernel/ode/control.py
         # error relative to the tolerance or, if larger, lost energy relative to the allowed loss; set for a
         # step that is ACCEPTED or INACCURATE
         ("error", REAL),

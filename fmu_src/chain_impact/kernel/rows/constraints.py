@@ -88,7 +88,7 @@ LEAST_SHARE = 1e-2  # with a smaller impedance, the residual falls too slowly
 # values of d.constraints.unsolved, the result of the search for constraint forces. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# the largest number of pivots, in addition to 4 for each candidate; far more than was ever observed
+# the largest number of pivots, in addition to 4 for each row; far more than was ever observed
 ROUNDS = 30
 
 
@@ -357,7 +357,7 @@ def count_stalls(wrong, fewest, stalls_left):
 
 
 def count_violations(d, scale):
-    """Mark and count the candidates with an impulse p < 0 or a motion u < target by more than round-off."""
+    """Mark and count violations by more than round-off: p < 0 in the active set, u < target outside it."""
     constraints, largest, wrong = d.constraints, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(constraints.impulse[k]))

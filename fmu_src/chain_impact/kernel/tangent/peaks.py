@@ -47,7 +47,7 @@ def forget_peaks(t, delay):
 
 
 def unknown(number, delay):
-    """Return a number with the derivative NaN in each direction in which a ``delay`` has a derivative."""
+    """Return a number with the derivative NaN where that of ``delay`` is not 0; its others stay."""
     for k in range(DIRECTIONS):
         if slope(delay, k) != 0.0:
             number = sloped(number, k, math.nan)

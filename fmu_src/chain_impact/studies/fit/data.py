@@ -368,14 +368,14 @@ def standard_deviation(name: str, given: float | str, value: float) -> float:
     """Return the standard deviation of a value, from a number or a percentage that is given for a column.
 
     Raises:
-        SceneError: when ``given`` is neither a number > 0 nor such a percentage.
+        SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
     """
     text = str(given).strip()
     try:
         number = float(text.removesuffix(PERCENT))
     except ValueError:
         number = -math.inf
-    if number <= 0.0 or math.isinf(number):
+    if not math.isfinite(number) or number <= 0.0:
         raise SceneError(
             f"sigma of {name} = {value_text(given)} must be a number > 0, or percent of each value: 2%"
         )

@@ -168,10 +168,10 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit into memory; if ``streamed`` to files, refuse only > MOST_RUNS runs.
+    """Refuse a table that does not fit into memory; of runs ``streamed`` to files only more than MOST_RUNS.
 
     Raises:
-        SceneError: when there are too many runs.
+        SceneError: when there are too many runs, or too many numbers.
     """
     numbers = design.runs * columns
     if streamed and design.runs > MOST_RUNS:

@@ -17,7 +17,7 @@ export class TimeChart extends Chart {
     Object.assign(this, { entries, seek });
   }
 
-  /** Return the first and the last time of the view [s]. */
+  /** Return the first and the last time on the axis [s]: those of the recording, if a chart does not show a part. */
   get span() {
     return [this.recording.start, this.recording.end];
   }

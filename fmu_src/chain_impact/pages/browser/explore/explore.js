@@ -51,9 +51,9 @@ const choice = new CurveChoice(changes, () => {
 });
 
 /**
- * Return the parts of the next motion, with `view`, which holds this motion and the motions of its scene behind it, and `ownView`,
- * which holds this motion alone. The present view stays, so that the picture does not move, if the next one lies inside it and is
- * not much smaller (KEPT), or while a handle is dragged.
+ * Return the parts of the next motion, with `view`, which holds this motion and the motions behind it of scenes with its name,
+ * and `ownView`, which holds this motion alone. The present view stays, so that the picture does not move, if the next one lies
+ * inside it and is not much smaller (KEPT), or while a handle is dragged.
  */
 function withSteadyView(next) {
   const ownView = next.view;

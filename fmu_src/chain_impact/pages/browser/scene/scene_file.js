@@ -111,7 +111,7 @@ export function contentsIn(text) {
   }
 }
 
-/** Return the existing stops: pairs of a joint, counted from 1, and the key of its link. */
+/** Return the stops that a scene has, as pairs: number of the joint, from 1, and key of the stop in its link, as joint_min. */
 export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
