@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.equations import rate_and_points_from_state
+from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.ode import folds
 from chain_impact.scene.scene import scene_from_dict
 from tests.kernel.chains import begun, touch
@@ -42,14 +42,14 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
 
     def counted(*arguments):
         calls.append(arguments)
-        rate_and_points_from_state(*arguments)
+        rate_from_state(*arguments)
 
-    monkeypatch.setattr(folds, "rate_and_points_from_state", counted)
+    monkeypatch.setattr(folds, "rate_from_state", counted)
     y, rate = np.zeros(len(d.step.state)), d.work.rate
     folds.interpolate(d.step, THETA, y)
     y[6:8] *= 1.001  # as a projection could leave the state
     given = y.copy()
-    rate_and_points_from_state(d, y, rate)
+    rate_from_state(d, y, rate)
     before = d.statistics.rhs_evaluations
     folds.refine_rate(d, THETA, y, rate)
     np.testing.assert_array_equal(y, given)
@@ -63,7 +63,7 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
 
 def test_a_rate_without_held_points_stays(folding):
     d = folding
-    rate_and_points_from_state(d, d.step.state_end, d.work.rate)
+    rate_from_state(d, d.step.state_end, d.work.rate)
     d.constraints.near_fold = 1  # from an earlier problem
     touch(d, [])
     d.work.rate[:] = 5.0

@@ -37,33 +37,38 @@ def drive_count(d):
     return d.links + d.slides
 
 
+def is_slider(d, i):
+    """Return whether drive i is that of the slider; the others are those of joints."""
+    return d.slides and i == d.links
+
+
 def along_drive(d, values, first, i):
     """Return the component of ``values``, a state or changes of coordinates, along the coordinate of drive i.
 
     The values of the base begin at index ``first``: 0 for coordinates, and velocity_at(N) for their rates.
     """
-    if d.slides and i == d.links:
+    if is_slider(d, i):
         return slide_along(d, values[first], values[first + 1])
     return relative(values, first + ANGLES, i)
 
 
 def stretch(d, y, i):
     """Return q − q_t [rad or m], how far drive i is from the rest or target position of its spring."""
-    if d.slides and i == d.links:
+    if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
     return relative(y, ANGLES, i) - d.inputs.target[i]
 
 
 def coordinates_of_drive(d, y, i):
     """Return the sum [rad or m] of the sizes of the coordinates whose round-off enters q of drive i."""
-    if d.slides and i == d.links:
+    if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
     return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
 
 
 def lever_arm(d, i):
     """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
-    return 1.0 if d.slides and i == d.links else d.model.longest_link
+    return 1.0 if is_slider(d, i) else d.model.longest_link
 
 
 def drive_damping(d, i):
@@ -162,7 +167,7 @@ def mode_margin(d, y):
 
 def load_drive(d, load, i, force):
     """Set the load along the coordinate of drive i to a ``force`` or a torque [N·m or N]."""
-    if d.slides and i == d.links:
+    if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy
     else:
         load.joint[i] = force

@@ -10,7 +10,7 @@ where W is small.
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import velocity_at
-from chain_impact.kernel.equations import rate_and_points_from_state, true_rate_from_inputs
+from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, keep_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
@@ -37,10 +37,11 @@ def refine_rate(d, theta, y, rate):
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return
-    distance = LEAST_DISTANCE
-    while distance <= LARGEST_DISTANCE and not find_forces(d, theta, distance, rate):
+    distance, found = LEAST_DISTANCE, False
+    while distance <= LARGEST_DISTANCE and not found:
+        found = find_forces(d, theta, distance, rate)
         distance *= 2.0
-    smooth = distance <= LARGEST_DISTANCE and is_smooth(d)
+    smooth = found and passes_smoothly(d)
     locate_points(d, y)
     ensure_inputs(d, y)
     true_rate_from_inputs(d, y, rate)
@@ -61,7 +62,7 @@ def find_forces(d, theta, distance, rate):
         constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
     for i in range(len(OFFSETS)):
         interpolate(d.step, theta + OFFSETS[i] * distance, y)
-        rate_and_points_from_state(d, y, rate)
+        rate_from_state(d, y, rate)
         count_evaluations(d, 1)
         if constraints.near_fold > 0:
             return False
@@ -71,7 +72,7 @@ def find_forces(d, theta, distance, rate):
     return True
 
 
-def is_smooth(d):
+def passes_smoothly(d):
     """Return whether the forces of the four places show that the forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_rows(d)):

@@ -22,7 +22,7 @@ speeds, forces and masses of stops have the same units and scales as at walls, a
 F.
 """
 
-from chain_impact.kernel.chain.drives import coordinates_of_drive, drive_resistance, lever_arm
+from chain_impact.kernel.chain.drives import coordinates_of_drive, drive_resistance, is_slider, lever_arm
 from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
@@ -91,7 +91,7 @@ def place_stop(d, c):
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would show
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
-    limit = lever_arm(d, i) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
+    limit = lever(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
     if not at_joint(d, c):
         limit += slide_along(d, d.initial.position[0], d.initial.position[1])
     candidate.offset[c], candidate.radius[c] = sign * limit, 0.0
@@ -173,7 +173,7 @@ def row_of_drive(d, i):
     The x of this place is the joint's angle times the longest link s. A force F at this place is a moment
     s F.
     """
-    if d.slides and i == d.links:
+    if is_slider(d, i):
         return 0, d.slider.ux, d.slider.uy
     return joint_place(d, i), 1.0, 0.0
 
