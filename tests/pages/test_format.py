@@ -41,6 +41,12 @@ def test_an_axis_has_three_to_ten_ticks(script):
         assert low - 1e-6 * abs(low) <= ticks[0] < ticks[-1] <= high * (1 + 1e-6)
 
 
+def test_ticks_of_counts_are_whole_numbers_at_equal_distances(script):
+    function = "(ranges) => ranges.map((ends) => ticksBetween(...ends, 3, true))"
+    found = script.evaluate(function, [[1, 8], [0, 6], [3, 4], [0, 1.1], [0, 250]])
+    assert found == [[2, 4, 6, 8], [0, 2, 4, 6], [3, 4], [0, 1], [0, 100, 200]]
+
+
 def test_round_off_of_the_largest_value_is_shown_as_zero(script):
     found = script.evaluate(ROUND_OFF)
     assert found == [[[0.5, 0], [1e-11]], [[0]]]

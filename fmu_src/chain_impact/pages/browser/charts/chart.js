@@ -22,11 +22,11 @@ export function styleColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-/** Return the ticks of a vertical axis from `low` to `high`: round numbers that have room below each other. */
-export function ticksUpwards({ height }, low, high) {
-  const ticks = ticksBetween(low, high, FEWEST_TICKS);
+/** Return the ticks of a vertical axis from `low` to `high`: round numbers, if wanted `whole`, that have room below each other. */
+export function ticksUpwards({ height }, low, high, whole) {
+  const ticks = ticksBetween(low, high, FEWEST_TICKS, whole);
   const apart = ((height - ABOVE_PLOT - BELOW_PLOT) * (ticks[1] - ticks[0])) / (high - low);
-  return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW);
+  return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW, whole);
 }
 
 /** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
@@ -49,12 +49,17 @@ export function timeTexts(ticks, onset) {
   return since.map((time) => ticksText(Math.abs(time) < 1e-12 ? 0 : time, since));
 }
 
+/** Return the largest absolute value in some arrays, or `least` if it is larger. */
+export function largestIn(arrays, least = 0) {
+  return arrays.reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), least);
+}
+
 /**
  * Return a function that writes the values in some arrays as text, so that they can be compared: with as many decimals as the
  * largest of them needs, or with exponents if this value is very small.
  */
 export function writerOf(arrays) {
-  const largest = arrays.reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
+  const largest = largestIn(arrays);
   if (largest > 0 && largest < LEAST_WITH_DECIMALS) return (value) => (value === 0 ? "0" : value.toExponential(DECIMALS_OF_LARGEST));
   const decimals = Math.max(DECIMALS_OF_LARGEST - Math.floor(Math.log10(largest || 1)), 0);
   return (value) => fixed(value, decimals);

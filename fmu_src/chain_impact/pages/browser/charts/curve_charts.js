@@ -3,7 +3,7 @@
 import { make } from "../base/dom.js";
 import { unitText } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
-import { contactTitle, MOMENT, writerOf } from "./chart.js";
+import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
@@ -18,8 +18,7 @@ const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to 
  * larger.
  */
 function withoutRoundOff(curves, { peakForce }) {
-  const scale = curves.reduce((most, { values }) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most),
-    curves[0].unit === "N" ? peakForce : 0);
+  const scale = largestIn(curves.map(({ values }) => values), curves[0].unit === "N" ? peakForce : 0);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
 }
 

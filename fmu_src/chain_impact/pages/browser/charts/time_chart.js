@@ -51,8 +51,7 @@ export class TimeChart extends Chart {
           }),
           axisOptions({
             size: labelledWidth,
-            splits: (plot, axis, low, high) =>
-              ticksUpwards(plot, low, high).filter((tick) => !this.isOfCounts || Number.isInteger(tick)),
+            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high, this.isOfCounts),
             values: (_, ticks) => ticksOf(ticks),
           }),
         ],

@@ -90,7 +90,7 @@ export class MapDrawing {
       VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
     this.scales.rect(width, 9).move(left, top - 8).fill(bar);
     const [least, most] = (ends ?? []).map((value) => factor * value);
-    const ticks = (ends ? ticksBetween(least, most, 3) : []).filter((tick) => !output.integer || Number.isInteger(tick));
+    const ticks = ends ? ticksBetween(least, most, 3, output.integer) : [];
     ticksOf(ticks).forEach((number, k) => {
       const at = left + (width * (ticks[k] - least)) / (most - least || 1);
       this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
