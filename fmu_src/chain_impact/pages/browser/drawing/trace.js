@@ -37,7 +37,7 @@ export function traceFinder({ frames, positions }, width) {
   const columns = Math.ceil(width / CELL);
   const cellAt = (x, y) => columns * Math.floor(y / CELL) + Math.floor(x / CELL);
   const firstFrames = new Map(); // the frame in which the trace first comes into each of its cells
-  positions.forEach(([x, y], k) => {
+  const fill = () => positions.forEach(([x, y], k) => {
     const [x0, y0] = positions[Math.max(k - 1, 0)];
     const parts = Math.ceil(Math.hypot(x - x0, y - y0) / CELL) || 1;
     for (let part = 1; part <= parts; part += 1) {
@@ -46,6 +46,7 @@ export function traceFinder({ frames, positions }, width) {
     }
   });
   return ([left, top, right, bottom], frame) => {
+    if (!firstFrames.size) fill(); // at the first call, as a page may not show the trace
     for (let y = top; y < bottom + CELL; y += CELL) {
       for (let x = left; x < right + CELL; x += CELL) {
         if (firstFrames.get(cellAt(Math.min(x, right), Math.min(y, bottom))) <= frame) return true;

@@ -164,24 +164,30 @@ function openEdited(contents) {
   const { values, inputSteps } = changes;
   const ofInputs = Object.fromEntries(Object.entries(values).filter(([name]) => changes.scene.inputs.includes(name)));
   const before = withoutChanges(whole, changes);
-  const base = sceneWith(before);
-  if (base) openFile(base, { values: { ...before.values, ...ofInputs }, inputSteps });
+  const base = baseOf(before);
+  if (base) openFile(base.whole, { values: { ...before.values, ...ofInputs }, inputSteps }, base.scene);
   else openFile(whole, { values: ofInputs, inputSteps });
 }
 
-/** Return the complete file of some contents if it is a scene that has all parameters of the changes `values`; else undefined. */
-function sceneWith({ contents, values }) {
+/** Return the complete file `whole` of some contents and its scene if it has all parameters of the changes `values`; else undefined. */
+function baseOf({ contents, values }) {
   try {
     const whole = complete(contents, kit);
-    const names = describe(kit, whole, []).parameters.map(({ name }) => name);
-    return Object.keys(values).every((name) => names.includes(name)) ? whole : undefined;
+    const scene = describeFile(whole);
+    const names = scene.parameters.map(({ name }) => name);
+    return Object.keys(values).every((name) => names.includes(name)) ? { whole, scene } : undefined;
   } catch {
     return undefined; // without the changes, the edited contents are no scene
   }
 }
 
-function openFile(whole, kept) {
-  showScene(describe(kit, whole, [`${whole.name}.toml`]), tomlText(asWritten(whole), kit.keys), kept);
+/** Return the scene of a complete file; commands call the file by the name of the scene. */
+function describeFile(whole) {
+  return describe(kit, whole, [`${whole.name}.toml`]);
+}
+
+function openFile(whole, kept, scene = describeFile(whole)) {
+  showScene(scene, tomlText(asWritten(whole), kit.keys), kept);
 }
 
 /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
