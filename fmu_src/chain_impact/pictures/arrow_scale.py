@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
-from matplotlib.transforms import blended_transform_factory
 
+from chain_impact.pictures.scale_bar import placed_below
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
 SHORTEST_ARROW = 0.02  # the shortest arrow, relative to the smaller side of the view
@@ -61,22 +61,17 @@ class ArrowScale:
 
         ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
-        figure = axes.get_figure(root=True)
-        assert figure is not None
+        _, place, text_look = placed_below(axes, colour)
         left, _ = axes.get_xlim()
-        place: Any = blended_transform_factory(axes.transData, figure.transFigure)
-        text_style: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": 7}
-        text_style |= {"color": colour, "annotation_clip": False}
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * TICK}
         marks |= {"transform": place, "clip_on": False}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
-        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", va="center", **text_style)
+        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", **text_look)
         free = math.inf
         for at, text in self.marks():
-            label = axes.annotate(
-                text, (left + at, y), (0.0, -TICK - 1.0), ha="center", va="top", **text_style
-            )
+            below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
+            label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
             box = label.get_window_extent()
             if box.x1 > free:  # in a small film this number would touch the one at its right
                 label.remove()

@@ -149,8 +149,9 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
     for colour, hits in enumerate(groups):
         colours[hits] = colour
     for rows in common_marks(recording).values():
-        for row in rows:
-            sizes[row] += COVERED_RIM * len({*colours[rows].tolist()} - {*range(colours[row] + 1)})
+        present = np.unique(colours[rows])
+        covering = len(present) - np.searchsorted(present, colours[rows], side="right")
+        sizes[rows] += COVERED_RIM * covering
     return sizes
 
 

@@ -107,9 +107,8 @@ class Ink:
 
         Its first ``own`` pixels do not count.
         """
-        count = 2 + int(np.abs(end - position).max())
-        line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
-        return bool(self._strong[tuple(along[int(own) :] for along in line)].any())
+        _, beyond = _line_between(position, end, own)
+        return bool(self._strong[beyond].any())
 
     def take(
         self,
@@ -136,12 +135,9 @@ class Ink:
         if labels.any() or met[y0:y1, x0:x1].any():
             return False
         if position is not None:
-            middle = 0.5 * (low + high)
-            count = 2 + int(np.abs(middle - position).max())
-            line = tuple(np.linspace(position, middle, count).astype(int).T[::-1])
-            if self._labels[line].any() or met[line].sum() > COVERED * count:
+            line, beyond = _line_between(position, 0.5 * (low + high), own)
+            if self._labels[line].any() or met[line].sum() > COVERED * len(line[0]):
                 return False
-            beyond = tuple(along[int(own) :] for along in line)
             if self._leaders[beyond].any() or self._near_strong[beyond].sum() > crossed:
                 return False
             self._drawn[line] = self._strong[line] = True
@@ -150,6 +146,13 @@ class Ink:
             self._leaders |= widened(led)
         box[:] = labels[:] = True
         return True
+
+
+def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
+    """Return rows and columns of the pixels of a line, and those without the first ``own`` pixels."""
+    count = 2 + int(np.abs(end - position).max())
+    line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
+    return line, tuple(along[int(own) :] for along in line)
 
 
 def widened(pixels: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import blended_transform_factory
 
@@ -23,29 +24,28 @@ def round_length(most: float) -> float:
     return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 
+def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
+    """Return what a ruler below axes needs: their figure, the place of lines, and the look of texts.
+
+    The place is a transform of x in the data of axes and of y relative to the height of the figure.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    place: Any = blended_transform_factory(axes.transData, figure.transFigure)
+    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": 7}
+    return figure, place, look | {"color": colour, "va": "center", "annotation_clip": False}
+
+
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
     """Draw the bar that ends at the right edge of axes, outside of them, with its length; return the artists.
 
     ``height`` is the position of the bar, relative to the height of the figure.
     """
-    figure = axes.get_figure(root=True)
-    assert figure is not None
+    figure, place, text_look = placed_below(axes, colour)
     left, right = axes.get_xlim()
     length = round_length(LONGEST_BAR * (right - left))
     text = f"{1000.0 * length:.3g} mm" if length < SMALL_LENGTH else f"{length:.3g} m"
-    place: Any = blended_transform_factory(axes.transData, figure.transFigure)
     look: dict[str, Any] = {"color": colour, "linewidth": 0.8, "marker": "|", "markersize": 6.0}
     bar = Line2D([right - length, right], [height, height], transform=place, **look)
-    label = axes.annotate(
-        text,
-        (right - length, height),
-        (-5.0, 0.0),
-        xycoords=place,
-        textcoords="offset points",
-        color=colour,
-        fontsize=7,
-        ha="right",
-        va="center",
-        annotation_clip=False,
-    )
+    label = axes.annotate(text, (right - length, height), (-5.0, 0.0), ha="right", **text_look)
     return [figure.add_artist(bar), label]
