@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
@@ -44,8 +43,8 @@ def body_look(colour: Any) -> dict[str, Any]:
     return {"facecolor": (*to_rgb(colour), FILL), "edgecolor": colour, "joinstyle": "round"}
 
 
-def draw_rail(axes: Axes, recording: Recording) -> list[Artist]:
-    """Draw the line of a slider with its stops, and return the artists."""
+def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
+    """Draw the line of a slider with its stops, and return its artists."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0])

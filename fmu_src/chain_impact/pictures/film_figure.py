@@ -92,6 +92,7 @@ class Film:
         self.rate, self.caption = (
             figure.text(*place, "", fontsize=size, **moving) for place, size in ((rate, 10), (CAPTION, 8))
         )
+        self.last_impact = 0  # the number of the impact in the caption; 0 if there is none
         radius = radius_of(recording)
         self._draw_ground(radius)
         if self.tells_energies:
@@ -167,9 +168,8 @@ class Film:
         self.view = low + np.array([np.zeros(2), seen])
         self.pin = pin_mark(self.recording.all_points) if pinned else []
         self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
-        rail = self.recording.rail
-        self.rail = rail.lines(self.recording.points[:, 0]) if rail else []
-        draw_rail(self.scene, self.recording)
+        drawn = draw_rail(self.scene, self.recording)
+        self.rail = [line for lines in drawn for line in lines.get_segments()]
         self.room = self._draw_room(0)
         for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
@@ -249,7 +249,9 @@ class Film:
         """Write the last impact before a time [s] with the longest words that have room; none before one."""
         recording, impacts = self.recording, self.recording.impacts
         number = int(np.searchsorted(impacts["onset"], time, side="right"))
-        texts = [""]
+        if number == self.last_impact:
+            return
+        self.last_impact, texts = number, [""]
         if number and self.tells_energies:
             count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
             whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)

@@ -6,6 +6,7 @@ import numpy as np
 
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
 KEPT = 7  # the number of characters at each end of a shortened name
@@ -25,8 +26,10 @@ def short(name: str) -> str:
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
     """Return words for an impact without the number of a point that has a name: "heel hits y_min"."""
-    number, _, name = recording.toucher(impact).partition(" (")
-    return f"{short(name[:-1]) or number} hits {short(recording.wall_names[impact['wall']])}"
+    toucher, point = recording.toucher(impact), int(impact["point"])
+    at_wall = toucher == point_label(point, recording.point_names)
+    name = recording.point_names.get(point, "") if at_wall else ""
+    return f"{short(name) or toucher} hits {short(recording.wall_names[impact['wall']])}"
 
 
 def full_names(recording: Recording) -> str:
