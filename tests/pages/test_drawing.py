@@ -28,6 +28,7 @@ ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
 DISTANCES = function_of("drawing", "distancesOfNumbers")
 """The distances of the visible numbers from their points [pixels]."""
+PLACE = function_of("drawing", "placeOfLabel")
 CONTRASTS = function_of("drawing", "contrasts")
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N
@@ -250,13 +251,8 @@ def test_a_label_avoids_the_trace_if_another_place_is_near(script):
             script.evaluate("([trace, ...at]) => traceFinder(trace, 100)(...at)", [trace, box, frame])
             is found
         )
-    place = """([left, candidates]) => {
-      const space = new LabelSpace(100, 100, 0);
-      space.avoid(([x]) => x < left);
-      return space.findPosition("1", 10, candidates.map((at) => ({ at, anchor: "start" }))).at;
-    }"""
     candidates = [[10, 50], [60, 50], [70, 50]]
-    assert [script.evaluate(place, [left, candidates]) for left in (0, 20, 99)] == [
+    assert [script.evaluate(PLACE, [left, candidates]) for left in (0, 20, 99)] == [
         candidates[0],
         candidates[1],
         candidates[0],
@@ -275,7 +271,7 @@ def test_numbers_stay_beside_the_points_of_a_body_that_is_small_on_a_phone(show_
 
 
 @pytest.mark.parametrize("viewport", [PHONE, ON_ITS_SIDE])
-@pytest.mark.parametrize("model", ["thrown_brick", "cart_pole", "pinned_arm"])
+@pytest.mark.parametrize("model", ["four_link_box", "thrown_brick", "cart_pole", "pinned_arm"])
 def test_the_ruler_of_forces_is_apart_from_the_scale_bar(show_recording, model, viewport):
     page = show_recording(record_slowly(model), viewport=viewport)
     press(page, "Shift+ArrowRight")

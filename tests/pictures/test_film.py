@@ -214,6 +214,8 @@ def test_no_text_runs_out_of_a_film(size):
     boxes = [text.get_window_extent() for text in written]
     assert [label.get_text().endswith(" J") for label in labels] == [False, True][: len(labels)]
     assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
+    assert page.caption.get_text().endswith("point 1 hits ramp" if page.tells_energies else "")
+    assert (page.caption in written) == page.tells_energies
     for box in boxes:
         assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
         assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1

@@ -143,9 +143,10 @@ def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
 
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = drawn(recorded("four_link_box"))
-    message, conditions, *_ = (text.get_text() for text in page.texts)
+    message, conditions, left_out = (text.get_text() for text in page.texts)
     assert message.startswith("FourLinkBox: 14 impacts in 2 s, ")
     assert "zhang_sharf" in conditions
+    assert left_out == "Impacts without room for their numbers: 9 in the speeds"
 
 
 @pytest.mark.full("takes long")

@@ -1,4 +1,5 @@
 // Functions that tests/pages/test_drawing.py runs in a page.
+import { LabelSpace } from "../../../fmu_src/chain_impact/pages/browser/drawing/label_positions.js";
 
 export const lengths = () => [...document.querySelectorAll('.arrow-head.force')].map((head) => {
   const [tip] = head.points, { x1, y1 } = head.previousElementSibling;
@@ -30,6 +31,13 @@ export const distancesOfNumbers = () => {
     .filter((number) => getComputedStyle(number).visibility === "visible")
     .map((number) => [number.textContent, middleOf(number.getBBox())])
     .map(([name, [x, y]]) => Math.hypot(x - at.get(name)[0], y - at.get(name)[1]));
+};
+
+/** Return the place of a label for which there are `candidates`, in a drawing where labels avoid what is left of `left`. */
+export const placeOfLabel = ([left, candidates]) => {
+  const space = new LabelSpace(100, 100, 0);
+  space.avoid(([x]) => x < left);
+  return space.findPosition("1", 10, candidates.map((at) => ({ at, anchor: "start" }))).at;
 };
 
 /** Return the least contrast of each text of a kind with the grounds of the drawing (WCAG 2.2). */
