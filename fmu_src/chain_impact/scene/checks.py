@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import partial, reduce
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -115,7 +115,9 @@ def check_rules(scene: Contents) -> None:
 
 def _value_of(table: Any, key: str) -> Any:
     """Return the value of a dotted key in a table, or None if a table on the way is missing."""
-    return reduce(lambda inner, name: None if inner is None else getattr(inner, name), key.split("."), table)
+    for name in key.split("."):
+        table = None if table is None else getattr(table, name)
+    return table
 
 
 def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:

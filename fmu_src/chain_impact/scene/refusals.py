@@ -6,9 +6,9 @@ advice, in which Python may say more than the page. pages/browser/scene/refusals
 
 from __future__ import annotations
 
-import math
 import operator
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 SENTENCES = {
@@ -149,14 +149,9 @@ OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
 }
 
 
-def broken(rules: Iterable[Rule], value_of: Callable[[str], Any]) -> Iterator[Rule]:
-    """Yield the rules for which ``is_broken`` holds."""
-    return (rule for rule in rules if is_broken(rule, value_of))
-
-
 def is_broken(rule: Rule, value_of: Callable[[str], Any]) -> bool:
     """Return whether a rule refuses values; ``value_of`` returns the value of a key or fact, or None."""
-    return all(_is_so(part.split(" ", 2), value_of) for part in rule.condition.split(" and "))
+    return all(_is_so(words, value_of) for words in split(rule.condition, " and ", " ", 2))
 
 
 def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
@@ -173,13 +168,27 @@ def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
     return None not in values and OPERATORS[comparison](*values)
 
 
-def sum_of(text: str, value_of: Callable[[str], Any]) -> float | None:
+def sum_of(text: str, value_of: Callable[[str], Any]) -> Any:
     """Return the value of a sum of products of whole numbers, keys and facts; None if a value is missing."""
-    terms = [
-        [float(word) if word.isdecimal() else value_of(word) for word in term.split("*")]
-        for term in text.split(" + ")
-    ]
-    return None if any(None in term for term in terms) else sum(map(math.prod, terms))
+    total = 0
+    for words in split(text, " + ", "*"):
+        product = 1
+        for word in words:
+            value = int(word) if word.isdecimal() else value_of(word)
+            if value is None:
+                return None
+            product *= value
+        total += product
+    return total
+
+
+@cache
+def split(text: str, outer: str, inner: str, most: int = -1) -> list[list[str]]:
+    """Return the parts of a text between the words ``outer``, each split at the words ``inner``.
+
+    ``most`` is the largest number of times that a part is split; −1 for any number.
+    """
+    return [part.split(inner, most) for part in text.split(outer)]
 
 
 def sentence(fault: str, **words: object) -> str:

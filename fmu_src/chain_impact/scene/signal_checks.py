@@ -8,7 +8,7 @@ from itertools import pairwise
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal, value_text
-from chain_impact.scene.refusals import SIGNAL_RULES, broken
+from chain_impact.scene.refusals import SIGNAL_RULES, is_broken
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
@@ -133,8 +133,9 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
         "steps_differ": len(set(signal.values or ())) > 1,
         "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
     }
-    for rule in broken(SIGNAL_RULES, lambda key: facts[key] if key in facts else getattr(signal, key)):
-        value = getattr(signal, rule.key)
-        raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
+    for rule in SIGNAL_RULES:
+        if is_broken(rule, lambda key: facts[key] if key in facts else getattr(signal, key)):
+            value = getattr(signal, rule.key)
+            raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
     if moves:
         check_table(name, signal, driven, order)

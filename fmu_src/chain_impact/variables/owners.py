@@ -9,14 +9,13 @@ length.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
+from chain_impact.scene.refusals import split, sum_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import Driven
 from chain_impact.variables.kind import ALWAYS
@@ -237,22 +236,16 @@ class Owner:
 
 def number_of(text: str, known: Mapping[str, Any]) -> int:
     """Return the number that a text of the tables stands for."""
-    terms = _split(text, " + ", "*")
-    return sum(math.prod([known[word] if word in known else int(word) for word in term]) for term in terms)
+    number: int = sum_of(text, known.__getitem__)
+    return number
 
 
 def holds(rule: str, known: Mapping[str, Any]) -> bool:
     """Return whether a rule of the tables holds."""
-    for words in _split(rule, " or ", " and "):
+    for words in split(rule, " or ", " and "):
         if all(not known[word[4:]] if word.startswith("not ") else known[word] for word in words):
             return True
     return False
-
-
-@cache
-def _split(text: str, outer: str, inner: str) -> list[list[str]]:
-    """Return the parts of a text between the words ``outer``, each split at the words ``inner``."""
-    return [part.split(inner) for part in text.split(outer)]
 
 
 def with_conditions(facts: Mapping[str, int], lists: Mapping[str, Sequence[Any]]) -> dict[str, int]:

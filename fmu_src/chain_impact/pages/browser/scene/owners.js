@@ -4,6 +4,7 @@
 import { mapped } from "../base/mapped.js";
 import { range } from "../base/range.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
+import { sumIn } from "./refusals.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -76,8 +77,7 @@ function flags(table, name) {
 
 /** Return the number for a text of the tables: a sum of products of numbers and known names. */
 export function numberIn(text, known) {
-  const product = (term) => term.split("*").reduce((result, word) => result * Number(known[word] ?? word), 1);
-  return text.split(" + ").reduce((sum, term) => sum + product(term), 0);
+  return sumIn(text, (word) => known[word]);
 }
 
 /** Return whether a rule of the tables holds: known names with `not`, `and` and `or`. */

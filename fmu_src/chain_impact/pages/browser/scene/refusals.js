@@ -34,7 +34,7 @@ const OPERATORS = {
 };
 
 /** Return the value of a sum of products of whole numbers, keys and facts; undefined if a value is missing. */
-function sumIn(text, valueOf) {
+export function sumIn(text, valueOf) {
   const factor = (word) => (/^\d+$/.test(word) ? Number(word) : valueOf(word));
   const terms = text.split(" + ").map((term) => term.split("*").map(factor));
   if (terms.flat().includes(undefined)) return undefined;
