@@ -7,7 +7,7 @@ tables are written again (common.py).
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from operator import attrgetter
 from typing import Any
@@ -214,17 +214,23 @@ def _words_of(
     ``met`` are the conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
-    layout, words, there = layout_of(*sizes), [], []
-    for kind, reader in _tables()[table]:
+    layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
+    places_of = {of: _places(of, known) for of in {kind.owner_kind for kind, _ in kinds}}
+    for kind, reader in kinds:
         given = kind.given if not kind.given_if or kind.given_if in met else None
-        owners = OWNERS[kind.owner_kind]
-        count, index = number_of(owners.over, known), owners.numbers.get("at", "order")
-        places = [{"at": number_of(index, {**known, "order": i})} for i in range(count)]
+        places = places_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given)):
             words += [word_index(layout, filled(path, place)) for place in places]
-        if count:
+        if places:
             there.append(reader)
     return np.array(words, int), there
+
+
+def _places(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
+    """Return for each possible owner of a kind the number ``at``, its index in the record."""
+    owners = OWNERS[owner_kind]
+    index = owners.numbers.get("at", "order")
+    return [{"at": number_of(index, {**known, "order": i})} for i in range(number_of(owners.over, known))]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
