@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from chain_impact.recording.text import few
+from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # a point passes through a wall if it is once on the free side and once beyond the wall, each time farther
@@ -34,7 +35,7 @@ def passing(
             continue
         # [m] the distance of each point from the wall; negative for a point beyond the wall
         gaps = places[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
-        least = THROUGH * float(np.ptp(places, axis=(0, 1)).max())
+        least = THROUGH * size_of_motion(places)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
         if len(through):
             points = few([str(k) for k in through.tolist()], NAMED_POINTS)

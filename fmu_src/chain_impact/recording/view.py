@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # the size of a motion is the larger of its width and height
@@ -47,7 +48,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     """
     base = points[0, 0]
     side = 1.0 if points[:, 1:, 1].mean() < points[:, 0, 1].mean() else -1.0
-    size = PIN * np.ptp(points, axis=(0, 1)).max()
+    size = PIN * size_of_motion(points)
     return [base + size * line * [1.0, side] for line in PIN_LINES]
 
 
@@ -126,7 +127,7 @@ def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
 
 def size_of(recording: Recording) -> float:
     """Return the larger of width and height of the rectangle around all positions in a motion [m]."""
-    return float(np.ptp(recording.all_points, axis=(0, 1)).max())
+    return size_of_motion(recording.all_points)
 
 
 def places_of(recording: Recording) -> np.ndarray:

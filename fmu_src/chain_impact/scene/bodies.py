@@ -98,6 +98,11 @@ def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarra
     return np.asarray(start + corners @ [along, [-along[1], along[0]]])
 
 
+def size_of_motion(points: np.ndarray) -> float:
+    """Return the larger of width and height [m] of the rectangle around positions, shape (T, P, 2) [m]."""
+    return float(np.ptp(points, axis=(0, 1)).max())
+
+
 @dataclass(frozen=True, slots=True)
 class Rail:
     """The line along which a base slides.
@@ -190,5 +195,5 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
         return None
     along = np.array([math.cos(angle), math.sin(angle)])
     first = 0.0 if positions is None else float(positions[0])
-    origin, size = bases[0] - first * along, float(np.ptp(points, axis=(0, 1)).max())
-    return Rail.between(origin, angle, values.get("slider.min"), values.get("slider.max"), size)
+    stops = values.get("slider.min"), values.get("slider.max")
+    return Rail.between(bases[0] - first * along, angle, *stops, size_of_motion(points))
