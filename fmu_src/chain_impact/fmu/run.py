@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from numbers import Integral, Real
@@ -67,7 +67,7 @@ def record_fmu(
     driven, rows_given = description, None
     if inputs:
         driven, rows_given = driven_rows(description, *inputs, experiment, values)
-    recording = partial(_recording, description, facts, values)
+    recording = partial(_recording, description, facts, variables=parameters, outputs=outputs, values=values)
     recorders: list[Any] = []  # fmpy gives its recorder to the callback after the first step
 
     def step_finished(time: float, recorder: Any) -> bool:
@@ -133,16 +133,27 @@ def _settings(
         }
 
 
-def _recording(description: Any, facts: Facts, values: Mapping[str, float], rows: np.ndarray) -> Recording:
-    """Return the recording of a run, from the values of the parameters and the rows of outputs over time."""
+def _recording(
+    description: Any,
+    facts: Facts,
+    rows: np.ndarray,
+    *,
+    variables: Mapping[str, Any],
+    outputs: Sequence[str],
+    values: Mapping[str, float],
+) -> Recording:
+    """Return the recording of a run from the rows of ``outputs`` over time.
+
+    ``variables`` are the parameters in fmpy's form, and ``values`` their values, by their names.
+    """
     walls, stops = _walls(values), ranges_of(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = (*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends)
-    parameters = {name: _named(variable, values[name]) for name, variable in _parameters(description).items()}
+    parameters = {name: _named(variable, values[name]) for name, variable in variables.items()}
     recorded = StoredRecording(
         name=description.modelName,
         time=np.asarray(rows["time"]),
-        columns={name: rows[name] for name in _outputs(description)},
+        columns={name: rows[name] for name in outputs},
         impacts=impacts_shown(rows, names),
         walls=walls,
         wall_names=names,
