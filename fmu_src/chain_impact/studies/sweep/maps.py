@@ -95,7 +95,7 @@ def _draw_map(
     colours = colours.with_extremes(bad=FAILED_COLOUR)
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    extend = beyond[least < ends[0], most > ends[1]]
+    extend = beyond[are_beyond((least, most), ends)]
     label = quantity.label + beyond_ends((least, most), ends)
     bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
     if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
@@ -112,11 +112,15 @@ def number_few_decades(axis: Axis) -> None:
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
+def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tuple[bool, bool]:
+    """Return whether the least and the largest value lie beyond the ends of the colours."""
+    return extremes[0] < ends[0], extremes[1] > ends[1]
+
+
 def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
     """Return words for the extremes that lie beyond the ends of the colours; "" if none does."""
-    words = ("down to", "up to")
-    beyond = [f"{word} {x:.3g}" for word, x, end in zip(words, extremes, ends, strict=True) if x != end]
-    return "".join(f", {text}" for text in beyond)
+    there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
+    return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
 
 
 def spread(values: np.ndarray) -> float:
@@ -128,11 +132,9 @@ def spread(values: np.ndarray) -> float:
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
     """Return the values at the ends of the colours: the extremes, or quantiles if few values are far off."""
     scaled = np.log(values) if logarithmic else values
-    extremes, ends = np.quantile(scaled, [0.0, 1.0]), np.quantile(scaled, [1.0 - MOST, MOST])
-    is_far = np.abs(extremes - ends) > BEYOND * np.ptp(ends)
-    if ends[0] == ends[1]:
-        is_far[:] = False
-    whole = np.array([values.min(), values.max()])
+    whole, extremes = ([part.min(), part.max()] for part in (values, scaled))
+    ends = np.quantile(scaled, [1.0 - MOST, MOST])
+    is_far = (np.ptp(ends) > 0.0) & (np.abs(extremes - ends) > BEYOND * np.ptp(ends))
     low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole).tolist()
     return low, high
 
