@@ -129,8 +129,8 @@ def frame_times(
     spans = spans if impact_time > 0.0 else []
     shown = [(a, a + min(max(b - a, LEAST_DURATION), LONGEST_SLOW)) for a, b in spans]
     parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
+    far = RAMP * RAMP_DISTANCES
     for onset, end in shown:
-        far = RAMP * RAMP_DISTANCES
         parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
     slowness = 1.0 / rate(grid, shown, impact_time)

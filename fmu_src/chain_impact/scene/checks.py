@@ -190,9 +190,10 @@ def check_friction(scene: Contents) -> None:
     if law is None or not law.impulsive:
         return
     for path, values in _coefficients(scene.contact).items():
-        for key in (key for key, value in values.items() if value > 0.0):
-            words = {"value": values[key], "law": law.id, "reason": WITHOUT_FRICTION}
-            raise refusal((*path, key), "rigid_friction", **words)
+        for key, value in values.items():
+            if value > 0.0:
+                words = {"value": value, "law": law.id, "reason": WITHOUT_FRICTION}
+                raise refusal((*path, key), "rigid_friction", **words)
 
 
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
