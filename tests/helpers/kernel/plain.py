@@ -39,19 +39,14 @@ class Table(np.ndarray):
 
 
 class Plain:
-    """A record of NumPy with its fields as attributes and, as in NumPy, by name."""
+    """A record of NumPy, ``numpy_record``, with its fields as attributes and, as in NumPy, by name."""
 
     def __init__(self, record: np.void) -> None:
-        object.__setattr__(self, "_record", record)
-
-    @property
-    def numpy_record(self) -> np.void:
-        """The record of NumPy with these values."""
-        return self.__dict__["_record"]
+        object.__setattr__(self, "numpy_record", record)
 
     def __getattr__(self, name: str) -> Any:
         """Return the present value of a number, or a part of the record, which it remembers."""
-        record = self.__dict__["_record"]
+        record = self.__dict__["numpy_record"]
         try:
             value = record[name]
         except ValueError:
@@ -64,23 +59,23 @@ class Plain:
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self._record[name] = value
+        self.numpy_record[name] = value
 
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)
 
     def __setitem__(self, name: str, value: Any) -> None:
-        self._record[name] = value
+        self.numpy_record[name] = value
 
     def clear(self) -> None:
         """Set all numbers to zero, as ``clear`` in kernel/functions.py does."""
-        for name in self._record.dtype.names:
-            self._record[name] = np.zeros((), self._record.dtype[name])
+        for name in self.numpy_record.dtype.names:
+            self.numpy_record[name] = np.zeros((), self.numpy_record.dtype[name])
 
     def copy_values(self, source: Plain) -> None:
         """Copy all values, as ``copy_values`` in kernel/tangent/duals.py does, without derivatives."""
-        for name in self._record.dtype.names:
-            self._record[name] = source._record[name]
+        for name in self.numpy_record.dtype.names:
+            self.numpy_record[name] = source.numpy_record[name]
 
 
 @contextmanager
