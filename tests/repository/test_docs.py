@@ -19,7 +19,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import scene_keys
-from docs.tools import build_site, generate, try_it
+from docs.tools import build_site, generate, images, try_it
 from tests.helpers.tools.processes import Processes
 
 ROOT = Path(__file__).parents[2]
@@ -166,12 +166,6 @@ def folder(tmp_path_factory, run):
     return folder
 
 
-@pytest.fixture(scope="module")
-def drawn():
-    """Return the commands that have drawn a picture of the docs."""
-    return set()
-
-
 def chain_impact(line):
     """Return the arguments of a line that runs chain-impact; None for any other line."""
     found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
@@ -192,11 +186,8 @@ def lines_of(text):
 
 @pytest.mark.full("needs compilers and other tools", but=1)
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
-def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
-    """Write the files and run the programs and commands in a new folder; compare the output with the page.
-
-    A picture of several pages is drawn once.
-    """
+def test_a_page_runs_from_top_to_bottom(page, folder, run):
+    """Write the files and run the programs and commands in a new folder; compare the output with the page."""
     printed = ""
     for language, title, text in fenced(page):
         if title == "printed":
@@ -210,11 +201,21 @@ def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
             assert code == 0, f"{text}\n{errors}"
         elif language == "sh":
             for line in text.splitlines():
-                if (arguments := chain_impact(line)) is not None and line not in drawn:
-                    drawn |= {line} if "docs/images/" in line else set()
+                if (arguments := chain_impact(line)) is not None:
                     wanted = without_usual_picture(arguments)
                     code, printed, errors = run(folder, "-m", "chain_impact.cli", *wanted)
                     assert code == 0, f"{line}\n{errors}"
+
+
+@pytest.mark.full("needs a sweep and a film")
+@pytest.mark.parametrize("program", [one for one in images.PROGRAMS if "chain_impact.cli" in one])
+def test_a_command_draws_an_image_of_the_docs(program, folder, run):
+    arguments = shlex.split(program)
+    code, _, errors = run(folder, *arguments)
+    assert code == 0, errors
+    (image,) = (word for word in arguments if word.startswith("docs/images/"))
+    assert (folder / image).stat().st_size > 0
+    assert (ROOT / image).is_file()
 
 
 def test_notebooks_are_committed_without_outputs():
