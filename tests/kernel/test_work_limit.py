@@ -9,6 +9,8 @@ import pytest
 
 from chain_impact.kernel import work
 from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
+from tests.helpers.kernel.plain import begun
+from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain
 
 
@@ -75,6 +77,16 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
     d.step.end = 5.0 + work.EVENT_WINDOW
     assert work.check_events(d, 3) == OK
     assert (d.limits.event_start, d.limits.event_count) == (d.step.end, 3)
+
+
+@pytest.mark.parametrize("kind", ["friction", "limit"])
+def test_each_joint_and_the_slider_may_have_their_own_events(kind):
+    """A cart with a pole has two stops, which are candidates, and the drives of a joint and of a slider."""
+    d = begun(cart())
+    d.friction.used, d.model.has_drive_limits = kind == "friction", kind == "limit"
+    limit = 4 * work.MOST_EVENTS
+    assert work.check_events(d, limit) == OK
+    assert work.check_events(d, 1) == EVENT_STORM
 
 
 def test_work_for_outputs_is_not_counted(d):

@@ -10,7 +10,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from chain_impact import Chain, SceneError, simulate
-from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
+from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals, travel_of_sines
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signal_values import value_at_start
 from tests.helpers.kernel.plain import begun
@@ -330,3 +330,14 @@ def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts
     d = begun(scene)
     assert rate_of_signals(d) == pytest.approx(40.0 * math.pi)
     assert rate_of_drives(d) == (rate_of_signals(d) if counts else 0.0)
+
+
+@pytest.mark.parametrize("one", [TORQUE, PUSH, TARGET])
+def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(one):
+    """A torque, a force or an angle is no length; where a speed is a sine, its integral is the travel."""
+    motions = "".join(
+        f'[signals.s{k}]\ninput = "{name}"\nform = "sine"\namplitude = {size}\nfrequency = 5.0\n'
+        for k, (name, size) in enumerate({one: 700.0, TABLE: 0.05, "base.vy": 0.3}.items())
+    )
+    d = begun(parse_scene(f"{ARM}\n{motions}", "arm.toml"))
+    assert travel_of_sines(d) == pytest.approx(0.05 + 0.3 / (10.0 * math.pi), rel=1e-12)

@@ -13,7 +13,7 @@ LONGEST_CALL = 20.0
 # The number of evaluations times links after which a long call returns, so that its caller can stop the run.
 # An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_WORK = 20_000_000
-# The number of events in EVENT_WINDOW [s], on average for each candidate, and for each joint if there is
+# The number of events in EVENT_WINDOW [s], on average for each candidate, and for each drive if there is
 # friction or a drive with a limit. More events count as chattering without end: in a bounce of a microsecond
 # the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
@@ -103,5 +103,5 @@ def check_events(d, events):
         limits.event_start = d.step.end
         limits.event_count = 0
     limits.event_count += events
-    elements = d.candidates + (d.links if d.friction.used or d.model.has_drive_limits else 0)
+    elements = d.candidates + (d.links + d.slides if d.friction.used or d.model.has_drive_limits else 0)
     return OK if limits.event_count <= MOST_EVENTS * elements else EVENT_STORM

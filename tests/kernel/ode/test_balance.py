@@ -17,7 +17,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import scene
 from tests.helpers.campaigns.search import verdict
-from tests.helpers.kernel.plain import Plain
+from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.kernel.steps import free_motion, set_step, walls_away
 
@@ -166,6 +167,35 @@ def test_the_units_are_those_of_the_stretched_chain():
     assert d.balance.unit_scale == pytest.approx(weight * reach[-1] + sum(mass) * size**2, rel=1e-13)
 
 
+def slid():
+    """Return a cart with a pole of 0.5 m, whose spring is stretched by 0.25 m, at the start of a balance."""
+    d = begun(cart())
+    line = np.array([math.cos(0.1), math.sin(0.1)])
+    y = d.step.state_end
+    y[:2], y[3:5], y[5] = 0.3 * line, 0.8 * line, 0.4
+    locate_points(d, y)
+    balance.start_balance(d, 1.0)
+    return d, y
+
+
+def test_the_carriage_of_a_slider_moves_and_has_a_weight():
+    d, _ = slid()
+    assert d.balance.weight == pytest.approx(2.5 * 9.81, rel=1e-13)
+    assert d.balance.unit_motion**2 == pytest.approx(2.0 * 0.25 + 0.5 + d.model.inertia[0], rel=1e-13)
+    assert d.balance.unit_scale == pytest.approx(2.5 * 9.81 + 2.5 * 0.25, rel=1e-13)
+
+
+def test_the_force_of_a_sliders_spring_counts_over_the_longest_link():
+    d, y = slid()
+    with_spring = balance.scales(d, y)
+    d.inputs.drive_stiffness[1] = 0.0
+    without = balance.scales(d, y)
+    force = 5.0 * 0.25
+    assert with_spring[0] - without[0] == pytest.approx(force * 0.5, rel=1e-11)
+    size = 0.3 * (math.cos(0.1) + math.sin(0.1)) + 0.05
+    assert with_spring[1] - without[1] == pytest.approx(force * size, rel=1e-11)
+
+
 def test_a_balance_starts_from_the_present_energies():
     d, y = moving()
     own, present = d.balance, energy_balance(d, y)
@@ -211,7 +241,9 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     moments = springs * d.inputs.drive_stiffness[:-1] * abs(turns)
     moments[0] = 0.0  # a free base has no joint
     scale += sum(moments)
-    known += moments @ (abs(y[2 : LINKS + 2]) + abs(d.inputs.target[:-1]))
+    angles = abs(y[1 : LINKS + 2])
+    angles[0] = 0.0  # of the base
+    known += moments @ (angles[1:] + angles[:-1] + abs(d.inputs.target[:-1]))
     assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
     allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * known
     assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)

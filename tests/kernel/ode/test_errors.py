@@ -11,6 +11,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.rows.geometry import clearance
+from tests.helpers.kernel.plain import begun
+from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain, gradients, random_state, struck, touch
 
 LINKS, TOLERANCE = 3, 1e-5
@@ -153,6 +155,16 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
         stiffness, damping = d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1]
         moments = stiffness * abs(turns) + damping * abs(spins)
         assert control.moment_error(d, row) == pytest.approx(max(moments) / unit, rel=1e-12)
+
+
+def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
+    """The force counts times the longest link, 0.5 m; the pole has no spring and no damper."""
+    d = begun(cart())
+    d.work.error[ONE][:2], d.work.error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
+    line = np.array([math.cos(0.1), math.sin(0.1)])
+    force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
+    unit = d.model.energy_scale * (1.0 + 9.81 / 0.5)
+    assert control.moment_error(d, ONE) == pytest.approx(0.5 * force / unit, rel=1e-12)
 
 
 def test_moments_count_where_a_rigid_wall_holds_a_point():

@@ -12,7 +12,7 @@ state are 0. The points are located with the position and velocity of the channe
 """
 
 from chain_impact.kernel.chain.inputs import CHANNEL
-from chain_impact.kernel.chain.signals import signal_at, signal_bounds, sway_of_signals
+from chain_impact.kernel.chain.signals import signal_at, signal_bounds, travel_of_sines
 from chain_impact.kernel.chain.state import time_at
 
 
@@ -86,11 +86,11 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate how far [m] a channel moves in the present piece of the inputs, plus ``sway_of_signals``."""
+    """Estimate how far [m] a channel moves in the present piece of the inputs, plus ``travel_of_sines``."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0
         for p in range(1, d.inputs.piece.order + 1):
             total += abs(d.moved.piece[p, m])
         most = max(most, total)
-    return most + sway_of_signals(d)
+    return most + travel_of_sines(d)

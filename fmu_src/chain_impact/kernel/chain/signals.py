@@ -146,11 +146,14 @@ def acts_in_limited_drive(d, j):
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
-def sway_of_signals(d):
-    """Estimate the sum of the amplitudes of all sines, or of their integrals where a sine is integrated."""
+def travel_of_sines(d):
+    """Estimate the sum of the amplitudes [m] of all sines that move base, walls or belts.
+
+    Where such a sine is a velocity or an acceleration, its integral counts.
+    """
     signal, total = d.signal, 0.0
     for j in range(d.signals):
-        if signal.form[j] == SINE:
+        if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
             # while the frequency passes 0 at the rate ḟ, the integral of a sine with the amplitude a changes

@@ -4,15 +4,16 @@ The exact motion conserves the energy balance (equations.py), so any change of t
 error. A step that keeps the tolerance changes the balance by about the tolerance times a scale S of the
 energy, or less. To first order, with the scales of control.py for the errors of the components of the state,
 
-    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
+    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
 
 where T is the kinetic energy and g gravity. E₁ is twice the kinetic energy of the stretched chain when it
 moves by the longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the
-mass, k |φ| are the moments of springs, times 1 rad, and s_δ, v₀ and m are the scale of the penetration, the
-impact speed and the effective mass of each active contact. A step that changes the balance much more is
-rejected: its error estimate misses something, such as a motion that decays within the first stage. The errors
-of all steps in one second of simulated time must not add up to much more either.
+mass of chain and carriage, k |φ| are the moments or forces of springs, r = 1 rad at a joint and s at a
+slider, and s_δ, v₀ and m are the scale of the penetration, the impact speed and the effective mass of each
+active contact. A step that changes the balance much more is rejected: its error estimate misses something,
+such as a motion that decays within the first stage. The errors of all steps in one second of simulated time
+must not add up to much more either.
 
 S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
 all steps since the start together must not add more than a tenth of the energy available to motion, springs,
@@ -32,10 +33,16 @@ error relative to the tolerance.
 
 import math
 
-from chain_impact.kernel.chain.drives import drive_stiffness, stretch
+from chain_impact.kernel.chain.drives import (
+    coordinates_of_drive,
+    drive_count,
+    drive_stiffness,
+    lever_arm,
+    stretch,
+)
 from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
+from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.contact_force import elastic_force
 from chain_impact.kernel.forces.inputs import apply_inputs
@@ -96,7 +103,8 @@ ENERGY_ROUND_OFF = 1e-15
 def start_balance(d, time):
     """Begin the energy balance of a run at ``time`` [s]: its scales, first window and available energy."""
     model, balance = d.model, d.balance
-    total, reach, square = 0.0, model.longest_link, 0.0
+    reach, carriage = model.longest_link, d.slider.mass if d.slides else 0.0
+    total, square = carriage, carriage * reach * reach
     for i in range(d.links):
         total += model.mass[i]
         reach += model.length[i]
@@ -295,10 +303,10 @@ def scales(d, y):
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     if d.model.has_springs:
-        for i in range(d.links):
-            moment = drive_stiffness(d, i) * abs(stretch(d, y, i))
-            scale += moment
-            summed += moment * (abs(y[ANGLES + i]) + abs(d.inputs.target[i]))
+        for i in range(drive_count(d)):
+            force = drive_stiffness(d, i) * abs(stretch(d, y, i))
+            scale += force * (d.model.longest_link / lever_arm(d, i))
+            summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)

@@ -15,7 +15,13 @@ tolerance refers.
 
 import math
 
-from chain_impact.kernel.chain.drives import drive_damping, drive_stiffness
+from chain_impact.kernel.chain.drives import (
+    along_drive,
+    drive_count,
+    drive_damping,
+    drive_stiffness,
+    lever_arm,
+)
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
     ANGLES,
@@ -295,18 +301,17 @@ def scaled_errors(d):
 
 
 def moment_error(d, row):
-    """Return the largest error of a joint's damper and spring moment, by the error estimate number ``row``.
+    """Return the largest error of a drive's damper and spring moment, by the error estimate number ``row``.
 
-    It is relative to a moment that moves the chain. It must be small because the forces of rigid walls depend
-    on these moments, and a change of such a force's sign releases a point.
+    It is relative to a moment that moves the chain; the force of a slider is multiplied by the longest link.
+    The error must be small because the forces of rigid walls depend on these moments, and a change of such a
+    force's sign releases a point.
     """
-    error, first, worst = d.work.error[row], omega_at(d.links), 0.0
-    turn, spin = 0.0, 0.0
-    for i in range(d.links):
-        moment = drive_stiffness(d, i) * abs(error[ANGLES + i] - turn)
-        moment += drive_damping(d, i) * abs(error[first + i] - spin)
-        worst = max(worst, moment)
-        turn, spin = error[ANGLES + i], error[first + i]
+    error, worst = d.work.error[row], 0.0
+    for i in range(drive_count(d)):
+        force = drive_stiffness(d, i) * abs(along_drive(d, error, 0, i))
+        force += drive_damping(d, i) * abs(along_drive(d, error, velocity_at(d.links), i))
+        worst = max(worst, force * (d.model.longest_link / lever_arm(d, i)))
     return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link))
 
 
