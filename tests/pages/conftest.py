@@ -24,10 +24,10 @@ RECORDING = (
     "drawing/label_positions.js",
     "drawing/trace.js",
     "charts/curve_charts.js",
-    "base/nearest.js",
+    "base/similar_names.js",
     "base/ticks.js",
     "explore/edited_scene.js",
-    "explore/map/map_scales.js",
+    "explore/map/map_colours.js",
     "player/impact_list.js",
     "scene/words.js",
 )

@@ -1,6 +1,7 @@
 """The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
 
-# Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_scales.js
+# Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
+# Tests: pages/browser/explore/map/map_scales.js
 
 import math
 import re
@@ -198,6 +199,20 @@ def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
     draw_map(page)
     texts = page.locator("#map-scales text").all_text_contents()
     assert texts[texts.index("initial.angle[1], °") + 1 :] == ["0", "1", "Number of impacts"]
+
+
+def test_the_colours_of_a_wide_range_are_logarithmic(show):
+    """The peak force grows by four decades with the stiffness."""
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-x-name").select_option("contact.stiffness")
+    page.locator("#map-x-from").fill("10")
+    page.locator("#map-x-to").fill("1e10")
+    draw_map(page)
+    texts = page.locator("#map-scales text").all_text_contents()
+    ticks = [float(text) for text in texts[texts.index("initial.angle[1], °") + 1 : -1]]
+    assert len(ticks) >= 2
+    assert np.ptp(np.diff(np.log10(ticks))) < 1e-9 < np.ptp(np.diff(ticks))
 
 
 def test_an_axis_of_a_stiffness_goes_by_decades(show):

@@ -24,6 +24,7 @@ from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.style import LOAD
 from chain_impact.recording.joint_stops import ranges_of
+from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
 from chain_impact.scene.angles import in_radians
@@ -46,6 +47,14 @@ SHOWN = function_of("twins", "shownInPage")
 DRAWN = """(contents) => Object.entries(sceneOf(contents).drawn.groups).map(([group, entries]) =>
   [group, entries.map(({ n, name, words }) => [n, name, Object.keys(words)])])"""
 ARROWS = "([peak, forces]) => forces.map((force) => new ArrowScale(peak, 1, 1).lengthOf(force))"
+COLOURS = """(values) => {
+  const { ends, isLogarithmic } = colourScale(values, false);
+  return [ends, isLogarithmic];
+}"""
+STEPS = """([most, least]) => {
+  const { bins, shareOf } = colourScale([most, least], true);
+  return [bins, [least, most].map(shareOf)];
+}"""
 
 
 def random(seed):
@@ -260,3 +269,21 @@ def test_a_misspelt_name_gets_the_same_proposal(script, seed):
     wrong = [misspelt(chance, str(chance.choice(known))) for _ in range(100)]
     wrong += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
     assert script.evaluate(PROPOSED, [wrong, known]) == [proposed(name, known) for name in wrong]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_colours_of_a_map(script, seed):
+    """Values of a narrow and a wide range, some with extremes, or with values that are not positive."""
+    chance = random(seed)
+    values = 10.0 ** chance.uniform(0.0, chance.choice([0.3, 4.0]), 200) - chance.choice([0.0, 1.5])
+    values[:3] *= chance.choice([1.0, 1e3], 3)
+    ends, is_logarithmic = script.evaluate(COLOURS, [*values, None])
+    assert is_logarithmic == (spread(values) >= WIDE_COLOURS)
+    close(ends, colour_ends(values, logarithmic=is_logarithmic))
+
+
+@pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
+def test_the_colours_of_counts(script, least, most):
+    bins, shares = script.evaluate(STEPS, [most, least])
+    assert bins == count_bins(least, most)
+    assert shares == [0.0, 1.0]

@@ -24,7 +24,7 @@ from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
-from chain_impact.recording import curves, joint_stops, pacing, view
+from chain_impact.recording import curves, joint_stops, map_colours, pacing, view
 from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
@@ -49,6 +49,7 @@ CONSTANTS = {
     "jointStops": (joint_stops, "ARC CORNERS OPEN TICK"),
     "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
     "curves": (curves, "BEFORE FOLLOWED WITHIN"),
+    "mapColours": (map_colours, "BEYOND_QUANTILES LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
 }
 """Name of a part of ``SHARED`` → a module, and those of its constants that stand in this part."""
 

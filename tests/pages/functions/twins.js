@@ -4,7 +4,7 @@ import { contactsOf, framesOf, timesOf } from "../../../fmu_src/chain_impact/pag
 import { frameTimes } from "../../../fmu_src/chain_impact/pages/browser/recording/pacing.js";
 import { viewOf } from "../../../fmu_src/chain_impact/pages/browser/recording/view.js";
 import { wallsAt } from "../../../fmu_src/chain_impact/pages/browser/scene/geometry.js";
-import { bodiesOf, railOf } from "../../../fmu_src/chain_impact/pages/browser/solver/outlines.js";
+import { bodiesOf, railOf } from "../../../fmu_src/chain_impact/pages/browser/solver/bodies.js";
 
 export const framesInPage = ([start, stop, spans, impactTime, most, rate]) => {
   const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);

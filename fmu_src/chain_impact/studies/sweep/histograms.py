@@ -11,8 +11,9 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.dark import SKY
 from chain_impact.pictures.style import INK, give_ticks
+from chain_impact.recording.map_colours import spread
 from chain_impact.scene.unit_text import with_unit
-from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE, spread
+from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 

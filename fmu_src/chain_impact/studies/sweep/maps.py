@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import Any
 
 import matplotlib as mpl
@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from chain_impact.pictures.style import legend_at_foot, raised
+from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.scene.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
@@ -25,15 +26,7 @@ from chain_impact.studies.sweep.variation import Variation
 # the colours are those of the map of a page
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its small values is at least this
-# the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
-# than a tenth of the largest one would look the same
-WIDE_COLOURS = 10.0
-# the colours end at a quantile, MOST or 1 − MOST, in place of the extreme value, if the distance of both is
-# more than this, relative to the range between the quantiles
-BEYOND = 1.0
-MOST = 0.95  # quantile for the large value in these ratios, 1 − MOST for the small one; extremes do not count
 FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
-MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
 NEVER = "no run has a finite value"
 
 
@@ -121,30 +114,6 @@ def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str
     """Return words for the extremes that lie beyond the ends of the colours; "" if none does."""
     there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
-
-
-def spread(values: np.ndarray) -> float:
-    """Return the ratio of large to small values, without a few extremes; 1 if a value is not positive."""
-    low, high = np.quantile(values, [1.0 - MOST, MOST])
-    return float(high / low) if values.min() > 0.0 else 1.0
-
-
-def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the values at the ends of the colours: the extremes, or quantiles if few values are far off."""
-    scaled = np.log(values) if logarithmic else values
-    whole, extremes = ([part.min(), part.max()] for part in (values, scaled))
-    ends = np.quantile(scaled, [1.0 - MOST, MOST])
-    is_far = (np.ptp(ends) > 0.0) & (np.abs(extremes - ends) > BEYOND * np.ptp(ends))
-    low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole).tolist()
-    return low, high
-
-
-def count_bins(least: float, most: float) -> list[float]:
-    """Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours."""
-    sizes = (round(step * 10**power) for power in count() for step in (1, 2, 5))
-    size = next(width for width in sizes if most // width - least // width < MOST_COLOURS)
-    first, last = least // size, most // size
-    return [float(size * number) - 0.5 for number in np.arange(first, last + 2)]
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
+from chain_impact.recording.map_colours import spread
 from chain_impact.recording.text import number, plural
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.unit_text import unit_text
@@ -43,7 +44,6 @@ from chain_impact.studies.sweep.maps import (
     is_logarithmic,
     label_of,
     number_few_decades,
-    spread,
     unit_of,
 )
 from chain_impact.studies.sweep.quantities import Quantity, Results, constants, results_of

@@ -2,7 +2,7 @@
 // sheet.
 
 import { forceText, unitsOf } from "../base/format.js";
-import { freeRegionWithin } from "../recording/half_planes.js";
+import { freeRegionWithin } from "../recording/free_region.js";
 import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";

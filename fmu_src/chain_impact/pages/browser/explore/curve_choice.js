@@ -2,7 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
-import { proposed } from "../base/nearest.js";
+import { proposed } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 
 /** Return the names that match a text in which `*` stands for any text. */

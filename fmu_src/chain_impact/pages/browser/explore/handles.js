@@ -1,7 +1,7 @@
 // The handles with which the reader changes the start: joints, points of links, arrows of velocity and walls, which can be dragged
 // while the clock shows the start.
 
-import { freeRegionWithin } from "../recording/half_planes.js";
+import { freeRegionWithin } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
 const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time

@@ -1,7 +1,7 @@
 // The view of a motion: the space that the motion needs, and the walls near it. `view.py` does the same for pictures and
 // films, and has the constants.
 
-import { freeRegionWithin } from "./half_planes.js";
+import { freeRegionWithin } from "./free_region.js";
 
 export const VIEW = SHARED.view;
 

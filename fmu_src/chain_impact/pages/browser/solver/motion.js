@@ -8,7 +8,7 @@ import { lastBefore } from "../recording/recording.js";
 import { sizeOf, VIEW } from "../recording/view.js";
 import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
 import { rowTimes } from "./kernel.js";
-import { bodiesOf, railOf } from "./outlines.js";
+import { bodiesOf, railOf } from "./bodies.js";
 
 const PARTS = 100; // number of parts of the first run, between which the run can be stopped
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time

@@ -4,6 +4,7 @@ import { find } from "../../base/dom.js";
 import { numberText, readable, unitText } from "../../base/format.js";
 import { pictureOf, save } from "../export.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
+import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
 
@@ -253,7 +254,8 @@ export class GridMap {
   }
 
   #draw() {
-    this.shown.ends = this.drawing.drawRuns(this.shown);
+    this.shown.scale = colourScale(this.shown.results, this.shown.output.integer);
+    this.drawing.drawRuns(this.shown);
     find("map-files").hidden = this.shown.points !== POINTS;
     this.#drawScales();
   }
@@ -320,7 +322,7 @@ export class GridMap {
     const value = this.shown.results[index];
     const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
     const { faults, output } = this.shown;
-    const { factor, text } = scaledTo(this.shown);
+    const { factor, text } = scaledTo(output, this.shown.scale);
     const number = [numberText(Number((factor * value).toPrecision(5))), text].filter(Boolean).join("\u202f");
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }

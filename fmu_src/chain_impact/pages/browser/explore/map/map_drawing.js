@@ -1,9 +1,12 @@
 // The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
 
-import { numberText, ticksOf } from "../../base/format.js";
+import { digits, numberText, ticksOf } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { axisScale, colourAt, decadesBetween, quantityOf, scaledTo, titleOf, VIRIDIS } from "./map_scales.js";
+import { colourAt, VIRIDIS } from "./map_colours.js";
+import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
 
+const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
+const GAP = 8; // [pixels] least distance between these numbers
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] margins around the canvas, equal to those in the style sheet
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
@@ -18,31 +21,28 @@ export class MapDrawing {
     this.scales.clear();
   }
 
-  /** Draw the runs of a map, which may be incomplete; return the least and the largest output, or null without outputs. */
-  drawRuns({ results, points }) {
-    const known = results.filter((value) => Number.isFinite(value));
-    const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+  /** Draw the runs of a map, which may be incomplete, with the `scale` of its colours. */
+  drawRuns({ results, points, scale }) {
     const context = this.canvas.getContext("2d");
     const image = context.createImageData(points, points);
     Array.from(results, (value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
       if (value === undefined) return; // not simulated yet: the ground is seen
-      const colour = Number.isFinite(value) ? [...colourAt((value - least) / (most - least || 1)), 255] : [128, 128, 128, 60];
+      const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), 255] : [128, 128, 128, 60];
       image.data.set(colour, 4 * (row * points + column));
     });
     context.putImageData(image, 0, 0);
-    return known.length ? [least, most] : null;
   }
 
   /**
    * Draw the axes, the scale of the colours, and marks.
    *
-   * @param map names and values of both axes, number of points along an axis, the output and its ends.
+   * @param map names and values of both axes, number of points along an axis, the output and the scale of its colours.
    * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
    * @param present the present values of both parameters; null if other parameters differ from the map's.
    * @param chosen the index of the run that the keyboard has chosen, if any.
    */
-  drawScales({ names, axes, output, ends, points }, units, { present, chosen }) {
+  drawScales({ names, axes, output, scale, points }, units, { present, chosen }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
     const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
     if (!(width > 0 && height > 0)) return;
@@ -66,7 +66,7 @@ export class MapDrawing {
       else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
-    this.#drawColours(EDGE.left, bottom + 52, width, output, ends);
+    this.#drawColours(EDGE.left, bottom + 52, width, output, scale);
     if (chosen !== undefined) {
       const [column, row] = [chosen % points, Math.floor(chosen / points)];
       const [left, top] = [EDGE.left + (column * width) / points, bottom - ((row + 1) * height) / points];
@@ -83,19 +83,47 @@ export class MapDrawing {
     return this.scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Draw the scale of the colours, with round numbers and its title. */
-  #drawColours(left, top, width, output, ends) {
-    const { factor, text } = scaledTo({ output, ends });
-    const bar = this.scales.gradient("linear", (add) =>
-      VIRIDIS.forEach((colour, k) => add.stop(k / (VIRIDIS.length - 1), `rgb(${colour})`)));
-    this.scales.rect(width, 9).move(left, top - 8).fill(bar);
-    const [least, most] = (ends ?? []).map((value) => factor * value);
-    const ticks = ends ? ticksBetween(least, most, 3, output.integer) : [];
-    ticksOf(ticks).forEach((number, k) => {
-      const at = left + (width * (ticks[k] - least)) / (most - least || 1);
-      this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
-      this.#write(number, at, top + 17, "middle");
+  /** Draw the scale of the colours, with its numbers and its title, which tells the extremes beyond the ends of the colours. */
+  #drawColours(left, top, width, output, scale) {
+    const { factor, text } = scaledTo(output, scale);
+    const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
+    this.scales.rect(width, 9).move(left, top - 8).fill(colours);
+    const labels = scale ? labelsOf(scale, factor, output.integer) : [];
+    const widest = Math.max(...labels.map(([label]) => label.length)) * DIGIT + GAP;
+    const every = Math.ceil((labels.length * widest) / width) || 1;
+    labels.filter((_, k) => k % every === 0).forEach(([label, share]) => {
+      const at = left + width * share;
+      if (!scale.bins) this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
+      this.#write(label, at, top + 17, "middle");
     });
-    this.#write(titleOf(quantityOf(output.name), text), left + width / 2, top + 34, "middle");
+    const beyond = scale ? beyondEnds(scale, factor) : "";
+    this.#write(titleOf(quantityOf(output.name), text) + beyond, left + width / 2, top + 34, "middle");
   }
+}
+
+/** Return the stops of the gradient of colours: pairs of a fraction and a colour; a step has one colour from its begin to its end. */
+function gradientStops(scale) {
+  const count = scale?.bins ? scale.bins.length - 1 : VIRIDIS.length - 1;
+  if (!scale?.bins) return VIRIDIS.map((colour, k) => [k / count, `rgb(${colour})`]);
+  return Array.from({ length: count }, (_, k) => [k, k + 1].map((edge) => [edge / count, `rgb(${colourAt(k / (count - 1))})`])).flat();
+}
+
+/** Return the labels of a scale of colours: pairs of a text and the fraction of the scale at which it stands. */
+function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
+  if (bins) {
+    return bins.slice(1).map((above, k) => {
+      const [first, last] = [bins[k] + 0.5, above - 0.5];
+      return [first < last ? `${first}–${last}` : `${first}`, (k + 0.5) / (bins.length - 1)];
+    });
+  }
+  const [low, high] = ends.map((value) => factor * value);
+  const ticks = isLogarithmic ? decadesBetween(low, high) : ticksBetween(low, high, 3, areCounts);
+  const texts = isLogarithmic ? ticks.map(numberText) : ticksOf(ticks);
+  return ticks.map((tick, k) => [texts[k], shareOf(tick / factor)]);
+}
+
+/** Return words for the extremes that lie beyond the ends of the colours; "" if none does. */
+function beyondEnds({ extremes: [least, most], ends: [low, high] }, factor) {
+  const words = [["down to", least, least < low], ["up to", most, most > high]];
+  return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${digits(factor * value)}` : "")).join("");
 }

@@ -1,10 +1,7 @@
-// The scales of the map: titles, units, ticks and colours of its axes.
+// The scales of the map: titles, units and ticks of its axes.
 
 import { unitText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-
-// the colour map viridis of matplotlib (CC0), at equal distances
-export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
 const DEGREES = 180 / Math.PI;
 
@@ -16,13 +13,6 @@ export function shownIn({ unit }) {
 /** Return a name with a unit. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
-}
-
-/** Return the colour of a fraction from 0 to 1. */
-export function colourAt(share) {
-  const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
-  const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
-  return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
 }
 
 /** The quantities that a map can show: name in a scene or a sweep → title. */
@@ -63,9 +53,9 @@ export function decadesBetween(low, high) {
   return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
-/** Return the unit in which a map shows its output, whose least and largest values are `ends`, and the factor to this unit. */
-export function scaledTo({ output: { unit }, ends }) {
-  const most = Math.max(...(ends ?? [0]).map(Math.abs));
+/** Return the unit in which a map shows its output, for the scale of its colours, and the factor to this unit. */
+export function scaledTo({ unit }, scale) {
+  const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };
   if (unit === "m" && most < 0.1) return { factor: 1e3, text: "mm" };
   return shownIn({ unit });

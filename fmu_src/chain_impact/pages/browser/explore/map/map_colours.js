@@ -1,0 +1,62 @@
+// The colours of the map, as `map_colours.py` chooses them: where they end, and which are logarithmic or in steps.
+
+import { axisScale } from "./map_scales.js";
+
+// the colour map viridis of matplotlib (CC0), at equal distances
+export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
+
+/** Return the colour of a fraction from 0 to 1, as numbers for red, green and blue. */
+export function colourAt(share) {
+  const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+  const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
+  return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
+}
+
+/** Return the quantiles LARGE_QUANTILE below and above of increasing values. */
+function quantilesOf(values) {
+  return [1 - LARGE_QUANTILE, LARGE_QUANTILE].map((share) => {
+    const at = share * (values.length - 1);
+    const [low, high] = [Math.floor(at), Math.ceil(at)].map((index) => values[index]);
+    return low + (at - Math.floor(at)) * (high - low);
+  });
+}
+
+/** Return the values at the ends of the colours, for increasing values: the extremes, or quantiles if few values are far off. */
+export function colourEnds(values, isLogarithmic) {
+  const scaled = isLogarithmic ? values.map(Math.log) : values;
+  const ends = quantilesOf(scaled);
+  const width = ends[1] - ends[0];
+  return [0, -1].map((end, k) => {
+    const isFar = width > 0 && Math.abs(scaled.at(end) - ends[k]) > BEYOND_QUANTILES * width;
+    return isFar ? (isLogarithmic ? Math.exp(ends[k]) : ends[k]) : values.at(end);
+  });
+}
+
+/** Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours. */
+export function countBins(least, most) {
+  const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
+  const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3)); // up to 5e14
+  const size = sizes.find((width) => numbersOf(width)[1] - numbersOf(width)[0] < MOST_COLOURS);
+  const [first, last] = numbersOf(size);
+  return Array.from({ length: last - first + 2 }, (_, k) => size * (first + k) - 0.5);
+}
+
+/**
+ * Return the scale of the colours for the outputs of a map, null without outputs: their `extremes`, the `ends` of the colours, whether
+ * it `isLogarithmic`, the limits of its steps, `bins`, for counts that differ, and `shareOf`, the fraction of the scale for a value.
+ */
+export function colourScale(outputs, areCounts) {
+  const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
+  if (!values.length) return null;
+  const extremes = [values[0], values.at(-1)];
+  if (areCounts && extremes[0] < extremes[1]) {
+    const bins = countBins(...extremes);
+    const shareOf = (value) => bins.findLastIndex((limit) => limit < value) / (bins.length - 2);
+    return { extremes, ends: [bins[0], bins.at(-1)], bins, shareOf };
+  }
+  const [low, high] = quantilesOf(values);
+  const isLogarithmic = extremes[0] > 0 && high / low >= WIDE_COLOURS;
+  const ends = colourEnds(values, isLogarithmic);
+  return { extremes, ends, isLogarithmic, shareOf: axisScale(...ends, isLogarithmic).shareOf };
+}
