@@ -28,9 +28,10 @@ def test_chains_that_rest_have_derivatives():
     assert found[FOUND] >= FEW
 
 
-# In long implicit steps, derivatives of a chain that lies almost flat did not converge; an impact slower than
-# contact.minimum_impact_speed ended them.
-ENDED = (19, 109, 127, 205)
+# In long implicit steps, derivatives of a chain that lies almost flat did not converge (19, 109, 127); an
+# impact slower than contact.minimum_impact_speed ended them (205). Round-off of the rate at the start of
+# explicit steps grew from step to step at rest, although the motion is stable (247, 288).
+ENDED = (19, 109, 127, 205, 247, 288)
 
 
 @pytest.mark.parametrize("seed", ENDED)

@@ -85,6 +85,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
+    d.work = SimpleNamespace(rate_end=rng.normal(size=SIZE))
     d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
@@ -186,6 +187,9 @@ def test_values_are_those_of_the_run_and_slopes_stay():
     replay.take_values(d, t)
     assert [number.value for number in t.step.state_end] == d.step.state_end.tolist()
     assert [number.slope.tolist() for number in t.step.state_end] == slopes
+    assert [parts(number) for number in t.work.rate_end] == [
+        (rate, [100.0, 100.0]) for rate in d.work.rate_end
+    ]
     assert parts(t.step.end) == (1.5, [3.0, 4.0])
 
 

@@ -322,7 +322,12 @@ def ends_regularized(d):
 
 
 def take_values(d, t):
-    """Set the values of t at the end of the last step to the values of d; the two differ by round-off."""
+    """Set the values of t at the end of the last step to the values of d; the two differ by round-off.
+
+    The rate there is the first stage of the next explicit step. If it kept the rate's own round-off, long
+    steps at rest would multiply this error from step to step, although the motion itself is stable.
+    """
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
+        t.work.rate_end[j] = carried(d.work.rate_end[j], 1.0, t.work.rate_end[j])
     t.step.end = carried(d.step.end, 1.0, t.step.end)
