@@ -1,6 +1,6 @@
 """The content of an FMU: valid, complete, reproducible, small, and without other packages to install."""
 
-# Tests: fmu/model_description.py, fmu/native_target.py
+# Tests: fmu/model_description.py, fmu/native_target.py, fmu/versions.py
 
 import io
 import zipfile

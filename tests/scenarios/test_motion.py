@@ -1,6 +1,7 @@
 """A moving base and moving walls, against other frames, exact maps, integrations and differences."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -175,8 +176,9 @@ def test_a_wall_that_is_given_a_jump_between_steps_is_refused():
     chain = Chain(room())
     chain.step(0.01)
     chain.set("wall.y_min.displacement", 0.1)
-    with pytest.raises(SimulationError, match=r"give its velocity, too: point 0 at the wall y_min"):
+    with pytest.raises(SimulationError, match=r"give its velocity, too: point 0 at the wall y_min") as caught:
         chain.step(0.01)
+    assert caught.value.part == pickle.loads(pickle.dumps(caught.value)).part == "point 0 at the wall y_min"
 
 
 def test_a_velocity_that_contradicts_its_position_is_warned_of():

@@ -10,20 +10,20 @@ from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.simulate import Canvas, report
 from chain_impact.cli.source import Source
+from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.system import HOST, PLATFORMS
 
-OLDEST = 2  # FMI 2.0, the older of the two versions
 FMU_KINDS = {
-    ("pythonfmu", 2): (
+    ("pythonfmu", FMI_2): (
         "runs in Python programs, such as FMPy and PyFMI",
         "for Simulink, Dymola, OpenModelica and others: --target native",
     ),
-    ("native", 2): (
+    ("native", FMI_2): (
         "runs in tools with FMI 2.0, without Python",
         "for a step that ends at an impact: --fmi 3",
     ),
-    ("native", 3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
+    ("native", FMI_3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
 """(Target, version of FMI) → where such an FMU runs, and which option makes an FMU for another purpose."""
 
@@ -56,8 +56,8 @@ def add(verbs: Verbs) -> None:
     build.add_argument(
         "--fmi",
         type=int,
-        choices=[OLDEST, 3],
-        default=OLDEST,
+        choices=VERSIONS,
+        default=FMI_2,
         help="version of FMI; 3 has event mode: a step ends at each impact; default: 2",
     )
     build.add_argument(
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
     # FMI 3.0 has only one target
-    target = options.target or (TARGET if options.fmi == OLDEST else "native")
+    target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)
     say(f"FMU      {fmu}")

@@ -15,6 +15,7 @@ from chain_impact.fmu.facts import facts_file
 from chain_impact.fmu.native_target import native_files
 from chain_impact.fmu.pythonfmu_target import PLATFORMS as PYTHONFMU_PLATFORMS, pythonfmu_files
 from chain_impact.fmu.references import reference_files
+from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
@@ -26,8 +27,6 @@ TARGETS = {"pythonfmu": PYTHONFMU_PLATFORMS, "native": tuple(PLATFORMS)}
 """Kind of FMU → platforms for which this kind exists."""
 TARGET = "pythonfmu" if HOST in PYTHONFMU_PLATFORMS else "native"
 """The default kind of FMU on this machine."""
-VERSIONS = (2, 3)
-"""The versions of FMI."""
 
 
 def build_fmu(
@@ -35,7 +34,7 @@ def build_fmu(
     directory: str | os.PathLike[str] = ".",
     *,
     target: str = TARGET,
-    fmi: int = 2,
+    fmi: int = FMI_2,
     platforms: Sequence[str] = (HOST,),
 ) -> Path:
     """Build ``<name>.fmu``; the file appears in the directory only when it is complete and valid.
@@ -66,7 +65,7 @@ def build_fmu(
         raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
-    if fmi == 3 and target != "native":  # noqa: PLR2004
+    if fmi == FMI_3 and target != "native":
         raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
     supported = TARGETS[target]
     if not all(platforms):

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.check_variables import Variable
 from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
+from chain_impact.fmu.versions import is_fmi_2
 from chain_impact.recording.text import few
 
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
@@ -23,27 +24,27 @@ class Structure:
     def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
         """Read the references in a model description."""
         self.variables = variables
-        self.second = root.get("fmiVersion") == "2.0"
-        self.key = "index" if self.second else "valueReference"
+        self.is_fmi_2 = is_fmi_2(root.get("fmiVersion"))
+        self.key = "index" if self.is_fmi_2 else "valueReference"
         numbers = map(str, range(1, len(variables) + 1))
-        references = numbers if self.second else [variable.reference for variable in variables]
+        references = numbers if self.is_fmi_2 else [variable.reference for variable in variables]
         self.known = dict(zip(references, variables, strict=True))
         self.lists: dict[str, list[Element]] = {}
         for node in root.findall("ModelStructure/*"):
-            unknowns = node.findall("Unknown") if self.second else [node]
+            unknowns = node.findall("Unknown") if self.is_fmi_2 else [node]
             self.lists.setdefault(node.tag, []).extend(
                 unknown for unknown in unknowns if unknown.get(self.key)
             )
 
     def listed(self, name: str) -> list[str]:
         """Return the references in a list of the model structure; ``name`` is its name in FMI 2.0."""
-        nodes = self.lists.get(name if self.second else _THIRD[name], [])
+        nodes = self.lists.get(name if self.is_fmi_2 else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 
     def lost(self) -> Iterator[Finding]:
         """Yield a fault for each reference to a missing variable."""
         count = f"an index from 1 to {len(self.known)}"
-        what = count if self.second else "the value reference of a variable"
+        what = count if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
             targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
             if "derivative" in variable.attributes:
@@ -104,14 +105,14 @@ class Structure:
                     NAMED_VARIABLES,
                 )
                 text = f"{said} {names}: it lists {what}, and nothing else"
-                yield Finding(text, attribute=f"ModelStructure/{name if self.second else _THIRD[name]}")
+                yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
     def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # event indicators are for debugging only and may also depend on outputs: FMI 3.0, table 23
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL_LIST[:-1] in path
         yield from twice(depends, self.key, path)
-        if self.second:
+        if self.is_fmi_2:
             yield from _rising(depends, path)
         for name in depends:
             variable = self.known[name]

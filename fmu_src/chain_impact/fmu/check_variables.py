@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 from chain_impact.fmu.findings import Finding
+from chain_impact.fmu.versions import is_fmi_2
 
 REALS = ("Real", "Float32", "Float64")
 TEXTS = ("String", "Binary", "Clock")
@@ -146,7 +147,7 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
             *_of_use(variable, root),
         )
     ]
-    return findings + (_aliases(variables) if root.get("fmiVersion") == "2.0" else [])
+    return findings + (_aliases(variables) if is_fmi_2(root.get("fmiVersion")) else [])
 
 
 def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
@@ -165,14 +166,14 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
     """Yield (attribute, sentence) for each attribute that this causality, or kind of FMU, does not allow."""
-    second, causality = root.get("fmiVersion") == "2.0", variable.causality
-    if second and causality in ("input", "independent") and "initial" in variable.attributes:
+    of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
+    if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
     several = "canHandleMultipleSetPerTimeInstant"
     if several in variable.attributes and causality != "input":
         yield several, f"{several} is for inputs only"
     for name in (several, "reinit"):
-        if second and name in variable.attributes and root.find("ModelExchange") is None:
+        if of_fmi_2 and name in variable.attributes and root.find("ModelExchange") is None:
             yield name, f"{name} is for model exchange only"
 
 

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.compilation.errors import BuildError
+from chain_impact.fmu.versions import FMI_2, FMI_3
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.recording.text import html_table
 from chain_impact.scene.scene import Scene
@@ -16,7 +17,7 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
-ICONS = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
+ICONS = {FMI_2: "model.png", FMI_3: "terminalsAndIcons/icon.png"}
 """Version of FMI → path of the icon (2.3 in FMI 2.0, 2.5.1 in FMI 3.0)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
@@ -62,7 +63,7 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
         "documentation/index.html": page(prepared, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
         ICONS[fmi]: icon(prepared.scene),
-        **({TERMINALS_FILE: terminals_and_icons(prepared.variables)} if fmi == 3 else {}),  # noqa: PLR2004
+        **({TERMINALS_FILE: terminals_and_icons(prepared.variables)} if fmi == FMI_3 else {}),
     }
 
 
@@ -96,7 +97,7 @@ def page(prepared: PreparedScene, fmi: int) -> str:
         whose(scene),
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
-        *([EVENTS] if fmi == 3 else []),  # noqa: PLR2004
+        *([EVENTS] if fmi == FMI_3 else []),
         f"<h2>Points, angles and signs</h2>{drawing(scene)}<p>{SIGNS}</p>",
         f"<h2>{KINDS}</h2>{html_table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
         folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),

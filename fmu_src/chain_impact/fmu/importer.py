@@ -23,6 +23,7 @@ import numpy as np
 
 from chain_impact.fmu.findings import archive_findings
 from chain_impact.fmu.platforms import binary_of
+from chain_impact.fmu.versions import is_fmi_2
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
@@ -69,7 +70,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     mode = description.coSimulation or description.modelExchange
     with zipfile.ZipFile(path) as fmu:
         names = fmu.namelist()
-    _, missing = binary_of(mode.modelIdentifier, names, second=description.fmiVersion == "2.0")
+    _, missing = binary_of(mode.modelIdentifier, names, is_fmi_2=is_fmi_2(description.fmiVersion))
     if missing:
         raise RunError(f"{path}: {missing}")
     with listening() as reasons:
@@ -134,7 +135,7 @@ def loaded(description: Any, folder: str) -> Any:
     modes = description.coSimulation or description.modelExchange
     named = {"guid": description.guid, "modelIdentifier": modes.modelIdentifier, "unzipDirectory": folder}
     stepped = modes is description.coSimulation
-    if description.fmiVersion != "2.0":
+    if not is_fmi_2(description.fmiVersion):
         return _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
     return _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
+from chain_impact.fmu.versions import FMI_2, FMI_3
 from chain_impact.kernel.forces.laws import lossless_depth
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import DataPath
@@ -16,10 +17,10 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable
 
-TOKEN = {2: "guid", 3: "instantiationToken"}
+TOKEN = {FMI_2: "guid", FMI_3: "instantiationToken"}
 """Version of FMI → name of the root's attribute that identifies the FMU."""
 CAPABILITIES = {
-    2: {
+    FMI_2: {
         "needsExecutionTool": "false",
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "false",
@@ -28,7 +29,7 @@ CAPABILITIES = {
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
     },
-    3: {
+    FMI_3: {
         "needsExecutionTool": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canGetAndSetFMUState": "true",
@@ -66,24 +67,24 @@ def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabiliti
     add_units(root, prepared.variables)
     _add_types(root, prepared.variables, fmi)
     add_categories_and_experiment(root, prepared.scene)
-    add_variables = _add_variables_2 if fmi == 2 else _add_variables_3  # noqa: PLR2004
+    add_variables = _add_variables_2 if fmi == FMI_2 else _add_variables_3
     add_variables(root, prepared)
     return root
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
     """Add the types of real numbers and of enumerations; in FMI 2.0 each type is inside a SimpleType."""
-    types, second = SubElement(root, "TypeDefinitions"), fmi == 2  # noqa: PLR2004
+    types = SubElement(root, "TypeDefinitions")
     for name, attributes in quantities(variables).items():
-        if second:
+        if fmi == FMI_2:
             SubElement(SubElement(types, "SimpleType", name=name), "Real", attributes)
         else:
             SubElement(types, "Float64Type", {"name": name, **attributes})
     for variable in variables:
         if variable.items:
             about_it = {"name": type_name(variable), "description": variable.description}
-            choice = SubElement(types, "SimpleType" if second else "EnumerationType", about_it)
-            choice = SubElement(choice, "Enumeration") if second else choice
+            choice = SubElement(types, "SimpleType" if fmi == FMI_2 else "EnumerationType", about_it)
+            choice = SubElement(choice, "Enumeration") if fmi == FMI_2 else choice
             for number, item in enumerate(variable.items, 1):
                 SubElement(choice, "Item", name=item.name, value=str(number), description=item.description)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from chain_impact.fmu.model_description import array_variables, model_description
 from chain_impact.fmu.table import described
+from chain_impact.fmu.versions import FMI_2
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.indices import word_index
@@ -25,10 +26,10 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
     """
     # not at the top of the module: the package has no version yet while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[list[Any], int]]()
-    if fmi == 2:  # noqa: PLR2004
-        description = model_description(prepared, tool, 2, canNotUseMemoryManagementFunctions="false")
+    if fmi == FMI_2:
+        description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")
     else:
-        description = model_description(prepared, tool, 3)
+        description = model_description(prepared, tool, fmi)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
         time_index = word_index(prepared.start.dtype, ("step", "time"))
         further = [

@@ -21,17 +21,17 @@ def platforms_of(path: str | Path) -> list[str]:
         return [ours.get(folder, folder) for folder in _folders(fmu.namelist())]
 
 
-def binary_of(identifier: str, names: Collection[str], *, second: bool) -> tuple[str, Finding | None]:
+def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
     """Return the file that an importer loads on this machine, and None; or "" and a finding without it.
 
     Args:
         identifier: the attribute ``modelIdentifier``.
         names: the files and folders in the FMU.
-        second: whether the FMU is of FMI 2.0: then folders with the names of FMI 2.0 are looked for first,
+        is_fmi_2: whether the FMU is of FMI 2.0: then folders with the names of FMI 2.0 are looked for first,
             else those of FMI 3.0.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
-    platforms = platforms if second else platforms[::-1]
+    platforms = platforms if is_fmi_2 else platforms[::-1]
     file = f"{identifier}{PLATFORMS[HOST].suffix if HOST else ''}"
     places = [f"binaries/{platform}/{file}" for platform in platforms]
     for path in places:

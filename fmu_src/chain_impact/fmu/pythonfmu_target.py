@@ -8,6 +8,7 @@ from pathlib import Path
 
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import described
+from chain_impact.fmu.versions import FMI_2
 from chain_impact.system import PLATFORMS as ALL_PLATFORMS
 from chain_impact.variables.prepared import PreparedScene
 
@@ -40,7 +41,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     files = sources | _of_pythonfmu(prepared.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
-    files = described(files, prepared, description := model_description(prepared, tool, 2), 2)
+    files = described(files, prepared, description := model_description(prepared, tool, FMI_2), FMI_2)
     # script and slave have a part of the GUID in their names, because a process imports modules by name and
     # may load several FMUs
     guid = description.attrib["guid"]

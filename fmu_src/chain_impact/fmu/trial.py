@@ -24,6 +24,7 @@ from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_o
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.importer import instantiate, listening, loaded
 from chain_impact.fmu.references import REFERENCE_FILE, check_references
+from chain_impact.fmu.versions import is_fmi_2
 
 T = TypeVar("T")
 # the largest relative difference of values that count as equal: a start value may be written with six digits
@@ -47,7 +48,7 @@ class Trial:
         fmpy.extract(str(path), folder)
         self.description = fmpy.read_model_description(folder, validate=False)
         self.variables = variables_of(ElementTree.parse(Path(folder, DESCRIPTION)).getroot())
-        self.second = self.description.fmiVersion == "2.0"
+        self.is_fmi_2 = is_fmi_2(self.description.fmiVersion)
         self.folder, self.binary, self.tell = folder, binary, tell
 
     def run(self, reasons: Callable[[], list[str]]) -> None:
@@ -63,7 +64,7 @@ class Trial:
         self.call("Instantiate", "no instance", instantiate, self.fmu)
         experiment = self.description.defaultExperiment
         start = _number(experiment, "startTime", 0.0)
-        if self.second:
+        if self.is_fmi_2:
             self.call("SetupExperiment", "", self.fmu.setupExperiment, None, start)
             self.call("EnterInitializationMode", "", self.fmu.enterInitializationMode)
         else:
@@ -83,7 +84,7 @@ class Trial:
         If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance"; or
         "<name> fails" if ``without`` is empty.
         """
-        name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
+        name = name if " " in name else f"fmi{2 if self.is_fmi_2 else 3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
         try:
@@ -115,11 +116,11 @@ class Trial:
             size = variable.size
             if variable.type in ("Clock", "Binary") or "clocks" in variable.attributes or size is None:
                 continue
-            whole = "Integer" if self.second else "Int64"
+            whole = "Integer" if self.is_fmi_2 else "Int64"
             kind = whole if variable.type == "Enumeration" else variable.type
             get, arguments = getattr(self.fmu, f"get{kind}"), [[int(variable.reference)]]
             try:
-                values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.second else [size]))
+                values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.is_fmi_2 else [size]))
             except CallError as error:
                 self.found(f"cannot be read as {size} {kind}: {error}", variable)
                 continue

@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.platforms import binary_of
+from chain_impact.fmu.versions import is_fmi_2
 
 TIMEOUT = 300.0
 """[s] default time limit for a run of an FMU's binary."""
@@ -59,8 +60,8 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     if not modes:
         said = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
         return Validation(findings, [said] if root.find(_UNTRIED) is not None else [])
-    identifier, second = modes[0].get("modelIdentifier", ""), root.get("fmiVersion") == "2.0"
-    binary, missing = binary_of(identifier, names, second=second)
+    identifier = modes[0].get("modelIdentifier", "")
+    binary, missing = binary_of(identifier, names, is_fmi_2=is_fmi_2(root.get("fmiVersion")))
     if missing:
         return Validation([*findings, missing], [])
     tried = _tried(path, binary, timeout, references=not findings)

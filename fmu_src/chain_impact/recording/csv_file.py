@@ -90,7 +90,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: the column {missing[0]} is missing{likely or '; `simulate --csv` writes it'}"
         )
-    if rows.shape[0] < 2 or rows.shape[1] != len(names):  # noqa: PLR2004
+    if rows.shape[0] <= 1 or rows.shape[1] != len(names):
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )

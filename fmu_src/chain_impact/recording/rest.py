@@ -12,6 +12,7 @@ from chain_impact.recording.recording import Recording
 # the largest speed of a point that counts as at rest, relative to a reference speed: the extent of the
 # largest path of a point, divided by the duration of the run
 REST_SPEED = 0.02
+FEWEST_ROWS = 3  # in a motion with fewer rows, no time between rows can show a rest
 SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
 
 
@@ -34,7 +35,7 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     """
     time, places = recording.time, recording.all_points
     span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
-    if len(time) < 3 or not size > 0.0:  # noqa: PLR2004 - no motion between rows
+    if len(time) < FEWEST_ROWS or not size > 0.0:
         return []
     ways = np.hypot(*np.moveaxis(np.diff(places, axis=0), -1, 0)).max(axis=1)
     for moved in recording.moved_walls.values():

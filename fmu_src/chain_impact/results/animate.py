@@ -39,7 +39,7 @@ def animate(
         raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
     if not 0.0 <= impact_time < math.inf:
         raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
-    if len(recording.time) < 2 or not recording.points.shape[1]:  # noqa: PLR2004
+    if len(recording.time) <= 1 or not recording.points.shape[1]:
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:
         return InlinePage(page(recording, speed or 1.0, impact_time))

@@ -177,7 +177,7 @@ class Chain:
             # notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
-                raise SimulationError(self._instance.status, self.time, None, self._instance.place)
+                raise SimulationError(self._instance.status, self.time, None, self._instance.part)
         self._collect()
         self._observed = True
         if not self._warned and self._integers[self._contradiction_word]:
@@ -296,7 +296,7 @@ class Chain:
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
-            text = fault_text(status, self._instance.place)
+            text = fault_text(status, self._instance.part)
             raise SceneError(f"{at} the values that are set cannot take effect: {text}")
 
     def _collect(self) -> None:

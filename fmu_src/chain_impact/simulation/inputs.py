@@ -311,8 +311,9 @@ def _checked(what: str, signal: Any) -> Any:
     """
     if callable(signal):
         return signal
-    if isinstance(signal, (tuple, list)) and len(signal) == 2:  # noqa: PLR2004
-        return _samples(what, *(_numbers(part) for part in signal))
+    match signal:
+        case tuple([times, values]) | list([times, values]):
+            return _samples(what, _numbers(times), _numbers(values))
     number = _numbers(signal)
     if number is None or number.shape or not np.isfinite(number):
         raise SceneError(

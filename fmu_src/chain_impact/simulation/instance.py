@@ -39,23 +39,28 @@ class SimulationError(RuntimeError):
     Attributes:
         status: the code, see ``chain_impact.kernel.status``.
         time: the time at which the solver stopped [s].
-        place: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
+        part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
         result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
     """
 
-    def __init__(self, status: int, time: float, result: Result | None, place: str = "") -> None:
-        """Make the message from the status, the time and the place."""
-        super().__init__(f"the simulation stopped at t = {time:.9g} s: {fault_text(status, place)}")
-        self.status, self.time, self.result, self.place = status, time, result, place
+    def __init__(self, status: int, time: float, result: Result | None, part: str = "") -> None:
+        """Make the message from the status, the time and the part."""
+        super().__init__(f"the simulation stopped at t = {time:.9g} s: {fault_text(status, part)}")
+        self.status, self.time, self.result, self.part = status, time, result, part
 
     def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None, str]]:
         """Pickle the arguments, so that the error can return from another process."""
-        return type(self), (self.status, self.time, self.result, self.place)
+        return type(self), (self.status, self.time, self.result, self.part)
+
+    @property
+    def place(self) -> str:
+        """The same as ``part``; version 1.0 removes this name."""
+        return self.part
 
 
-def fault_text(status: int, place: str) -> str:
-    """Return the sentence for a status, with the words for the place of the fault if there is one."""
-    return f"{STATUS_TEXT[status]}: {place}" if place else STATUS_TEXT[status]
+def fault_text(status: int, part: str) -> str:
+    """Return the sentence for a status, with the part of the scene that is the reason, if there is one."""
+    return f"{STATUS_TEXT[status]}: {part}" if part else STATUS_TEXT[status]
 
 
 class Rows(Protocol):
@@ -174,7 +179,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None, self.place)
+            raise SimulationError(self.status, 0.0, None, self.part)
 
     def observe(self) -> int:
         """Fill the outputs of the record at the present time; return the status.
@@ -318,7 +323,7 @@ class Instance:
         return self._integers.item(self._log_at.status)
 
     @property
-    def place(self) -> str:
+    def part(self) -> str:
         """The words for the part that is the reason of a fault, such as a point and a wall; "" if none is."""
         number = int(self.record["fault"]["part"])
         return parts_in_words(self.prepared.scene)[number - 1] if number else ""

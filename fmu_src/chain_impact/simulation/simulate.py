@@ -157,7 +157,7 @@ def simulate(
     )
     _warn(instance, result)
     if instance.status != OK:
-        raise SimulationError(instance.status, instance.time, result, instance.place)
+        raise SimulationError(instance.status, instance.time, result, instance.part)
     return result
 
 

@@ -113,7 +113,7 @@ def _few(laws: Sequence[str]) -> str:
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
     """Return words that advise one of the laws ``near`` the restitution; "" for fewer than two laws."""
-    if len(near) < 2:  # noqa: PLR2004
+    if len(near) <= 1:
         return ""
     if EXACT_LAW in near:
         return f"; take {EXACT_LAW}, which gives any free impact exactly e"

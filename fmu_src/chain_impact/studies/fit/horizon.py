@@ -180,7 +180,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
             raise SceneError(
                 f"{sources}: some values of {name} have a sigma and others none; give all or none"
             )
-        if mine.sum() < 2:  # noqa: PLR2004
+        if mine.sum() <= 1:
             raise SceneError(
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
                 f"sigma of {name} = 2% for example, or add a column sigma({name})"

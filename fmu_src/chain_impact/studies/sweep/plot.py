@@ -56,6 +56,8 @@ CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linest
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_VARIED = 2  # largest number of parameters that vary in a picture without samples
 MOST_DRAWN = 2**18  # largest number of runs in a picture
+FEW_VALUES = 40  # a curve through this number of values, or fewer, has a marker at each
+IN_ONE_ROW = 3  # this number of panels stands in one row if the figure is wide enough; else two in a row
 # over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
 # smallest one: a power law is then a straight line
 DECADE = 10.0
@@ -197,9 +199,9 @@ def _across(count: int, kind: str, width: float) -> int:
 
     Three maps are in one column if the figure is narrower than THREE_MAPS.
     """
-    if count != 3:  # noqa: PLR2004
+    if count != IN_ONE_ROW:
         return 2
-    return 1 if kind == MAPS and width < THREE_MAPS else 3
+    return 1 if kind == MAPS and width < THREE_MAPS else IN_ONE_ROW
 
 
 def _dots_across(count: int, width: float) -> int:
@@ -237,7 +239,7 @@ def _curves(
             marks: dict[str, Any] = {}
             if runs.design.samples is not None:
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
-            elif len(rows) <= 40:  # noqa: PLR2004 - few values are drawn with markers
+            elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": 3.0}
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[runs.failed]

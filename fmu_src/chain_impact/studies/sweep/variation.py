@@ -131,7 +131,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         raise wrong from None
     if len(numbers) > 1:
         raise wrong
-    if numbers and not 2 <= numbers[0] <= MOST_VALUES:  # noqa: PLR2004
+    if numbers and not 1 < numbers[0] <= MOST_VALUES:
         raise SceneError(f"{source}: {variable.name} = {text} must have 2 to {MOST_VALUES} values")
     if logarithmic and not (ends > 0.0).all():
         raise SceneError(f"{source}: {variable.name} = {text} must have ends > 0, to be spaced by logarithm")

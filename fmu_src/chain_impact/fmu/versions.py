@@ -1,0 +1,11 @@
+"""The versions of the FMI standard."""
+
+from __future__ import annotations
+
+FMI_2, FMI_3 = 2, 3
+VERSIONS = (FMI_2, FMI_3)
+
+
+def is_fmi_2(version: str | None) -> bool:
+    """Return whether a model description is of FMI 2.0; ``version`` is its attribute ``fmiVersion``."""
+    return version == "2.0"
