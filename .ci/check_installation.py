@@ -2,7 +2,7 @@
 
 The script runs in the folder and with the Python of its environment.
 
-``CHAIN_IMPACT_CACHE`` must name a folder that does not exist.
+``CHAIN_IMPACT_CACHE`` (compilation/folders.py) must name a folder that does not exist.
 
 The checks: no compiler, kernels for every chain and every kind of FMU, the right tag, and a small size.
 """

@@ -48,7 +48,7 @@ def write_words() -> None:
 
 
 def repository() -> str:
-    """Return the name of the repository on GitHub, OWNER/NAME; empty if the repository has no address."""
+    """Return the name of the repository on GitHub, owner/name; empty if the repository has no address."""
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
     return str(project["project"]["urls"].get("Source", "")).removeprefix(GITHUB)
 

@@ -57,7 +57,7 @@ def _usage(parser: ArgumentParser) -> str:
 
 
 def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
-    """Return the two columns of an argument or option; for COMMAND, the meaning of each command."""
+    """Return the two columns of an argument or option; for the command, the meaning of each command."""
     if isinstance(action, _SubParsersAction):
         for verb in action._get_subactions():
             yield f"  {verb.dest}".ljust(SECOND) + str(verb.help)

@@ -30,7 +30,7 @@ def kernel_library(
     """Return the shared library for chains of N ``links``: ready, cached, or compiled now.
 
     Args:
-        links: number of links N, GENERAL for a scene with rare features, or all sizes of a scene.
+        links: number of links N, compilers.GENERAL for a scene with rare features, or all sizes of a scene.
         platform: a key of ``compilers.ZIG_TARGETS``.
         law_file: the file of the kernel's user law, if any.
         derivatives: whether the kernel carries derivatives.

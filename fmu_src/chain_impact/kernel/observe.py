@@ -40,7 +40,7 @@ def observe(d):
 
 
 def observe_state(d):
-    """Fill the outputs of STATE_OUTPUTS with their values at ``step.time``; no other output is valid then."""
+    """Fill the STATE_OUTPUTS of record/instance.py at ``step.time``; no other output is valid then."""
     counted = counted_work(d)
     fill_state(d, fraction(d, d.step.time))
     uncount_work(d, counted)

@@ -267,7 +267,7 @@ def word_terms(path: DataPath) -> list[int]:
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
     """Return the coefficients c of a number that depends on the layout of a record.
 
-    The number is c₀ + Σ cᵢ · countᵢ, with the counts that ``COUNTS`` names, such as the number of links.
+    The number is c₀ + Σ cᵢ · countᵢ, with the counts in ``counts.COUNTS``, such as the number of links.
     """
     constant, slopes = affine([number(layout_of(*counts)) for counts in SAMPLES])
     return [constant, *slopes]

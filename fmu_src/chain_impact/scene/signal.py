@@ -45,7 +45,7 @@ FORMS = {
 }
 """Form → its keys and its number of polynomials, in the order of the kernel's numbers of forms.
 
-A ramp with the shape of a trapezoid needs TRAPEZOID_KNOTS polynomials.
+A ramp with the shape of a trapezoid has a number of its own (scene/signal_values.py).
 """
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")

@@ -39,7 +39,7 @@ class Variable:
         kind: the variable's row in the table of variables.
         name: structured name, as in FMI 2.0, section 2.2.9.
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
-        unit: name of the unit, a key of ``UNITS``; "" if the variable is not a real number.
+        unit: name of the unit, a key of ``units.UNITS``; "" if the variable is not a real number.
         description: one line.
         record_path: path in the instance record, for example ``("model", "length", 2)``.
         given_path: path to the given value of a parameter that may be derived, while ``record_path`` has the

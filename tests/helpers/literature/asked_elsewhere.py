@@ -24,7 +24,7 @@ class Question:
     """One question.
 
     Attributes:
-        threads: OWNER/NAME#NUMBER on GitHub.
+        threads: owner/name#number on GitHub.
         asked: the question or observation in the thread.
         scene: our scene in words, and the figure with its unit.
         exact: the closed form of the figure.

@@ -296,7 +296,7 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
 @pytest.mark.parametrize("gravity", [0.0, 20.0])
 @pytest.mark.parametrize(("omega", "alpha"), [(0.0, 0.0), (3.0, -7.0), (-0.1, 40.0)])
 def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alpha, gravity):
-    """m (g + Σ s (ω² + |α|)) with the chain's mass m, at least 1 rad/s²; the fraction PULL is round-off."""
+    """m (g + Σ s (ω² + |α|)) with the chain's mass m, at least 1 rad/s²; round-off is a fraction of it."""
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
     d.model.gravity_size = gravity

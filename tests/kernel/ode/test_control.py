@@ -86,7 +86,7 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
             assert control.factor(d) == pytest.approx(right, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
             control.conclude(d, error, 0.7)
-            assert control.factor(d) == 0.1  # the factor is not less than SHRINK
+            assert control.factor(d) == 0.1  # the factor is not less than control.SHRINK
         control.conclude(d, 0.0, 0.7)
         assert 6.0 < control.factor(d) < math.inf
         control.conclude(d, 1e-5, 1.0)

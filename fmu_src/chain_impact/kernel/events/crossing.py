@@ -124,7 +124,7 @@ def find_crossing(d):
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # TOO_MUCH_WORK has been reached: the caller will end the run
+    return -1.0  # status.TOO_MUCH_WORK has been reached: the caller will end the run
 
 
 def check_interval(d, a, b):

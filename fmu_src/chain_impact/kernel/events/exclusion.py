@@ -272,7 +272,7 @@ def set_clearance(d, c, u, slope):
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
-        # a held point has no crossing: it is already at the wall, and its contact ends by RELEASE
+        # a held point has no crossing: it is already at the wall, and its contact ends by marks.RELEASE
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

@@ -121,7 +121,7 @@ def add_constraint_forces(d, y, rate):
 
     Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
     ``d.constraints.impulse`` holds the forces [N]; at walls at rest they do no work, apart from errors.
-    MOVING is recorded if a held point still accelerates by more than the tolerance.
+    MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the tolerance.
     """
     constraints = d.constraints
     take_factors(d, joints_loaded(d))

@@ -76,7 +76,7 @@ OF_A_STEP = 3.0
 # the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
 # a common sign only where a point rests: there their sum reaches 230 in 100,000 steps.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # [s] length of a window of time, equal to WORK_WINDOW (status.py)
+WINDOW = 1.0  # [s] length of a window of time, equal to WORK_WINDOW (work.py)
 # the energy that the errors of all steps together may add, relative to the available energy
 ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that

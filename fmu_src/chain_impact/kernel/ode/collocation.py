@@ -324,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def keep_stages(d, faded):
-    """Set the dense output, and keep the stages for the next prediction; if ``faded``, clear any < FADED."""
+    """Set the dense output, and keep the stages to predict; if ``faded``, clear any < FADED (control.py)."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):

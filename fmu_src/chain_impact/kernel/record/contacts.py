@@ -25,8 +25,8 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # number of the point, 0…N; N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N; 0
         # for a stop of the slider
         ("point", INTEGER),
-        # index in the scene's wall_names: of the box in WALLS, 4 plus the index in `walls`, or of the kind of
-        # stop after all walls
+        # index in the scene's wall_names: of the box in WALLS (rows/geometry.py), 4 plus the index in
+        # `walls`, or of the kind of stop after all walls
         ("wall", INTEGER),
         ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
         # ---- derived at initialization
@@ -189,7 +189,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
-        # 1: the first iteration of the last problem left more than NEAR_FOLD of the residual at rigid walls
+        # 1: the first iteration of the last problem left more than NEAR_FOLD (rows/constraints.py) of the
+        # residual at rigid walls
         ("near_fold", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign

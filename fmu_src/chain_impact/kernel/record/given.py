@@ -32,7 +32,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("length", POSITIVE, (links,)),  # m
         ("mass", POSITIVE, (links,)),  # kg
         # given_center_of_mass: m, from the proximal joint; given_inertia: kg·m², about the centre of mass;
-        # DERIVED if not given
+        # DERIVED (chain/inertia.py) if not given
         ("given_center_of_mass", REAL, (links,)),
         ("given_inertia", REAL, (links,)),
         ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
@@ -205,8 +205,8 @@ def given_dtype(links: int) -> np.dtype:
     the last piece is applied at the start of a step.
     """
     return record(
-        # REINITIALIZE: a value was set since the last step; CONTINUES: only the next piece of the inputs was
-        # set; 0: nothing was set
+        # values of forces/inputs.py. REINITIALIZE: a value was set since the last step; CONTINUES: only the
+        # next piece of the inputs was set; 0: nothing was set
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent

@@ -26,8 +26,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     index of this row.
     """
     return record(
-        ("form", bounded(CONSTANT, TABLE), (signals,)),  # one of FORMS: constant, sine, ramp, steps, table
-        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),  # kind of a ramp: SMOOTH, LINEAR or TRAPEZOID
+        ("form", bounded(CONSTANT, TABLE), (signals,)),  # constant, sine, ramp, steps, table: 0 to 4
+        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),  # of a ramp: values in chain/signals.py
         ("source", bounded(0, signals - 1), (signals,)),
         ("input", bounded(0, CHANNEL), (signals,)),  # number of the driven input, see kernel/chain/inputs.py
         ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel

@@ -116,7 +116,7 @@ def limits_dtype() -> np.dtype:
         ("event_count", INTEGER),
         ("work_start", REAL),  # s, start of the window of work
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
-        # all work before the communication step, in evaluations; UNLIMITED: the step may take any work
+        # all work before the communication step, in evaluations; work.UNLIMITED: the step may take any work
         ("call_count", INTEGER),
         # work other than evaluations (located points, responses to impulses), in evaluations of equal cost
         ("other_work", INTEGER),

@@ -26,7 +26,7 @@ typedef struct Instance Instance;
 /* The differences between the versions of FMI. */
 typedef struct {
     const char *token, *resources, *references, *values, *state; /* names of arguments */
-    const char *types[2];                                        /* names of REAL and INTEGER */
+    const char *types[2];                                        /* of REAL, INTEGER (shared.h) */
     const char *escaped; /* characters that a message contains twice */
     int by_uri;          /* 1: the importer gives the folder of the resources as a URI */
     int says_errors;     /* 1: errors are also logged with logging off */

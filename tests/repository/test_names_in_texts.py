@@ -1,0 +1,131 @@
+"""A reader finds capital names of comments and docstrings in the code of the file, or of a file named."""
+
+import io
+import itertools
+import re
+import tokenize
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import chain_impact
+
+ROOT = Path(__file__).parents[2]
+ROOMS = (".ci", "benchmarks", "docs/tools", "fmu_src", "packaging", "tests")
+FILES = [
+    file
+    for room in ROOMS
+    for file in sorted((ROOT / room).rglob("*.*"))
+    if file.suffix in (".py", ".js", ".c", ".h") and file.parent.name != "vendor"
+]
+PUBLIC = {*chain_impact.__all__}
+WORDS = {
+    *(
+        "ACM",
+        "ARM",
+        "BDF",
+        "BIT",
+        "BLAS",
+        "BSD",
+        "CC0",
+        "CIE",
+        "CIELAB",
+        "CPU",
+        "CRC",
+    ),
+    *("CSV", "CVODE", "D65", "DEBUG", "DOP853", "DT_NEEDED", "ELF", "FMI", "FMU", "FNV", "GUID", "HTML"),
+    *("IEEE", "II", "IIA", "INFO", "IV", "JSON", "LC_BUILD_VERSION", "LC_CODE_SIGNATURE"),
+    *("LC_LOAD_DYLIB", "LC_SYMTAB", "LEB128", "LLVM", "MB", "MJ", "MJCF", "MPLBACKEND", "NULL"),
+    *("PE", "PMMA", "PNG", "POSIX", "PYTHONPATH", "README", "RK4", "SDND108", "SHA", "SHT_DYNAMIC"),
+    *("SHT_DYNSYM", "SI", "SIAM", "SIGBUS", "SIGNUM", "SVG", "TOML", "URDF", "URI", "USSR", "UTF"),
+    "WCAG",
+}
+"""Abbreviations, units, and words of other works."""
+NAME = re.compile(r"(?<![\w=#%\\])[A-Z][A-Z\d]+(?:_[A-Z\d]+)*(?![\w=′])")
+COMMAND = re.compile(r"``[^`]*[ =\[][^`]*``|\S+(?: \[?[A-Z_]{3,}\b[\]…]?){2,}")
+"""A command or a setting, with words in place of its arguments."""
+PLAIN = re.compile(r"``([^` =\[]+)``|noqa: [A-Z0-9, ]+")
+"""A quoted name, and numbers of rules."""
+PARTS = re.compile(
+    r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/"""  # comments
+    r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|`(?:\\.|[^`\\])*`""",  # strings
+    re.DOTALL,
+)
+"""The comments and the strings of JavaScript and C."""
+BEFORE = {None, tokenize.ENCODING, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+
+
+def python_texts(source):
+    """Return the texts of a module, where comments in neighbouring lines are one text, and its code."""
+    texts, code, before, last = [], [], None, -1
+    for kind, text, (line, _), *_ in tokenize.generate_tokens(io.StringIO(source).readline):
+        if kind == tokenize.COMMENT:
+            texts.append(f"{texts.pop()} {text[1:]}" if last == line - 1 else text[1:])
+            last = line
+        elif kind == tokenize.STRING and before in BEFORE:
+            texts.append(text)
+        elif kind != tokenize.NL:
+            code.append(text)
+        if kind not in (tokenize.COMMENT, tokenize.NL):
+            before = kind
+    return texts, " ".join(code)
+
+
+def other_texts(source):
+    """Return the same of a file in JavaScript or C."""
+    texts = [part for part in PARTS.findall(source) if part[0] == "/"]
+    return texts, PARTS.sub(lambda part: " " if part[0][0] == "/" else part[0], source)
+
+
+@cache
+def read(file):
+    """Return the texts of a file and the words in its code."""
+    parts = python_texts if file.suffix == ".py" else other_texts
+    texts, code = parts(file.read_text("utf-8"))
+    return [PLAIN.sub(r"\1", text) for text in texts], {*re.findall(r"\w+", code)}
+
+
+def named(text, name):
+    """Yield the files that a text names, also as a module before the name and a point."""
+    ends = {*re.findall(r"([\w/]*\w\.(?:py|js|c|h))\b", text)}
+    ends |= {f"{module}.py" for module in re.findall(rf"(\w+)\.{name}\b", text)}
+    yield from (file for file in FILES for end in ends if file.as_posix().endswith(f"/{end}"))
+
+
+def unknown(file):
+    """Return the names in the texts of a file that a reader does not find."""
+    texts, code = read(file)
+    known = WORDS | PUBLIC | code | {*NAME.findall(" ".join(itertools.chain(*map(COMMAND.findall, texts))))}
+    told = [(name, text) for text in texts for name in {*NAME.findall(COMMAND.sub("", text))} - known]
+    found = {name for name, text in told if any(name in read(other)[1] for other in named(text, name))}
+    return sorted({name for name, _ in told} - found)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_reader_finds_the_capital_names_in_texts(room):
+    files = [file for file in FILES if file.is_relative_to(ROOT / room)]
+    found = {file.name: names for file in files if (names := unknown(file))}
+    assert files
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ('"""See OTHER_NAME."""\n', ["OTHER_NAME"]),
+        ("x = 1  # at most LEAST\n", ["LEAST"]),
+        ("LEAST = 1\nx = 1  # at most LEAST [m], by SHORTEST\n# of pictures/arrow_scale.py\n", ["SHORTEST"]),
+        ("LEAST = 1\nx = 1  # at most LEAST [m], by `arrow_scale.SHORTEST_ARROW`\n", []),
+        ("# SHORTEST_ARROW of an FMU (pictures/arrow_scale.py)\n", []),
+        ('"""The command: ``tool --name NAME``; NAME may be empty."""\n', []),
+        ('"""The command: tool FIRST LAST WAY."""\n', []),
+    ],
+)
+def test_a_name_that_exists_nowhere_is_found(tmp_path, text, names):
+    (tmp_path / "file.py").write_text(text, "utf-8")
+    assert unknown(tmp_path / "file.py") == names
+
+
+def test_each_abbreviation_is_in_use():
+    assert WORDS - {name for file in FILES for text in read(file)[0] for name in NAME.findall(text)} == set()
