@@ -14,7 +14,7 @@ from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.signals import with_inputs
-from chain_impact.variables.owners import OWNERS
+from chain_impact.variables.owners import OWNER_KINDS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
@@ -78,7 +78,7 @@ def test_the_structure_of_a_scene_is_that_of_python(script, source):
     structure = structure_of(scene_from_dict(contents, "scene.toml"))
     assert known == structure.known
     assert lists == {name: [*members] for name, members in structure.lists.items()}
-    for kind, row in OWNERS.items():
+    for kind, row in OWNER_KINDS.items():
         found = structure.owners(kind)
         wanted = [owner.values | {name: owner.conditions[name] for name in row.conditions} for owner in found]
         assert owners[kind] == wanted, kind

@@ -2,13 +2,13 @@
 
 # Tests: variables/owners.py
 
-import re
 from dataclasses import fields
 
 import pytest
 
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.rules import names_in, tree
 from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.owners import (
     CONDITIONS,
@@ -16,10 +16,8 @@ from chain_impact.variables.owners import (
     FACTS,
     LISTS,
     OWN_CONDITIONS,
-    OWNERS,
+    OWNER_KINDS,
     RECORD,
-    holds,
-    number_of,
 )
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
@@ -28,8 +26,8 @@ from tests.variables.everything import CART, EVERYTHING
 KEYS = {f"{table.__name__.lower()}.{entry.name}" for table in (Inputs, Outputs) for entry in fields(table)}
 
 
-def names_in(text):
-    return {word for word in re.split(r" or | and | \+ |\*|not ", text) if word and not word.isdecimal()}
+def names_of(rule):
+    return {*names_in(tree(rule))}
 
 
 def members_of(name):
@@ -49,18 +47,18 @@ def test_each_fact_and_each_list_is_explained(scene):
 def test_names_in_the_tables_are_known():
     known = FACTS.keys() | KEYS | LISTS.keys()
     for name, (rule, meaning) in CONDITIONS.items():
-        assert names_in(rule) <= known, name
+        assert names_of(rule) <= known, name
         assert meaning
         known |= {name}
     assert COUNTS_OF.keys() == {*COUNTS}
-    assert all(names_in(text) <= known for text in COUNTS_OF.values())
-    for kind, row in OWNERS.items():
+    assert all(names_of(text) <= known for text in COUNTS_OF.values())
+    for kind, row in OWNER_KINDS.items():
         here = known | members_of(row.over) | {"order"} | row.conditions.keys()
         texts = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
-        assert all(names_in(text) <= here for text in texts), kind
+        assert all(names_of(text) <= here for text in texts), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for written in RECORD.values():
-        assert names_in(written.number) <= (members_of(written.over) if written.over else known | {*COUNTS})
+        assert names_of(written.number) <= (members_of(written.over) if written.over else known | {*COUNTS})
 
 
 def test_no_owner_changes_what_holds_for_its_scene():
@@ -69,15 +67,6 @@ def test_no_owner_changes_what_holds_for_its_scene():
     assert not of_scenes & OWN_CONDITIONS.keys()
     assert not of_scenes & of_members
     assert not OWN_CONDITIONS.keys() & of_members
-
-
-def test_the_forms_of_texts():
-    known = {"a": 2, "b": 3, "no": False, "yes": True}
-    assert number_of("2*a + b + 1", known) == 8
-    assert number_of("yes*b + no*a", known) == 3
-    assert holds("no and a or b", known)
-    assert not holds("a and no or not yes", known)
-    assert holds("not no", known)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, asdict, is_dataclass
+from dataclasses import MISSING, is_dataclass
 from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any, get_args, get_origin
@@ -29,6 +29,7 @@ from chain_impact.scene.default_rules import FROM_JOINTS
 from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
+from chain_impact.scene.rules import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
@@ -36,7 +37,7 @@ from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import CONDITIONS, COUNTS_OF, OWNERS, RECORD, Owner
+from chain_impact.variables.owners import CONDITIONS, COUNTS_OF, OWNER_KINDS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
@@ -69,10 +70,21 @@ def kit(scene: Scene) -> dict[str, Any]:
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
     return {
         "keys": _keys(Scene),
-        "conditions": {name: condition.rule for name, condition in CONDITIONS.items()},
-        "counts": COUNTS_OF,
-        "owners": {kind: asdict(row) for kind, row in OWNERS.items()},
-        "record": {name: [written.number, written.over] for name, written in RECORD.items()},
+        "conditions": {name: tree(condition.rule) for name, condition in CONDITIONS.items()},
+        "counts": _trees(COUNTS_OF),
+        "owners": {
+            kind: {
+                "list": row.over,
+                "count": tree(row.over),
+                "has": tree(row.has),
+                "numbers": _trees(row.numbers),
+                "conditions": _trees(row.conditions),
+            }
+            for kind, row in OWNER_KINDS.items()
+        },
+        "record": {
+            name: {"number": tree(written.number), "over": written.over} for name, written in RECORD.items()
+        },
         "lawFile": scene.contact.law_file,
         "laws": scene.law_names,
         "parameters": [_group(block, partial(_setting_row, choices)) for block in PARAMETERS],
@@ -90,6 +102,10 @@ def kit(scene: Scene) -> dict[str, Any]:
         "layout": _layout(),
         "points": [word_terms(("output", "point_position", AT, axis)) for axis in (0, 1)],
     }
+
+
+def _trees(rules: Mapping[str, str]) -> dict[str, Tree]:
+    return {name: tree(rule) for name, rule in rules.items()}
 
 
 def _keys(table: Any) -> dict[str, Any]:

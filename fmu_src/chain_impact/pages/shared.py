@@ -29,7 +29,8 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
 from chain_impact.scene.contents import PARALLEL
-from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES
+from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES, Rule
+from chain_impact.scene.rules import tree
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import NUMBERS
@@ -76,7 +77,7 @@ def shared() -> dict[str, Any]:
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
-        "rules": {"FILE": RULES, "SIGNAL": SIGNAL_RULES},
+        "rules": {"FILE": [*map(_parsed, RULES)], "SIGNAL": [*map(_parsed, SIGNAL_RULES)]},
         "file": {
             "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.CORNERS + 1)],
             "SHOWN": reading.SHOWN,
@@ -112,6 +113,12 @@ def shared() -> dict[str, Any]:
 def declaration() -> str:
     """Return the line of JavaScript that declares the constants."""
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
+
+
+def _parsed(rule: Rule) -> dict[str, Any]:
+    """Return a rule of a file or of signals with its condition and its least value as trees."""
+    least = tree(rule.least) if rule.least else None
+    return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}
 
 
 def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:

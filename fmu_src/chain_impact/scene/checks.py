@@ -20,7 +20,8 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
-from chain_impact.scene.refusals import RULES, is_broken, sum_of
+from chain_impact.scene.refusals import RULES
+from chain_impact.scene.rules import holds, number_in, value_at
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -99,25 +100,18 @@ def check_together(scene: Contents) -> None:
 def check_rules(scene: Contents) -> None:
     """Refuse values that a rule in ``RULES`` refuses."""
     tables: dict[str, list[tuple[DataPath, Callable[[str], Any]]]] = {
-        "": [((), partial(_value_of, scene))],
-        "link": [(("chain", "links", i), partial(_value_of, at)) for i, at in enumerate(scene.chain.links)],
+        "": [((), partial(value_at, scene))],
+        "link": [(("chain", "links", i), partial(value_at, at)) for i, at in enumerate(scene.chain.links)],
         "material": [(path, values.get) for path, values in _coefficients(scene.contact).items()],
     }
     for rule in RULES:
         for path, value_of in tables[rule.of]:
-            if is_broken(rule, value_of):
+            if holds(rule.condition, value_of):
                 value = value_of(rule.key)
                 words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
                 if rule.least:
-                    words |= {"least": f"{sum_of(rule.least, value_of):.15g}", "bound": rule.least}
+                    words |= {"least": f"{number_in(rule.least, value_of):.15g}", "bound": rule.least}
                 raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
-
-
-def _value_of(table: Any, key: str) -> Any:
-    """Return the value of a dotted key in a table, or None if a table on the way is missing."""
-    for name in key.split("."):
-        table = None if table is None else getattr(table, name)
-    return table
 
 
 def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:

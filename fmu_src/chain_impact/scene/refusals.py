@@ -1,15 +1,12 @@
 """The sentences and rules with which Python and the page that simulates refuse the same contents of a file.
 
 A sentence follows the path of the key. Words in braces stand for texts of the scene; what follows "; " is
-advice, in which Python may say more than the page. pages/browser/scene/refusals.js evaluates the same rules.
+advice, in which Python may say more than the page. The conditions are in the language of rules.py.
 """
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable
-from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 SENTENCES = {
     "no_table": "= {value} must be a table",
@@ -78,11 +75,8 @@ class Rule(NamedTuple):
     Attributes:
         fault: the fault that the value then is, a key of SENTENCES.
         key: the refused key; its value is the word ``value`` of the sentence.
-        condition: the condition under which the value is refused: parts with "and" between them. A part is a
-            key or fact, true if its value is neither missing nor 0 (of a list: any entry); "not" and a key or
-            fact; or a comparison of a key or fact with a text in quotes, or with a sum of products of whole
-            numbers, keys and facts. A comparison is false if a value is missing.
-        least: the sum whose value is the word ``least`` of the sentence; its text is the word ``bound``.
+        condition: the rule (rules.py) by which the value is refused; its names are keys and facts.
+        least: the number whose value is the word ``least`` of the sentence; its text is the word ``bound``.
         of: the tables to which the keys belong: "" the whole file, "link" each link, "material" [contact] and
             each table in [contact.wall], whose missing values are those of [contact].
     """
@@ -139,56 +133,6 @@ SIGNAL_RULES = (
 """Rules of a signal and an input that it drives. Facts: ``moves``: the input is a motion; ``order``: how many
 times it is integrated; ``steps_differ``: not all values of the steps are equal; ``starts_fast``: a sine has a
 speed at its start."""
-OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
-    "==": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    ">": operator.gt,
-    "<=": operator.le,
-    ">=": operator.ge,
-}
-
-
-def is_broken(rule: Rule, value_of: Callable[[str], Any]) -> bool:
-    """Return whether a rule refuses values; ``value_of`` returns the value of a key or fact, or None."""
-    return all(_is_so(words, value_of) for words in split(rule.condition, " and ", " ", 2))
-
-
-def _is_so(words: list[str], value_of: Callable[[str], Any]) -> bool:
-    """Return whether one part of a condition is true.
-
-    A part is ``key``, ``not key`` or ``first operator second``, split into words. A comparison with a missing
-    value is false.
-    """
-    if len(words) < 3:  # noqa: PLR2004
-        value = value_of(words[-1])
-        return (any(value) if isinstance(value, tuple) else bool(value)) != (words[0] == "not")
-    first, comparison, other = words
-    values = value_of(first), other[1:-1] if other.startswith("'") else sum_of(other, value_of)
-    return None not in values and OPERATORS[comparison](*values)
-
-
-def sum_of(text: str, value_of: Callable[[str], Any]) -> Any:
-    """Return the value of a sum of products of whole numbers, keys and facts; None if a value is missing."""
-    total = 0
-    for words in split(text, " + ", "*"):
-        product = 1
-        for word in words:
-            value = int(word) if word.isdecimal() else value_of(word)
-            if value is None:
-                return None
-            product *= value
-        total += product
-    return total
-
-
-@cache
-def split(text: str, outer: str, inner: str, most: int = -1) -> list[list[str]]:
-    """Return the parts of a text between the words ``outer``, each split at the words ``inner``.
-
-    ``most`` is the largest number of times that a part is split; −1 for any number.
-    """
-    return [part.split(inner, most) for part in text.split(outer)]
 
 
 def sentence(fault: str, **words: object) -> str:

@@ -8,7 +8,8 @@ from itertools import pairwise
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal, value_text
-from chain_impact.scene.refusals import SIGNAL_RULES, is_broken
+from chain_impact.scene.refusals import SIGNAL_RULES
+from chain_impact.scene.rules import holds
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
 from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
@@ -134,7 +135,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
         "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
     }
     for rule in SIGNAL_RULES:
-        if is_broken(rule, lambda key: facts[key] if key in facts else getattr(signal, key)):
+        if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
             value = getattr(signal, rule.key)
             raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
     if moves:

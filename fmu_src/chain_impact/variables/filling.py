@@ -23,13 +23,14 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
+from chain_impact.scene.rules import number_in
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.owners import OWNERS, RECORD, number_of
+from chain_impact.variables.owners import OWNER_KINDS, RECORD
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
@@ -77,9 +78,9 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
         for name in parts:
             part = part[name]
         if not over:
-            part[key] = number_of(text, structure.known)
+            part[key] = number_in(text, structure.known.__getitem__)
         elif members := structure.lists[over]:
-            part[key] = [number_of(text, member) for member in members]
+            part[key] = [number_in(text, member.__getitem__) for member in members]
     d["step"]["regularized"] = NO_CONTACT
     channels = {owner.values["name"]: owner.values["at"] for owner in structure.owners("moving wall")}
     for channel in channels.values():
@@ -228,9 +229,9 @@ def _words_of(
 
 def _places(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
     """Return for each possible owner of a kind the number ``at``, its index in the record."""
-    owners = OWNERS[owner_kind]
-    index = owners.numbers.get("at", "order")
-    return [{"at": number_of(index, {**known, "order": i})} for i in range(number_of(owners.over, known))]
+    owners = OWNER_KINDS[owner_kind]
+    index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
+    return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:

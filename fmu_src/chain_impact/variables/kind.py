@@ -48,7 +48,7 @@ class Kind:
     Attributes:
         name: the template of the variables' names.
         terminal: the first part of the name, if the variables with this part form a terminal in FMI 3.0.
-        owner_kind: the kind of owner that has such a variable: a key of ``owners.OWNERS``; "one" if
+        owner_kind: the kind of owner that has such a variable: a key of ``owners.OWNER_KINDS``; "one" if
             the scene has one such variable.
         heading: see ``Heading``.
         text: the rest of the description, a template.

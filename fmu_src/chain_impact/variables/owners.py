@@ -1,10 +1,8 @@
 """The tables of conditions, counts and owners of variables, and of numbers in a record that follow from them.
 
 Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables. Each of them finds
-only the FACTS and the LISTS of a scene by itself. A rule names conditions, such as "contacts or stops and not
-own_stop_law"; "and" binds more strongly than "or", and a number is a condition that holds if it is not 0. A
-number is a sum of products, such as "2*moving_walls + order"; a condition counts as 0 or 1, a list as its
-length.
+only the FACTS and the LISTS of a scene by itself. Conditions and numbers are in the language of
+scene/rules.py; a list counts as its length.
 """
 
 from __future__ import annotations
@@ -15,7 +13,7 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
-from chain_impact.scene.refusals import split, sum_of
+from chain_impact.scene.rules import holds, number_in
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import Driven
 from chain_impact.variables.kind import ALWAYS
@@ -123,8 +121,8 @@ COUNTS_OF = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Owners:
-    """The owners of one kind: a row of the table of owners.
+class OwnerKind:
+    """A kind of owners: a row of the table of owners.
 
     Attributes:
         over: the name of the list whose members can be owners, or the number of owners.
@@ -142,9 +140,9 @@ class Owners:
 
 
 _COUNTED = {"n": "order + 1", "at": "order"}
-OWNERS = {
-    "one": Owners(over="1"),
-    "link": Owners(
+OWNER_KINDS = {
+    "one": OwnerKind(over="1"),
+    "link": OwnerKind(
         over="links",
         numbers=_COUNTED,
         conditions={
@@ -153,27 +151,27 @@ OWNERS = {
             "may_have_friction": "has_friction",
         },
     ),
-    "point": Owners(
+    "point": OwnerKind(
         over="links + sites + 1",
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
-    "joint": Owners(over="links", has="jointed", numbers=_COUNTED),
-    "joint with friction": Owners(over="links", has="has_friction", numbers=_COUNTED),
+    "joint": OwnerKind(over="links", has="jointed", numbers=_COUNTED),
+    "joint with friction": OwnerKind(over="links", has="has_friction", numbers=_COUNTED),
     # the record has the outputs of both stops of a joint at the candidate of its first stop
-    "stop": Owners(over="candidates", has="at_joint", numbers={"at": "order"}),
-    "contact": Owners(
+    "stop": OwnerKind(over="candidates", has="at_joint", numbers={"at": "order"}),
+    "contact": OwnerKind(
         over="candidates",
         has="not at_joint",
         numbers={"at": "order"},
         conditions={"may_have_friction": "contact_friction and not stop"},
     ),
-    "site": Owners(
+    "site": OwnerKind(
         over="sites",
         numbers={"n": "entry + 1", "of": "link + 1", "at": "order"},
         conditions={"in_file": "not corner"},
     ),
-    "slider": Owners(
+    "slider": OwnerKind(
         over="slider",
         numbers={"at": "links"},
         conditions={
@@ -181,14 +179,14 @@ OWNERS = {
             "may_have_friction": "slider_friction",
         },
     ),
-    "line": Owners(over="lines", numbers={"at": "order"}),
+    "line": OwnerKind(over="lines", numbers={"at": "order"}),
     # where points may touch, each wall that exists has a material
-    "material": Owners(over="walls", has="exists and pairs", numbers={"at": "order"}),
-    "moving wall": Owners(over="moving_walls", numbers={"at": "2*inputs.base_motion + 2*order"}),
-    "touched wall": Owners(over="walls", has="touched", numbers={"at": "links + order"}),
-    "signal": Owners(over="signals", numbers={"at": "order"}),
-    "step": Owners(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
-    "impact": Owners(over="outputs.impacts", numbers=_COUNTED),
+    "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
+    "moving wall": OwnerKind(over="moving_walls", numbers={"at": "2*inputs.base_motion + 2*order"}),
+    "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),
+    "signal": OwnerKind(over="signals", numbers={"at": "order"}),
+    "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
+    "impact": OwnerKind(over="outputs.impacts", numbers=_COUNTED),
 }
 """Kind of owner → its owners, in the order of their variables."""
 
@@ -234,38 +232,25 @@ class Owner:
     conditions: dict[str, Any] = field(default_factory=dict)
 
 
-def number_of(text: str, known: Mapping[str, Any]) -> int:
-    """Return the number that a text of the tables stands for."""
-    number: int = sum_of(text, known.__getitem__)
-    return number
-
-
-def holds(rule: str, known: Mapping[str, Any]) -> bool:
-    """Return whether a rule of the tables holds."""
-    for words in split(rule, " or ", " and "):
-        if all(not known[word[4:]] if word.startswith("not ") else known[word] for word in words):
-            return True
-    return False
-
-
 def with_conditions(facts: Mapping[str, int], lists: Mapping[str, Sequence[Any]]) -> dict[str, int]:
     """Return the facts of a scene with its conditions, the lengths of its lists, and its counts."""
     known = {**facts, **{name: len(members) for name, members in lists.items()}}
     for name, condition in CONDITIONS.items():
-        known[name] = holds(condition.rule, known)
-    return known | {name: number_of(text, known) for name, text in COUNTS_OF.items()}
+        known[name] = holds(condition.rule, known.__getitem__)
+    return known | {name: number_in(text, known.__getitem__) for name, text in COUNTS_OF.items()}
 
 
 def owners_of(
     kind: str, known: Mapping[str, Any], lists: Mapping[str, Sequence[Mapping[str, Any]]]
 ) -> list[Owner]:
     """Return the owners of a kind, in the order of their variables."""
-    row, found = OWNERS[kind], dict[Any, Owner]()
-    for order, member in enumerate(lists.get(row.over) or [{}] * number_of(row.over, known)):
+    row, found = OWNER_KINDS[kind], dict[Any, Owner]()
+    for order, member in enumerate(lists.get(row.over) or [{}] * number_in(row.over, known.__getitem__)):
         here = {**known, **member, "order": order}
-        if holds(row.has, here):
-            values = {**member, **{name: number_of(text, here) for name, text in row.numbers.items()}}
+        if holds(row.has, here.__getitem__):
+            numbers = {name: number_in(text, here.__getitem__) for name, text in row.numbers.items()}
+            values = {**member, **numbers}
             for name, rule in row.conditions.items():
-                here[name] = holds(rule, here)
+                here[name] = holds(rule, here.__getitem__)
             found.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, here))
     return list(found.values())

@@ -56,7 +56,7 @@ class Structure:
         return positions
 
     def owners(self, kind: str) -> list[Owner]:
-        """Return the owners of a kind, a key of ``owners.OWNERS``, in the order of their variables."""
+        """Return the owners of a kind, a key of ``owners.OWNER_KINDS``, in the order of their variables."""
         return owners_of(kind, self.known, self.lists)
 
 

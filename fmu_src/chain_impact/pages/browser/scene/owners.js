@@ -4,7 +4,7 @@
 import { mapped } from "../base/mapped.js";
 import { range } from "../base/range.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
-import { sumIn } from "./refusals.js";
+import { holds, numberIn } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -75,35 +75,26 @@ function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
 
-/** Return the number for a text of the tables: a sum of products of numbers and known names. */
-export function numberIn(text, known) {
-  return sumIn(text, (word) => known[word]);
-}
-
-/** Return whether a rule of the tables holds: known names with `not`, `and` and `or`. */
-function holds(rule, known) {
-  const isSo = (word) => Boolean(known[word.replace(/^not /, "")]) !== word.startsWith("not ");
-  return rule.split(" or ").some((each) => each.split(" and ").every(isSo));
-}
-
 /** Return the facts with the conditions of the scene, the lengths of its lists and its counts. */
 function withConditions(facts, lists, { conditions, counts }) {
   const known = { ...facts, ...mapped(lists, ({ length }) => length) };
-  for (const [name, rule] of Object.entries(conditions)) known[name] = holds(rule, known);
-  return { ...known, ...mapped(counts, (text) => numberIn(text, known)) };
+  const valueOf = (name) => known[name];
+  for (const [name, rule] of Object.entries(conditions)) known[name] = holds(rule, valueOf);
+  return { ...known, ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
 }
 
 /**
  * Return the owners of one row of the table of owners: the members of its list that meet its rule `has`, with their numbers and
  * conditions.
  */
-function ownersIn({ over, has, numbers, conditions }, known, lists) {
+function ownersIn({ list, count, has, numbers, conditions }, known, lists) {
   const found = new Map();
-  (lists[over] ?? range(numberIn(over, known)).map(() => ({}))).forEach((member, order) => {
+  (lists[list] ?? range(numberIn(count, (name) => known[name])).map(() => ({}))).forEach((member, order) => {
     const here = { ...known, ...member, order };
-    if (!holds(has, here)) return;
-    const owner = { ...member, ...mapped(numbers, (text) => numberIn(text, here)) };
-    for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, here);
+    const valueOf = (name) => here[name];
+    if (!holds(has, valueOf)) return;
+    const owner = { ...member, ...mapped(numbers, (rule) => numberIn(rule, valueOf)) };
+    for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, valueOf);
     const key = [owner.n, owner.of, owner.name].join();
     if (!found.has(key)) found.set(key, owner);
   });

@@ -1,8 +1,8 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
 import { range } from "../base/range.js";
-import { numberIn } from "./owners.js";
 import { BOX_WALLS } from "./geometry.js";
+import { numberIn } from "./rules.js";
 import { putSignals } from "./signals.js";
 
 /** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
@@ -38,9 +38,9 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
   const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  for (const [name, [text, over]] of Object.entries(kit.record)) {
-    if (over) each(name, lists[over].map((member) => numberIn(text, member)));
-    else put(name, numberIn(text, known));
+  for (const [name, { number, over }] of Object.entries(kit.record)) {
+    if (over) each(name, lists[over].map((member) => numberIn(number, (key) => member[key])));
+    else put(name, numberIn(number, (key) => known[key]));
   }
   put("regularized", SHARED.kernel.NO_CONTACT);
   const channels = new Map(owners["moving wall"].map(({ name, at }) => [name, at]));

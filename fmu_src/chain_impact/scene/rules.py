@@ -1,0 +1,177 @@
+"""The language of rules: conditions and numbers as text, which Python and the pages evaluate alike.
+
+A rule is written like an expression of Python. From strong to weak, its parts are
+
+- numbers, texts in quotes, and names of values, such as ``chain.base``
+- ``given(name)``: the value is not missing; ``any(list, rule)``: the rule holds for a member of a list;
+  ``sum(list, rule)``: the sum of a number over the members. In such a rule, a name stands for a value of the
+  member, if it has one, and ``order`` for its index in the list.
+- ``a*b``, then ``a + b``; a condition counts as 0 or 1
+- ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
+- ``not``, then ``and``, then ``or``
+
+A value holds if it is neither missing nor 0 nor empty; a list holds if one of its entries holds. A sum or a
+product with a missing value is missing, and a comparison with a missing value does not hold.
+
+``tree`` parses a rule. Python evaluates the tree here, and pages/browser/scene/rules.js in the same way.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, partial
+from typing import Any, TypeAlias
+
+Tree: TypeAlias = dict[str, Any]
+"""A part of a rule: ``{"constant": 2}``, ``{"name": "chain.base"}``, or an operator with its parts:
+``{"operator": "<", "parts": [...]}``."""
+ValueOf: TypeAlias = Callable[[str], Any]
+"""A function that returns the value of a name; None for a missing value."""
+_SIGNS: dict[type, str] = {
+    ast.And: "and",
+    ast.Or: "or",
+    ast.Not: "not",
+    ast.Add: "+",
+    ast.Mult: "*",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.Lt: "<",
+    ast.Gt: ">",
+    ast.LtE: "<=",
+    ast.GtE: ">=",
+    ast.In: "in",
+}
+"""Operator of Python's syntax → its sign in a rule. Rules have no other operators."""
+_FUNCTIONS = {"given": 1, "any": 2, "sum": 2}
+"""Name of a function → its number of arguments."""
+_OF_ALL: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
+_OF_ONE: dict[str, Callable[[Any], bool]] = {
+    "not": lambda value: not _is_so(value),
+    "given": lambda value: value is not None,
+}
+_OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "*": operator.mul,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "in": lambda value, entries: value in entries,
+}
+"""Sign → function of the values of all, one or two parts; those of two parts are given values only."""
+
+
+@cache
+def tree(rule: str) -> Tree:
+    """Return the tree of a rule, which nothing may change.
+
+    Raises:
+        ValueError: for a wrong rule, with the rule.
+    """
+    try:
+        return _tree(ast.parse(rule, mode="eval").body)
+    except (SyntaxError, ValueError) as error:
+        raise ValueError(f"the rule {rule!r} is wrong: {error}") from None
+
+
+def _tree(node: ast.AST) -> Tree:
+    match node:
+        case ast.Constant(value=int() | float() | str() as constant):
+            return {"constant": constant}
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int() | float() as constant)):
+            return {"constant": -constant}
+        case ast.Name(id=name):
+            return {"name": name}
+        case ast.Attribute(value=table, attr=key) if "name" in (whole := _tree(table)):
+            return {"name": f"{whole['name']}.{key}"}
+    sign, parts = _operation(node)
+    if not sign:
+        raise ValueError(f"there is no {ast.unparse(node)}")
+    return {"operator": sign, "parts": [_tree(part) for part in parts]}
+
+
+def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
+    """Return the sign and the parts of an operation, or the name and the arguments of a function."""
+    match node:
+        case ast.BoolOp(op=of, values=parts):
+            return _SIGNS.get(type(of)), parts
+        case ast.BinOp(op=of, left=left, right=right):
+            return _SIGNS.get(type(of)), (left, right)
+        case ast.UnaryOp(op=of, operand=part):
+            return _SIGNS.get(type(of)), (part,)
+        case ast.Compare(left=left, ops=[of], comparators=[right]):
+            return _SIGNS.get(type(of)), (left, right)
+        case ast.Call(func=ast.Name(id=name), args=parts, keywords=[]):
+            return (name if _FUNCTIONS.get(name) == len(parts) else None), parts
+    return None, ()
+
+
+def names_in(part: Tree) -> Iterator[str]:
+    """Yield the names in a tree."""
+    if "name" in part:
+        yield part["name"]
+    for inner in part.get("parts", ()):
+        yield from names_in(inner)
+
+
+def holds(rule: str, value_of: ValueOf) -> bool:
+    """Return whether a rule holds; ``value_of`` returns the value of a name."""
+    return _is_so(_value(tree(rule), value_of))
+
+
+def number_in(rule: str, value_of: ValueOf) -> Any:
+    """Return the number that a rule stands for; None if a value is missing."""
+    value = _value(tree(rule), value_of)
+    return int(value) if isinstance(value, bool) else value
+
+
+def _value(part: Tree, value_of: ValueOf) -> Any:
+    """Return the value of a part of a rule; None if it is missing."""
+    if "parts" not in part:
+        return value_of(part["name"]) if "name" in part else part["constant"]
+    sign, parts = part["operator"], part["parts"]
+    if sign in ("any", "sum"):
+        return _of_members(sign, _value(parts[0], value_of) or (), parts[1], value_of)
+    values = (_value(inner, value_of) for inner in parts)
+    if sign in _OF_ALL:
+        return _OF_ALL[sign](map(_is_so, values))
+    if sign in _OF_ONE:
+        return _OF_ONE[sign](*values)
+    first, second = values
+    if first is None or second is None:
+        return None if sign in ("+", "*") else False
+    return _OF_TWO[sign](first, second)
+
+
+def _of_members(sign: str, members: Iterable[Any], of: Tree, value_of: ValueOf) -> Any:
+    """Return whether a part of a rule holds for any member, or its sum over all members."""
+    values = [
+        _value(of, partial(_value_within, member, order, value_of)) for order, member in enumerate(members)
+    ]
+    if sign == "any":
+        return any(map(_is_so, values))
+    return None if None in values else sum(values)
+
+
+def _value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
+    """Return the value of a name for a member of a list: a table, or a mapping of values."""
+    if name == "order":
+        return order
+    if isinstance(member, Mapping):
+        return member[name] if name in member else value_of(name)
+    return getattr(member, name) if hasattr(member, name) else value_of(name)
+
+
+def _is_so(value: Any) -> bool:
+    return any(map(_is_so, value)) if isinstance(value, tuple | list) else bool(value)
+
+
+def value_at(table: Any, key: str) -> Any:
+    """Return the value of a dotted key in a table, or None if a table on the way is missing."""
+    for name in key.split("."):
+        table = None if table is None else getattr(table, name)
+    return table

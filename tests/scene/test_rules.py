@@ -1,0 +1,53 @@
+"""The language of rules: the meaning of each form, missing values, wrong rules, and the rules of a file."""
+
+import re
+
+import pytest
+
+from chain_impact.scene.chain_tables import Link
+from chain_impact.scene.key_rules import keys
+from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES, Rule
+from chain_impact.scene.rules import holds, names_in, number_in, tree
+from chain_impact.scene.scene import scene_keys
+from chain_impact.scene.signal import Signal
+from chain_impact.scene.tables import Material
+from tests.scene.rule_cases import CASES, VALUES
+
+WRONG = ("a and", "a & b", "a - b", "a and or b", "max(a, b)", "sum(a)", "a < b < c", "given(x=a)", "a[0]")
+ALL_KEYS = {key for key, _ in scene_keys()}
+NAMES = {
+    "": ALL_KEYS,
+    "link": {entry.name for entry in keys(Link)},
+    "material": {entry.name for entry in keys(Material)},
+}
+"""Table to which a rule belongs → the names that the rule may have."""
+
+
+@pytest.mark.parametrize("rule", CASES)
+def test_the_value_of_a_rule(rule):
+    value = CASES[rule]
+    if isinstance(value, bool):
+        assert holds(rule, VALUES.__getitem__) == value
+        assert number_in(f"({rule}) + 0", VALUES.__getitem__) in (value, None)
+    else:
+        assert number_in(rule, VALUES.__getitem__) == value
+
+
+@pytest.mark.parametrize("rule", WRONG)
+def test_a_wrong_rule_is_named(rule):
+    with pytest.raises(ValueError, match=re.escape(rule)):
+        tree(rule)
+
+
+def test_an_unknown_name_is_an_error():
+    with pytest.raises(KeyError, match="strange"):
+        holds("a and strange", VALUES.__getitem__)
+
+
+@pytest.mark.parametrize("rule", [*RULES, *SIGNAL_RULES], ids=lambda rule: f"{rule.fault}, {rule.key}")
+def test_the_rules_of_a_file_name_keys_and_facts(rule: Rule):
+    facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in keys(Signal)}
+    names = facts if rule in SIGNAL_RULES else NAMES[rule.of]
+    assert {rule.key, *names_in(tree(rule.condition))} <= names
+    assert {*names_in(tree(rule.least or "0"))} <= names
+    assert rule.fault in SENTENCES
