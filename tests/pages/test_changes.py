@@ -89,42 +89,82 @@ KEPT = function_of("changes", "keptByEdit")
 
 
 def kept(script, scene, changed, edit, *at):
-    """Return the contents before the changes that an edit leaves, and these changes."""
+    """Return contents before the changes, changes, old name → new name, and names, of an edited scene."""
     return script.evaluate(KEPT, [page_contents(scene), changed, edit, [*at]])
 
 
-def test_no_change_of_a_removed_link_goes_to_another_link(script):
+def test_changes_stay_with_their_links_when_a_link_is_removed(script):
     masses = {f"link[{k}].mass": float(k) for k in (1, 2, 3, 4)}
     scene = load_scene("four_link_box").with_values(masses)
     changed = {"link[2].mass": 5, "link[3].mass": 5, "initial.angle[4]": 0.5, "contact.restitution": 0.25}
-    contents, values = kept(script, scene, changed, "removeLink", 1)
-    assert [link["mass"] for link in contents["chain"]["links"]] == [1, 5, 4]
-    assert contents["initial"]["angles"][-1] == 0.5
+    contents, values, *_ = kept(script, scene, changed, "removeLink", 1)
+    assert [link["mass"] for link in contents["chain"]["links"]] == [1, 3, 4]
+    assert contents["initial"]["angles"][-1] == scene.initial.angles[3]
     assert contents["contact"]["restitution"] == scene.contact.restitution
-    assert values == {"contact.restitution": 0.25}
-    _, values = kept(script, scene, changed, "addLink")
+    assert values == {"link[2].mass": 5, "initial.angle[3]": 0.5, "contact.restitution": 0.25}
+    _, values, *_ = kept(script, scene, changed, "addLink")
     assert values == changed
 
 
-def test_no_change_of_a_removed_wall_goes_to_another_wall(script):
+JOINTED = {
+    "inputs.joint_torques": True,
+    "outputs.loads": True,
+    ("signals",): {"push": {"input": "joint[3].torque", "form": "constant", "value": 2.0}},
+}
+NAMES = {
+    "link[1].mass": "link[1].mass",
+    "link[2].mass": None,
+    "link[4].angle": "link[3].angle",
+    "joint[3].torque": "joint[2].torque",
+    "joint[4].force.x": "joint[3].force.x",
+    "point[0].x": "point[0].x",
+    "point[2].x": None,
+    "point[3].x": "point[2].x",
+    "point[5].x": None,
+    "point[6].x": "point[4].x",
+    "contact[6].y_min.force": "contact[4].y_min.force",
+    "link[4].point[1].x": "link[3].point[1].x",
+    "wall.ramp.angle": "wall.ramp.angle",
+}
+"""Name in a scene with a point on links 2 and 4 → name after the removal of link 2."""
+
+
+def test_names_of_variables_and_inputs_of_signals_follow_their_link(script):
+    contents = scene_to_dict(load_scene("four_link_box").with_values(JOINTED))
+    for link in (1, 3):
+        contents["chain"]["links"][link]["points"] = [{"x": 0.1, "y": 0.05}]
+    contents["walls"] = [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}]
+    scene = scene_from_dict(contents, "points.toml")
+    after, values, names, known = kept(script, scene, {"joint[4].torque": 3}, "removeLink", 1)
+    assert {name: names.get(name) for name in NAMES} == NAMES
+    assert {name for name in names.values() if name} <= set(known)
+    assert after["signals"]["push"]["input"] == ["joint[2].torque"]
+    assert values == {"joint[3].torque": 3}
+    without, *_ = kept(script, scene, {}, "removeLink", 2)
+    assert without["signals"] == {}
+
+
+def test_changes_stay_with_their_walls_when_a_wall_is_removed(script):
     scene = load_scene("four_link_box")
     walls = [{"name": f"wall{k}", "point": [-1.0 - k, -9.0], "angle": 0.0} for k in (1, 2)]
     scene = scene_from_dict({**scene_to_dict(scene), "walls": walls}, "walls.toml")
     changed = {"wall.wall1.x": 0.25, "wall.wall2.x": 0.25, "link[2].mass": 5}
-    contents, values = kept(script, scene, changed, "removeWall", 0)
-    assert [wall["point"][0] for wall in contents["walls"]] == [0.25]
-    assert values == {"link[2].mass": 5}
+    contents, values, *_ = kept(script, scene, changed, "removeWall", 0)
+    assert [wall["point"][0] for wall in contents["walls"]] == [-3.0]
+    assert values == {"wall.wall2.x": 0.25, "link[2].mass": 5}
 
 
-def test_no_change_of_a_point_goes_to_a_corner_of_a_new_box(script):
-    scene = scene_to_dict(load_scene("four_link_box"))
-    scene["chain"]["links"][1]["points"] = [{"x": 0.1, "y": 0.3}]
-    changed = {"link[2].point[1].y": -0.05, "link[2].mass": 5}
-    contents, values = kept(
-        script, scene_from_dict(scene, "points.toml"), changed, "setOfLink", 1, "height", 0.1
-    )
-    assert [point["y"] for point in contents["chain"]["links"][1]["points"]] == [-0.05]
-    assert values == {"link[2].mass": 5}
+def test_changes_stay_with_points_whose_numbers_change(script):
+    contents = scene_to_dict(load_scene("four_link_box"))
+    contents["chain"]["links"][1]["points"] = [{"x": 0.1, "y": 0.3}, {"x": 0.2, "y": 0.3}]
+    scene = scene_from_dict(contents, "points.toml")
+    changed = {"link[2].point[1].y": -0.05, "link[2].point[2].y": -0.05, "link[2].mass": 5}
+    after, values, *_ = kept(script, scene, changed, "setOfLink", 1, "height", 0.1)
+    assert [point["y"] for point in after["chain"]["links"][1]["points"]] == [0.3, 0.3]
+    assert values == {"link[2].point[5].y": -0.05, "link[2].point[6].y": -0.05, "link[2].mass": 5}
+    after, values, *_ = kept(script, scene, changed, "removePoint", 1, 0)
+    assert [point["y"] for point in after["chain"]["links"][1]["points"]] == [0.3]
+    assert values == {"link[2].point[1].y": -0.05, "link[2].mass": 5}
 
 
 def test_a_changed_number_is_in_the_saved_file_with_all_its_digits(script):

@@ -61,6 +61,33 @@ def test_the_map_is_whole_in_a_low_window(show):
     assert chart["x"] > button["x"] + button["width"]
 
 
+def test_the_editor_shows_all_links_and_its_refusals_in_a_low_window(show):
+    page = show(viewport=ON_ITS_SIDE, has_touch=True)
+    page.get_by_role("button", name="Edit…").click()
+    foot, row = (page.locator(name).last.bounding_box() for name in ("#edit form", "#edit-links tbody tr"))
+    assert row["y"] + row["height"] < foot["y"]
+    field = page.locator("#edit").get_by_role("textbox", name="link[1].mass")
+    field.fill("heavy")
+    field.press("Enter")
+    told = page.locator("#edit-text").bounding_box()
+    assert told["width"] > 100.0
+    assert told["y"] + told["height"] < ON_ITS_SIDE["height"]
+
+
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_the_list_of_impacts_scrolls_with_the_page_of_a_phone(show, size):
+    page = show(viewport=size, has_touch=True)
+    rows = page.locator("#impacts tbody tr:visible")
+    assert rows.count() == 10
+    page.evaluate("document.querySelectorAll('#impacts tbody tr')[12].click()")
+    until(page, "document.querySelector('#impacts [aria-current]').rowIndex === 13")
+    assert rows.count() == 11, "the row of the present impact is shown, too"
+    page.get_by_role("button", name="All 14 impacts").click()
+    assert rows.count() == 14
+    box = page.locator("#impacts")
+    assert box.evaluate("one => one.scrollHeight <= one.clientHeight")
+
+
 def test_impacts_stay_in_sight_below_chosen_curves(show):
     page = show(hash_="#curves=point[*].y,link[1].angle", viewport={"width": 1366, "height": 800})
     page.get_by_role("button", name="Pin").click()

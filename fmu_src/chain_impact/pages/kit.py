@@ -47,6 +47,12 @@ IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
 LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
+COUNTED = {
+    **dict.fromkeys(("link", "joint", "joint with friction", "stop"), "links"),
+    **dict.fromkeys(("point", "contact"), "points"),
+    "site": "sites",
+}
+"""Kind of owner → what its number counts, if the number changes with a link or point that is removed."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD.items()},
     "regularized": ("step", "regularized"),
@@ -141,12 +147,13 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if default is FROM_JOINTS:
-        return value | {"orKey": "joint_angles"}
+        return value | {"orKey": "joint_angles"}  # not needed in a file that has this other key
     if isinstance(default, Derived):
-        # a derived default is either a constant that exists only with stops, or 0 for each link; the page
-        # needs only the constant
+        # a derived default is 0 for each link, which the page does not need, or a constant of scenes with
+        # stops: ofStops
         given = default.value({"chain": WITH_STOPS}) if default.constant else None
         return value | ({"ofStops": given} if isinstance(given, float) else {})
+    # a file must have the key, and the refusal of a file without it tells its meaning
     meaning = {"isNeeded": True, "meaning": rule["description"]}
     return value | (meaning if default is MISSING else {"default": default})
 
@@ -164,7 +171,8 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
     """Return the templates of a block of variables, and the kind of owner for which the block is repeated."""
-    return {"ownerKind": block.owner_kind, "rows": [row(kind) for kind in block.kinds]}
+    counts = COUNTED.get(block.owner_kind)
+    return {"ownerKind": block.owner_kind, "counts": counts, "rows": [row(kind) for kind in block.kinds]}
 
 
 def _name_and_condition(kind: Kind) -> dict[str, Any]:

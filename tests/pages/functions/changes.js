@@ -1,9 +1,9 @@
 // Functions that tests/pages/test_changes.py runs in a page.
-import { withoutChanges } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
+import { editedScene, partsOf } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
-import { addLink, removeLink, removeWall, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
-import { complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
+import { addLink, removeLink, removePoint, removeWall, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
+import { asWritten, complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
 
 export const refusedReset = (contents) => {
   const changes = new Changes(sceneOf(contents));
@@ -44,8 +44,13 @@ export const keptByEdit = ([contents, given, edit, at]) => {
   const changes = new Changes(sceneOf(contents));
   changes.set(given);
   const edited = contentsOf(changes);
-  ({ addLink, removeLink, removeWall, setOfLink })[edit](edited, ...at);
-  const whole = complete(edited, contents.kit);
-  const { contents: before, values } = withoutChanges(whole, changes);
-  return [before, values];
+  const before = partsOf(edited);
+  ({ addLink, removeLink, removePoint, removeWall, setOfLink })[edit](edited, ...at);
+  const open = (file) => {
+    const whole = complete(file, contents.kit);
+    return { whole, scene: sceneOf({ file, kit: contents.kit }) };
+  };
+  const { whole, scene, kept, nameOf } = editedScene(edited, before, changes, { kit: contents.kit, open });
+  const names = [changes.scene, scene].map(({ parameters, columns }) => [...parameters, ...columns].map(({ name }) => name));
+  return [asWritten(whole), kept.values, Object.fromEntries(names[0].map((name) => [name, nameOf(name)])), names[1]];
 };

@@ -1,34 +1,93 @@
-// The reader's changes in a scene that is edited: a change whose value the edit leaves stays a change, which can be reset.
+// The reader's changes when a scene is edited: each variable stays with its link or point, whose number the edit may change.
 
 import { inFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";
+import { CORNERS } from "../scene/geometry.js";
+import { filled, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
-/** Return whether entries of a list can have other indices in the edited list: one is removed, or the corners of a box are. */
-function isShifted(before, edited) {
-  return edited.length < before.length || edited[0]?.corner !== before[0]?.corner;
+/**
+ * Return the links of a scene file as it is written, and its points: each with its link, its index there, and its `entry` in the file
+ * or the number of a corner. An edit changes numbers, but not what the entries are.
+ */
+export function partsOf({ chain: { links } }) {
+  const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];
+  const sites = links.flatMap((link) => entriesOf(link).map((entry, index) => ({ link, index, entry })));
+  return { links: [...links], sites };
 }
 
-/** Return whether a path of `file`, an edited scene file, can lead to another link, wall or point than in `scene`. */
-function leadsElsewhere(file, { scene, path }) {
-  return path.some((step, k) => {
-    const [before, edited] = [scene.file, file].map((whole) => inFile(whole, path.slice(0, k)));
-    return typeof step === "number" && (!edited || isShifted(before, edited));
-  });
+/** Return an owner of variables with its numbers after an edit; undefined if it is removed. `counts`: see `kit.py`. */
+function ownerAfter(owner, counts, before, after) {
+  const { n, at } = owner;
+  const linkAt = (k) => after.links.indexOf(before.links[k]);
+  const siteAt = (s) => after.sites.findIndex(({ link, entry }) =>
+    entry === before.sites[s].entry && (typeof entry === "object" || link === before.sites[s].link));
+  if (counts === "sites") {
+    const site = after.sites[siteAt(at)];
+    return site && { ...owner, n: site.index + 1, of: after.links.indexOf(site.link) + 1 };
+  }
+  if (!counts || n === 0) return owner; // the base is point 0 at all times
+  const isLink = n <= before.links.length;
+  const k = isLink ? linkAt(n - 1) : siteAt(n - 1 - before.links.length);
+  return k < 0 ? undefined : { ...owner, n: k + 1 + (isLink ? 0 : after.links.length) };
+}
+
+/** Return the function that returns the name of a variable after an edit of a scene, undefined if its owner is removed. */
+function namesAfter({ file }, kit, before, after) {
+  const { owners } = structureOf(file, kit);
+  const names = new Map();
+  for (const { ownerKind, counts, rows } of [kit.parameters, kit.inputs, kit.motions, kit.outputs].flat()) {
+    for (const owner of owners[ownerKind]) {
+      const moved = ownerAfter(owner, counts, before, after);
+      rows.forEach(({ name }) => names.set(filled(name, owner), moved && filled(name, moved)));
+    }
+  }
+  return (name) => (names.has(name) ? names.get(name) : name);
+}
+
+/** Let signals drive the inputs of the same links; a signal without inputs is removed. */
+function keepSignals(signals, nameOf) {
+  for (const [name, signal] of Object.entries(signals)) {
+    signal.input = [signal.input].flat().map(nameOf).filter(Boolean);
+    if (!signal.input.length) delete signals[name];
+  }
 }
 
 /**
- * Return `contents`, those of an edited scene file (as `complete` returns it) with the values before the changes of parameters, and
- * `values`, these changes: name → number. A change is left out, and its value stays in the contents, if the edit has replaced the
- * value, or if the index in its path can stand for another link, wall or point.
+ * Return the scene of edited contents with the reader's changes in it: `whole` and `scene`, as `open` returns them for contents, with the
+ * values before the changes; the changes `kept`; and `nameOf`, the function from a name before the edit to the name after it. A value
+ * that the edit has replaced is no change. If the scene cannot be without the changes, only those of inputs stay changes.
+ *
+ * @param before from `partsOf`, for the contents before the edit.
  */
-export function withoutChanges(file, { values, parameters, scene }) {
-  const before = structuredClone(file);
-  const kept = Object.entries(values).filter(([name, value]) => {
-    const { filePath: path, items } = parameters.get(name);
-    if (!path || leadsElsewhere(file, { scene, path }) || inFile(file, path) !== (items.length ? items[value - 1][0] : value)) return false;
-    setOrRemove(inFile(before, path.slice(0, -1)), path.at(-1), inFile(scene.file, path));
-    return true;
-  });
-  return { contents: asWritten(before), values: Object.fromEntries(kept) };
+export function editedScene(contents, before, { scene, parameters, values, inputSteps }, { kit, open }) {
+  const nameOf = namesAfter(scene, kit, before, partsOf(contents));
+  keepSignals(contents.signals, nameOf);
+  const edited = open(contents);
+  const paths = new Map(edited.scene.parameters.map(({ name, filePath }) => [name, filePath]));
+  const [file, ofInputs, ofFile] = [structuredClone(edited.whole), {}, {}];
+  for (const [name, value] of Object.entries(values)) {
+    const [after, { filePath, items }] = [nameOf(name), parameters.get(name)];
+    const path = paths.get(after);
+    if (path === null) ofInputs[after] = value;
+    else if (path && inFile(file, path) === (items.length ? items[value - 1][0] : value)) {
+      setOrRemove(inFile(file, path.slice(0, -1)), path.at(-1), inFile(scene.file, filePath));
+      ofFile[after] = value;
+    }
+  }
+  const steps = Object.fromEntries(Object.entries(inputSteps).map(([name, pairs]) => [nameOf(name), pairs]));
+  const base = openIfPossible(file, open, Object.keys(ofFile));
+  return { ...(base ?? edited), kept: { values: { ...ofInputs, ...(base && ofFile) }, inputSteps: steps }, nameOf };
+}
+
+/** Return what `open` returns for a complete file, if its scene is possible and has parameters of all `names`; else undefined. */
+function openIfPossible(file, open, names) {
+  try {
+    const opened = open(asWritten(file));
+    const known = new Set(opened.scene.parameters.map(({ name }) => name));
+    return names.every((name) => known.has(name)) ? opened : undefined;
+  } catch (error) {
+    if (error instanceof RangeError) return undefined;
+    throw error;
+  }
 }

@@ -9,6 +9,7 @@ import {
 } from "../scene/edits.js";
 import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
+import { partsOf } from "./edited_scene.js";
 
 const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
 const LINK = {
@@ -35,8 +36,9 @@ const POINT = { x: "Along", y: "Left", radius: "Radius" };
 
 export class Editor {
   /**
-   * `openContents` shows a scene with some contents; `openEdited` does so and keeps the reader's changes; both throw an error if a
-   * key is wrong. `openFirst` shows the page's own scene; `keys` are the rules of the keys of a scene file, with their units.
+   * `openContents` shows a scene with some contents; `openEdited` does so for edited contents and their parts before the edit, and
+   * keeps the reader's changes; both throw an error if a key is wrong. `openFirst` shows the page's own scene; `keys` are the rules of
+   * the keys of a scene file, with their units.
    */
   constructor(changes, { openContents, openEdited, openFirst }, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
@@ -85,9 +87,10 @@ export class Editor {
   /** Change the contents of the present scene of the page. */
   #change(edit) {
     const file = contentsOf(this.changes);
+    const before = partsOf(file);
     this.#try(() => {
       edit(file);
-      this.openEdited(file);
+      this.openEdited(file, before);
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 
@@ -149,14 +152,15 @@ export class Editor {
   /** Return the cells of the row of a link's point, among them a field for the link to which the point belongs. */
   #pointRow(file, site, s) {
     const { link, entry } = site;
-    const label = `point[${file.chain.links.length + 1 + s}]`;
+    const number = file.chain.links.length + 1 + s;
+    const label = `point[${number}]`;
     const pointOf = (all) => ownPoint(all, link, entry);
     const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
     const fields = Object.keys(POINT).map((key) =>
       this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
     const name = this.#field(`${label}.name`, site.name || undefined, (value, all) => setOrRemove(pointOf(all), "name", value));
-    const remover = this.#remover(`point ${file.chain.links.length + 1 + s}`, (all) => removePoint(all, link, entry));
-    return [`${file.chain.links.length + 1 + s}`, of, ...fields, name, remover];
+    const remover = this.#remover(`point ${number}`, (all) => removePoint(all, link, entry));
+    return [`${number}`, of, ...fields, name, remover];
   }
 
   #wallRow({ name, point, angle }, k) {

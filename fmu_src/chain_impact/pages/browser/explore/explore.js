@@ -15,7 +15,7 @@ import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
-import { withoutChanges } from "./edited_scene.js";
+import { editedScene } from "./edited_scene.js";
 import { Editor } from "./editor.js";
 import { changesIn, hashOf } from "./export.js";
 import { connectExport } from "./export_dialog.js";
@@ -155,38 +155,26 @@ function showScene(scene, text, kept) {
 
 /** Open a scene with the contents of a file; an error says which key is wrong. */
 function openContents(contents) {
-  openFile(complete(contents, kit));
+  openFile(sceneIn(contents));
 }
 
-/** Open the edited contents of the present scene, with the reader's changes; an error says which key is wrong. */
-function openEdited(contents) {
+/**
+ * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error says which key is
+ * wrong. `before`: the parts before the edit.
+ */
+function openEdited(contents, before) {
+  const { nameOf, kept, ...edited } = editedScene(contents, before, changes, { kit, open: sceneIn });
+  choice.names = choice.names.map(nameOf).filter(Boolean);
+  openFile(edited, kept);
+}
+
+/** Return the complete file of some contents and its scene; commands call the file by the name of the scene. */
+function sceneIn(contents) {
   const whole = complete(contents, kit);
-  const { values, inputSteps } = changes;
-  const ofInputs = Object.fromEntries(Object.entries(values).filter(([name]) => changes.scene.inputs.includes(name)));
-  const before = withoutChanges(whole, changes);
-  const base = baseOf(before);
-  if (base) openFile(base.whole, { values: { ...before.values, ...ofInputs }, inputSteps }, base.scene);
-  else openFile(whole, { values: ofInputs, inputSteps });
+  return { whole, scene: describe(kit, whole, [`${whole.name}.toml`]) };
 }
 
-/** Return the complete file `whole` of some contents and its scene if it has all parameters of the changes `values`; else undefined. */
-function baseOf({ contents, values }) {
-  try {
-    const whole = complete(contents, kit);
-    const scene = describeFile(whole);
-    const names = scene.parameters.map(({ name }) => name);
-    return Object.keys(values).every((name) => names.includes(name)) ? { whole, scene } : undefined;
-  } catch {
-    return undefined; // without the changes, the edited contents are no scene
-  }
-}
-
-/** Return the scene of a complete file; commands call the file by the name of the scene. */
-function describeFile(whole) {
-  return describe(kit, whole, [`${whole.name}.toml`]);
-}
-
-function openFile(whole, kept, scene = describeFile(whole)) {
+function openFile({ whole, scene }, kept) {
   showScene(scene, tomlText(asWritten(whole), kit.keys), kept);
 }
 

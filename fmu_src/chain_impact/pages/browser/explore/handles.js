@@ -215,8 +215,9 @@ export class Handles {
     const { kind, index } = this.dragged;
     try {
       this.changes.set(this[kind](at, index));
-    } catch {
-      // this position is not possible: the handle stays where it was
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+      // the scene refuses this position: the handle stays where it was
     }
   }
 

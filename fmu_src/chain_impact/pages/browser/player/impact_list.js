@@ -1,9 +1,10 @@
 // The list of impacts; a click on an impact goes to its largest force.
 
-import { make } from "../base/dom.js";
+import { find, make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
+const FIRST = 10; // number of rows that a page that scrolls shows at first, as in the style sheets
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // a further column if forces in joints are known
 const TITLES = {
@@ -39,6 +40,13 @@ export class ImpactList {
   constructor(element, goTo) {
     this.element = element;
     this.goTo = goTo;
+    find("impacts-all").addEventListener("click", () => this.#showAll(true));
+  }
+
+  /** Show all rows, or only the first rows, in a page that scrolls. */
+  #showAll(isWhole) {
+    find("list").classList.toggle("whole", isWhole);
+    find("impacts-all").hidden = isWhole || !(this.rows?.length > FIRST);
   }
 
   /** List the impacts of a recording. */
@@ -46,9 +54,10 @@ export class ImpactList {
     const { element, goTo } = this;
     this.current = undefined;
     this.rows = undefined;
+    find("impacts-all").textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
-    if (!recording.impacts.length) return;
+    if (!recording.impacts.length) return this.#showAll(false);
     const table = make("table");
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const heads = columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
@@ -58,6 +67,7 @@ export class ImpactList {
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
+    this.#showAll(find("list").classList.contains("whole"));
   }
 
   #row(body, impact, columns, goTo) {
