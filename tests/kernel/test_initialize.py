@@ -13,7 +13,7 @@ from chain_impact.kernel.initialize import (
     check_start,
     clear_run,
     derive_chain,
-    derive_resistance,
+    derive_drives,
     first_size,
     initialize,
     set_initial_state,
@@ -79,7 +79,7 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
         d.model.has_springs = d.model.has_springs_or_dampers = 7
-        derive_resistance(d)
+        derive_drives(d)
         joints = count > 1 or base == "pinned"
         expected = springs and joints, (dampers or springs) and joints
         assert (d.model.has_springs, d.model.has_springs_or_dampers) == expected

@@ -37,7 +37,7 @@ from chain_impact.kernel.forces.inputs import (
     limit_to_piece,
     withdraw_request,
 )
-from chain_impact.kernel.initialize import derive_resistance, first_size
+from chain_impact.kernel.initialize import derive_drives, first_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
     apply_next_piece,
@@ -225,7 +225,7 @@ def apply_pending_inputs(d):
     """
     clear_unsolved(d)
     apply_inputs(d)
-    derive_resistance(d)
+    derive_drives(d)
     status = update_laws(d)
     if status == OK:
         apply_laws(d)

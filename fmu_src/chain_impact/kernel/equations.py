@@ -13,14 +13,13 @@ without the forces of constraints:
 
 from chain_impact.kernel.chain.drives import (
     drive_power,
-    elastic_stiffness,
     first_joint,
     mode_margin,
+    rotor_energy,
     spring_energy,
-    stretch,
+    stored_force,
 )
 from chain_impact.kernel.chain.elimination import accelerations
-from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.sites import carry_sites, joint_place
 from chain_impact.kernel.chain.slider import carriage_energy
@@ -28,7 +27,6 @@ from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
-    relative,
     sundman_u_at,
     supplied_at,
     time_at,
@@ -94,15 +92,6 @@ def mechanical_energy(d, y):
     return kinetic + rotor_energy(d, y) if d.model.has_armatures else kinetic, potential
 
 
-def rotor_energy(d, y):
-    """Return the kinetic energy [J] of the armatures, the sum of ½ I_a (ω_i − ω_{i−1})²."""
-    energy = 0.0
-    for i in range(d.links):
-        rate = relative(y, omega_at(d.links), i)
-        energy += 0.5 * joint_armature(d, i) * (rate * rate)
-    return energy
-
-
 @inlined
 def rate_from_state(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
@@ -164,7 +153,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
         dissipated += damped
     if d.slides:
         force, damped, of_drive = drive_power(d, y, n)
-        d.work.thrust = force - elastic_stiffness(d, n) * stretch(d, y, n)
+        d.work.thrust = force - stored_force(d, y, n)
         dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
@@ -226,7 +215,7 @@ def add_place_moments(d):
 def add_spring_moments(d, y):
     """Add the moments of the springs of passive drives in the joints."""
     for i in range(d.links):
-        add_joint_moment(d, i, -elastic_stiffness(d, i) * stretch(d, y, i))
+        add_joint_moment(d, i, -stored_force(d, y, i))
 
 
 def add_joint_moment(d, i, torque):

@@ -3,9 +3,9 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import drive_count, drive_damping, drive_stiffness, first_joint
+from chain_impact.kernel.chain.drives import drive_count, drive_inertia, note_effects
 from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_box, loose_links, middle
-from chain_impact.kernel.chain.joints import joint_armature, joint_rate_bound, resists
+from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
@@ -73,7 +73,7 @@ def initialize(d, time):
     if d.channels > 0:
         begin_motion(d, time)
     apply_inputs(d)
-    derive_resistance(d)
+    derive_drives(d)
     if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
         return d.statistics.status
     set_start(d, time)
@@ -145,7 +145,7 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive parameters that are not given, constants of the recursion, scales, and flags like has_stops."""
+    """Derive parameters that are not given, constants of the recursion, scales, and ``has_stops``."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
@@ -173,22 +173,13 @@ def derive_chain(d):
     total, armatures = d.slider.mass if d.slides else 0.0, 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
-        armatures += joint_armature(d, i)
+        armatures += drive_inertia(d, i)
     model.energy_scale = total * model.longest_link * model.longest_link + armatures
-    model.has_armatures = 1 if resists(armatures) else 0
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.has_stops = 0
     for c in range(d.candidates):
         if at_joint(d, c):
             model.has_stops = 1
-    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_stops, 0, 0
-    for i in range(first_joint(d), drive_count(d)):
-        if d.drive.friction[i] > 0.0:
-            model.has_drive_friction = 1
-            if i < d.links:
-                model.has_joint_places = 1
-        if d.drive.limit[i] < math.inf:
-            model.has_drive_limits = 1
     if d.slides:
         d.slider.ux, d.slider.uy = direction(d.slider.angle)
 
@@ -211,20 +202,14 @@ def derive_sites(d):
     model.first_site[d.links] = s
 
 
-def derive_resistance(d):
-    """Derive from the values in use whether springs and dampers act, and a bound [1/s] on their rates.
+def derive_drives(d):
+    """Derive from the values in use the effects of drives, and a bound [1/s] on the rates that they cause.
 
     The modes of all drives are first set to "below the limit".
     """
     clear_saturation(d)
-    model = d.model
-    model.has_springs, model.has_springs_or_dampers = 0, 0
-    for i in range(drive_count(d)):
-        if resists(drive_damping(d, i)):
-            model.has_springs_or_dampers = 1
-        if resists(drive_stiffness(d, i)):
-            model.has_springs, model.has_springs_or_dampers = 1, 1
-    model.joint_rate_bound = joint_rate_bound(d)
+    note_effects(d)
+    d.model.joint_rate_bound = joint_rate_bound(d)
 
 
 def check_parameters(d):

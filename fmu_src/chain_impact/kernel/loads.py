@@ -21,10 +21,8 @@ wall. The record of a scene that does not request loads has no such rows.
 
 import math
 
-from chain_impact.kernel.chain.drives import drive_force, first_joint
-from chain_impact.kernel.chain.joints import joint_armature
+from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
-from chain_impact.kernel.chain.state import omega_at, relative
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.contact import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
@@ -128,9 +126,7 @@ def fill_loads(d, y, rate):
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
     for i in range(d.links):
-        # the drive's torque minus the torque that accelerates the armature I_a: τ − I_a (α_i − α_{i−1})
-        armature = joint_armature(d, i) * relative(rate, omega_at(d.links), i)
-        out.load.moment[i] = drive_force(d, y, i) - armature
+        out.load.moment[i] = transmitted_moment(d, y, rate, i)
         if d.elements > 0:
             out.load.moment[i] += out.friction.joint_or_slider_friction[i]
     if d.slides:

@@ -4,7 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.forces.inputs import apply_inputs
-from chain_impact.kernel.initialize import derive_chain, derive_resistance
+from chain_impact.kernel.initialize import derive_chain, derive_drives
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import record_of
 from tests.kernel.chains import random_links
@@ -25,6 +25,6 @@ def prepared(scene, angles):
     d = record_of(scene)
     derive_chain(d)
     apply_inputs(d)
-    derive_resistance(d)
+    derive_drives(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d

@@ -9,10 +9,11 @@ from chain_impact.kernel.chain.drives import (
     drive_damping,
     drive_resistance,
     drive_stiffness,
+    resists,
     spring_energy,
     stretch,
 )
-from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate, resists
+from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.damped import prepared, random_chain

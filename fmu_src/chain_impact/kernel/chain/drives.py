@@ -1,4 +1,4 @@
-"""Drives: a motor, a damper and a spring along a coordinate q, a joint's angle or the slider's position.
+"""Drives: a motor, a damper, a spring and a rotor along a coordinate q, an angle or the slider's position.
 
 Drive i acts in the proximal joint of link i, counted from 0. If the chain has a slider, drive N acts along
 the slider's line. Drive N has lengths, forces and masses in place of angles, torques and moments of inertia.
@@ -9,7 +9,11 @@ The force or torque of a drive is
 u is the force or torque of the motor, c the damping and k the stiffness. With targets q_t, q̇_t a drive is a
 servo; otherwise q_t is the rest position of the spring, and q̇_t is 0. F may have a limit. A drive with a
 limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1
-while F is at the positive or the negative limit.
+while F is at the positive or the negative limit. The rotor of a joint's drive has the armature I_a, its
+inertia reflected through the gear, so the joint transmits F − I_a q̈.
+
+Only this module knows of which effects a drive consists. All others ask for their sums: force, power, energy,
+inertia, the slopes of the force, and ``note_effects`` for what the drives of a scene have.
 
 The angles of links include full turns, and so do those of joints. The base of a pinned chain has the angle 0.
 A free base has no joint and no drive.
@@ -18,7 +22,8 @@ A free base has no joint and no drive.
 import math
 
 from chain_impact.kernel.chain.slider import slide_along, slider_position
-from chain_impact.kernel.chain.state import ANGLES, relative, velocity_at
+from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
+from chain_impact.kernel.functions import has_dual_rule
 
 # the largest excess of the force F above the limit of a drive that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
@@ -71,6 +76,52 @@ def lever_arm(d, i):
     return 1.0 if is_slider(d, i) else d.model.longest_link
 
 
+@has_dual_rule
+def resists(constant):
+    """Return whether a damping, a stiffness or an armature is not zero, so that its terms are needed."""
+    return constant != 0.0
+
+
+def note_effects(d):
+    """Set the flags of the effects that the drives have, for the values in use; ``has_stops`` must be set."""
+    model = d.model
+    model.has_springs, model.has_springs_or_dampers, model.has_armatures = 0, 0, 0
+    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_stops, 0, 0
+    for i in range(first_joint(d), drive_count(d)):
+        if resists(d.inputs.drive_stiffness[i]):
+            model.has_springs, model.has_springs_or_dampers = 1, 1
+        if resists(d.inputs.drive_damping[i]):
+            model.has_springs_or_dampers = 1
+        if not is_slider(d, i) and resists(drive_inertia(d, i)):
+            model.has_armatures = 1
+        if d.drive.friction[i] > 0.0:
+            model.has_drive_friction = 1
+            if not is_slider(d, i):
+                model.has_joint_places = 1
+        if d.drive.limit[i] < math.inf:
+            model.has_drive_limits = 1
+
+
+def joints_resist(d):
+    """Return whether some joint has an impedance: of its drive or, at its place, of stop or dry friction."""
+    model = d.model
+    return model.has_joint_places or model.has_springs_or_dampers or model.has_armatures
+
+
+def drive_inertia(d, i):
+    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 without a joint."""
+    return d.model.joint_armature[i] if i >= first_joint(d) else 0.0
+
+
+def rotor_energy(d, y):
+    """Return the kinetic energy [J] of the rotors, the sum of ½ I_a (ω_i − ω_{i−1})²."""
+    energy = 0.0
+    for i in range(d.links):
+        rate = relative(y, omega_at(d.links), i)
+        energy += 0.5 * drive_inertia(d, i) * (rate * rate)
+    return energy
+
+
 def drive_damping(d, i):
     """Return the damping c of drive i [N·m·s/rad or N·s/m]; 0 at a limit, and without a joint."""
     return d.inputs.drive_damping[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
@@ -95,9 +146,14 @@ def is_active(d, i):
     return d.model.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
-def elastic_stiffness(d, i):
-    """Return the stiffness k of drive i [N·m/rad or N/m] if its spring stores energy; 0 if it is active."""
-    return 0.0 if is_active(d, i) else drive_stiffness(d, i)
+def spring_force(d, y, i):
+    """Return the force k (q − q_t) [N·m or N] of the spring of drive i; 0 at a limit, and without a joint."""
+    return drive_stiffness(d, i) * stretch(d, y, i)
+
+
+def stored_force(d, y, i):
+    """Return ``spring_force`` of drive i [N·m or N] if its spring stores energy; 0 if it is active."""
+    return 0.0 if is_active(d, i) else spring_force(d, y, i)
 
 
 def spring_energy(d, y):
@@ -105,7 +161,7 @@ def spring_energy(d, y):
     energy = 0.0
     for i in range(drive_count(d)):
         bent = stretch(d, y, i)
-        energy += 0.5 * elastic_stiffness(d, i) * bent * bent
+        energy += 0.0 if is_active(d, i) else 0.5 * drive_stiffness(d, i) * bent * bent
     return energy
 
 
@@ -126,6 +182,11 @@ def drive_force(d, y, i):
     """
     mode = d.drive.mode[i]
     return wanted_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
+
+
+def transmitted_moment(d, y, rate, i):
+    """Return the moment F − I_a q̈ [N·m] that the drive of joint i transmits, at the ``rate`` ẏ."""
+    return drive_force(d, y, i) - drive_inertia(d, i) * relative(rate, omega_at(d.links), i)
 
 
 def drive_power(d, y, i):

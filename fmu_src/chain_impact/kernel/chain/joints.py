@@ -1,4 +1,4 @@
-"""The rates of the fast motions that dampers and springs of drives (drives.py) cause; armatures of joints.
+"""The rates of the fast motions that dampers and springs of drives (drives.py) cause.
 
 With C = Σ c_i g_i g_iᵀ, c_i the damping of drive i, g_i the gradient of the rate of its coordinate, which is
 ω_i − ω_{i−1} at a joint, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The
@@ -24,25 +24,13 @@ from chain_impact.kernel.chain.drives import (
     along_drive,
     drive_count,
     drive_damping,
+    drive_inertia,
     drive_stiffness,
-    first_joint,
     load_drive,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.sites import clear_link_moments
-from chain_impact.kernel.functions import has_dual_rule
-
-
-def joint_armature(d, i):
-    """Return the armature I_a [kg·m²] of the drive in joint i; 0 at a free base, which has no joint."""
-    return d.model.joint_armature[i] if i >= first_joint(d) else 0.0
-
-
-@has_dual_rule
-def resists(constant):
-    """Return whether a damping, a stiffness or an armature is not zero, so that its terms are needed."""
-    return constant != 0.0
 
 
 def joint_rate_bound(d):
@@ -77,7 +65,7 @@ def largest_joint_rate(d, y):
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)
     for i in range(d.links):
-        work.impedance.joint[i] = joint_armature(d, i)
+        work.impedance.joint[i] = drive_inertia(d, i)
     factorize(d, work.link, work, FREE, True)
     zero(d, work.load)
     clear_joints(work.load)

@@ -36,11 +36,10 @@ import math
 from chain_impact.kernel.chain.drives import (
     coordinates_of_drive,
     drive_count,
-    drive_stiffness,
+    drive_inertia,
     lever_arm,
-    stretch,
+    spring_force,
 )
-from chain_impact.kernel.chain.joints import joint_armature
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
@@ -110,7 +109,7 @@ def start_balance(d, time):
         reach += model.length[i]
         # E₁, twice the kinetic energy of the stretched chain: the sum of m (s + Σ L)² + I over its links,
         # with Σ L up to the end of the link
-        square += model.mass[i] * reach * reach + (model.inertia[i] + joint_armature(d, i))
+        square += model.mass[i] * reach * reach + (model.inertia[i] + drive_inertia(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy_scale
@@ -304,7 +303,7 @@ def scales(d, y):
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     if d.model.has_springs:
         for i in range(drive_count(d)):
-            force = drive_stiffness(d, i) * abs(stretch(d, y, i))
+            force = abs(spring_force(d, y, i))
             scale += force * (d.model.longest_link / lever_arm(d, i))
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):

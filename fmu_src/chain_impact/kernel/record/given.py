@@ -22,9 +22,15 @@ from chain_impact.kernel.record.fields import (
 )
 from chain_impact.kernel.rows.geometry import WALLS
 
+# fields of `model`: 1 for each effect that some drive has
+FLAGS = (
+    *("has_springs", "has_springs_or_dampers", "has_armatures"),
+    *("has_joint_places", "has_drive_friction", "has_drive_limits"),
+)
+
 
 @settable(AT_START)
-@written_by("initialize.py")
+@written_by("initialize.py", **dict.fromkeys(FLAGS, "chain/drives.py"))
 def model_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
     return record(

@@ -22,8 +22,14 @@ speeds, forces and masses of stops have the same units and scales as at walls, a
 F.
 """
 
-from chain_impact.kernel.chain.drives import coordinates_of_drive, drive_resistance, is_slider, lever_arm
-from chain_impact.kernel.chain.joints import joint_armature
+from chain_impact.kernel.chain.drives import (
+    coordinates_of_drive,
+    drive_inertia,
+    drive_resistance,
+    is_slider,
+    joints_resist,
+    lever_arm,
+)
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
@@ -276,10 +282,10 @@ def join(d, impedance, time):
 
     The impedance of a slider's damper and spring is added at the base.
     """
-    if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
+    if joints_resist(d):
         square = d.model.longest_link * d.model.longest_link
         for i in range(d.links):
-            impedance.joint[i] = joint_armature(d, i) + drive_resistance(d, i, time)
+            impedance.joint[i] = drive_inertia(d, i) + drive_resistance(d, i, time)
             if d.model.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
     if d.slides:
@@ -289,7 +295,7 @@ def join(d, impedance, time):
 def clear_loads_of(d, load):
     """Set to zero the loads at all places and, in a scene that uses them, the moments in all joints."""
     zero(d, load)
-    if d.model.has_joint_places or d.model.has_springs_or_dampers or d.model.has_armatures:
+    if joints_resist(d):
         clear_joints(load)
 
 

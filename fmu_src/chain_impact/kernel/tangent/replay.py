@@ -37,7 +37,7 @@ from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.contact import clear_loads
 from chain_impact.kernel.forces.contact_law import start_laws
 from chain_impact.kernel.forces.inputs import apply_inputs
-from chain_impact.kernel.initialize import clear_run, derive_chain, derive_resistance, set_start
+from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_start
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.collocation import (
     LAST,
@@ -108,7 +108,7 @@ def start_tangent(d, t):
         derive_signals(t, d.step.time)
     take_given(d, t)
     apply_inputs(t)
-    derive_resistance(t)
+    derive_drives(t)
     start_laws(t)
     begin_trust(t)
     set_start(t, d.step.time)

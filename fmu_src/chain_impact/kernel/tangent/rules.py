@@ -4,7 +4,7 @@ Each function has the name of the function that it replaces, and is called inste
 derivatives. The returned value is the same up to round-off.
 """
 
-from chain_impact.kernel.chain import drives, joints, kinematics
+from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import contact_force, holding, user_law
@@ -212,6 +212,6 @@ RULES = {
     segments.shift_start: shift_start,
     angles.direction: direction,
     kinematics.polar: polar,
-    joints.resists: resists,
+    drives.resists: resists,
 }
 """Function of the kernel → its replacement, which gives value and derivatives."""
