@@ -7,7 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benchmarks.common import PORTABLE_CPU, RELEASE, ROOT
+from benchmarks.common import ROOT
+from chain_impact.compilation.compilers import PORTABLE_CPU
+from chain_impact.compilation.ready import RELEASE
 
 # numpy and numba read these variables when they are imported
 SETTINGS = {

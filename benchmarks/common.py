@@ -17,8 +17,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar
 
-PORTABLE_CPU = "x86-64-v2"  # the target of the shipped kernel, see compilation/compilers.py
-RELEASE = "CHAIN_IMPACT_RELEASE"  # variable: a kernel for each number of links up to ten, as in a release
+from chain_impact.compilation.ready import for_release
 
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
@@ -136,7 +135,7 @@ def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
 
     Ends a process without the settings of a release, which ``python -m benchmarks`` makes.
     """
-    if RELEASE not in os.environ:
+    if not for_release():
         sys.exit("run: python -m benchmarks NAME")
     further = {name: _version(name) for name in packages}
     return {

@@ -14,14 +14,6 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PACKAGE = Path(__file__).parents[1] / "fmu_src" / "chain_impact"
-TAGS = {
-    "linux64": "manylinux_2_17_x86_64",  # for glibc 2.17 or later
-    "win64": "win_amd64",
-    "darwin64": "macosx_11_0_x86_64",
-    "aarch64-linux": "manylinux_2_17_aarch64",
-    "aarch64-darwin": "macosx_11_0_arm64",
-}
-"""The tag of a wheel's platform; any Python fits, because the shared libraries do not use Python."""
 PLATFORM = "CHAIN_IMPACT_PLATFORM"
 """The environment variable with the platform of the wheel; the default is this machine's platform."""
 
@@ -43,6 +35,18 @@ def kernels() -> ModuleType:
     return import_module("ready_kernels")
 
 
+def platforms() -> dict[str, Any]:
+    """Return all platforms, by name, as in chain_impact.system."""
+    kernels()
+    found: dict[str, Any] = import_module("chain_impact.system").PLATFORMS
+    return found
+
+
+def tag(platform: str) -> str:
+    """Return the tag of a wheel; any Python fits, because the shared libraries do not use Python."""
+    return f"py3-none-{platforms()[platform].tag}"
+
+
 def target() -> str:
     """Return the platform of the wheel: this machine's, or the value of CHAIN_IMPACT_PLATFORM.
 
@@ -52,8 +56,8 @@ def target() -> str:
     kernels()
     system = import_module("chain_impact.system")
     given = os.environ.get(PLATFORM)
-    if given and given not in TAGS:
-        raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(TAGS)}")
+    if given and given not in platforms():
+        raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(platforms())}")
     if not (given or system.HOST):
         raise RuntimeError(system.nowhere())
     return given or str(system.HOST)
@@ -91,7 +95,7 @@ class KernelHook(BuildHookInterface[Any]):
             say("the kernels are ready")
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{TAGS[platform]}"
+        build_data["tag"] = tag(platform)
 
     def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
         """Delete the temporary files."""

@@ -5,17 +5,22 @@ from __future__ import annotations
 import functools
 import lzma
 import shutil
+import tomllib
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation import browser, cache, compilers, ready
-from chain_impact.compilation.sources import COMPILERS, fingerprint
+from chain_impact.compilation.sources import fingerprint
 from chain_impact.system import HOST, cores
 
 PATIENCE = 10.0  # s, after which a message tells that work continues
-REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
+_PROJECT = tomllib.loads(Path(__file__).parents[1].joinpath("pyproject.toml").read_text("utf-8"))["project"]
+REQUIREMENTS = [
+    *_PROJECT["optional-dependencies"]["compiler"],
+    *(requirement for requirement in _PROJECT["dependencies"] if requirement.startswith("numpy")),
+]
 """Requirements of the compilation of kernels."""
 
 
@@ -46,7 +51,7 @@ def make(
 
     Args:
         folder: the new folder.
-        platform: a key of ``compilers.ZIG_TARGETS``.
+        platform: a key of ``system.PLATFORMS``.
         release: whether to add the kernels for single numbers of links, as in a wheel for release.
         say: a function that gets a line before each step.
     """

@@ -15,7 +15,7 @@ import sys
 import zipfile
 from pathlib import Path
 
-from kernel_hook import PLATFORM, TAGS, kernels
+from kernel_hook import PLATFORM, kernels, platforms, tag
 
 ROOT = Path(__file__).parents[1]
 LARGEST = 8e6  # bytes, upper limit of a file: a download of seconds
@@ -50,14 +50,14 @@ def check_wheel(wheel: Path, platform: str) -> None:
     Raises:
         ReleaseError: when it has not.
     """
-    tag = f"py3-none-{TAGS[platform]}"
+    wanted = tag(platform)
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         (about,) = (name for name in names if name.endswith(".dist-info/WHEEL"))
         tags = [line for line in archive.read(about).decode().splitlines() if line.startswith("Tag: ")]
-    libraries = [name for name in names if Path(name).stem.endswith(tuple(f"-{one}" for one in TAGS))]
-    if tags != [f"Tag: {tag}"] or not wheel.stem.endswith(f"-{tag}"):
-        raise ReleaseError(f"{wheel.name}: its tag is {', '.join(tags)}, and must be {tag}")
+    libraries = [name for name in names if Path(name).stem.endswith(tuple(f"-{one}" for one in platforms()))]
+    if tags != [f"Tag: {wanted}"] or not wheel.stem.endswith(f"-{wanted}"):
+        raise ReleaseError(f"{wheel.name}: its tag is {', '.join(tags)}, and must be {wanted}")
     if not libraries or not all(Path(name).stem.endswith(f"-{platform}") for name in libraries):
         raise ReleaseError(f"{wheel.name}: must have kernels for {platform} only")
     if not any("derivatives-" in name for name in libraries):
@@ -85,7 +85,8 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("-o", dest="folder", type=Path, default=Path("dist"), help="default: dist")
-    parser.add_argument("--platform", action="append", choices=list(TAGS), help="only this one; repeatable")
+    known = list(platforms())
+    parser.add_argument("--platform", action="append", choices=known, help="only this one; repeatable")
     options = parser.parse_args()
     folder = options.folder.absolute()
     folder.mkdir(parents=True, exist_ok=True)
@@ -93,7 +94,7 @@ def main() -> None:
         sys.exit(f"{folder} must be empty")
     try:
         files = []
-        for platform in options.platform or TAGS:
+        for platform in options.platform or known:
             files.append(built("wheel", folder, platform))
             check_wheel(files[-1], platform)
         files.append(built("sdist", folder))

@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from filelock import FileLock, Timeout
 
 from chain_impact import BuildError, build_fmu, system
-from chain_impact.compilation import compilers, library
+from chain_impact.compilation import library
 
 SYSTEMS = {"linux": "Linux", "win32": "Windows", "darwin": "Darwin"}
 
@@ -36,8 +37,13 @@ def test_this_machine_has_a_platform():
     assert SYSTEMS[sys.platform] == system.PLATFORMS[system.HOST].system
 
 
-def test_each_platform_has_a_kernel_and_a_binary():
-    assert set(compilers.ZIG_TARGETS) == set(system.PLATFORMS)
+def test_a_wheel_needs_the_same_system_as_the_code_in_it():
+    for platform in system.PLATFORMS.values():
+        assert platform.tag.endswith(f"_{platform.machine}")
+        processor, _, oldest = platform.target.partition("-")
+        assert platform.fmi3.startswith(f"{processor}-")
+        least = platform.tag.removesuffix(platform.machine)
+        assert re.findall(r"\d+", oldest) == re.findall(r"\d+", least)
 
 
 def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):

@@ -35,20 +35,71 @@ class Platform(NamedTuple):
         machine: Python's name of the processor on this system.
         suffix: the suffix of a shared library's file.
         fmi3: FMI 3.0's name of the platform (2.5.1.4.1).
+        target: zig's name of the platform, with the oldest version of the C library or of macOS.
+        cpu: zig's name of the oldest processor that runs the code: all processors then give equal bits.
+        tag: a wheel's name of the platform, with the same oldest version.
+        has_pythonfmu: whether pythonfmu has a wrapper for the platform.
     """
 
     system: str
     machine: str
     suffix: str
     fmi3: str
+    target: str
+    cpu: str
+    tag: str
+    has_pythonfmu: bool = False
 
 
+X86, ARM = "x86_64_v2", "generic"  # every x86 since 2009, and every 64-bit ARM
 PLATFORMS = {
-    "linux64": Platform("Linux", "x86_64", ".so", "x86_64-linux"),
-    "win64": Platform(WINDOWS, "amd64", ".dll", "x86_64-windows"),
-    "darwin64": Platform("Darwin", "x86_64", ".dylib", "x86_64-darwin"),
-    "aarch64-linux": Platform("Linux", "aarch64", ".so", "aarch64-linux"),
-    "aarch64-darwin": Platform("Darwin", "arm64", ".dylib", "aarch64-darwin"),
+    "linux64": Platform(
+        system="Linux",
+        machine="x86_64",
+        suffix=".so",
+        fmi3="x86_64-linux",
+        target="x86_64-linux-gnu.2.17",
+        cpu=X86,
+        tag="manylinux_2_17_x86_64",
+        has_pythonfmu=True,
+    ),
+    "win64": Platform(
+        system=WINDOWS,
+        machine="amd64",
+        suffix=".dll",
+        fmi3="x86_64-windows",
+        target="x86_64-windows-gnu",
+        cpu=X86,
+        tag="win_amd64",
+        has_pythonfmu=True,
+    ),
+    "darwin64": Platform(
+        system="Darwin",
+        machine="x86_64",
+        suffix=".dylib",
+        fmi3="x86_64-darwin",
+        target="x86_64-macos.11.0",
+        cpu=X86,
+        tag="macosx_11_0_x86_64",
+    ),
+    "aarch64-linux": Platform(
+        system="Linux",
+        machine="aarch64",
+        suffix=".so",
+        fmi3="aarch64-linux",
+        target="aarch64-linux-gnu.2.17",
+        cpu=ARM,
+        tag="manylinux_2_17_aarch64",
+    ),
+    "aarch64-darwin": Platform(
+        system="Darwin",
+        machine="arm64",
+        suffix=".dylib",
+        fmi3="aarch64-darwin",
+        target="aarch64-macos.11.0",
+        cpu=ARM,
+        tag="macosx_11_0_arm64",
+    ),
 }
 """All platforms, by name: the first three names are from FMI 2.0, the others from FMI 3.0."""
 

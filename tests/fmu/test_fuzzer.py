@@ -11,8 +11,9 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.compilation import library
-from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources, write_beside
+from chain_impact.compilation.compilers import INCLUDES, complete, interface_sources, write_beside
 from chain_impact.compilation.library import kernel_library
+from chain_impact.system import X86
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.interface import description, unpacked
 from tests.fmu.zig import zig
@@ -48,7 +49,7 @@ def sanitized_kernel(folder, links):
     text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
     assert functions > 500
     (folder / "kernel.ll").write_text(text)
-    options = [f"-mcpu={CPUS['x86_64']}", "-Wno-everything", "-fsanitize=address"]
+    options = [f"-mcpu={X86}", "-Wno-everything", "-fsanitize=address"]
     zig(folder, "-c", *options, folder / "kernel.ll", "-o", folder / "kernel.o")
     return folder / "kernel.o"
 

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from chain_impact.compilation.compilers import INCLUDES, ZIG_TARGETS, interface_sources
-from chain_impact.system import HOST
+from chain_impact.compilation.compilers import INCLUDES, interface_sources
+from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.clean import calling
 from tests.fmu.interface import (
     ALLOWED,
@@ -52,8 +52,8 @@ from tests.fmu.zig import WARNINGS, zig
 )
 def test_the_interface_compiles_without_a_warning(platform, tmp_path):
     """The standard's own headers are included, so that each function has the type of the standard."""
-    target, _ = ZIG_TARGETS.get(platform, ZIG_TARGETS[HOST])
-    headers = INCLUDES if platform in ZIG_TARGETS else (HEADERS, *INCLUDES)
+    target = PLATFORMS.get(platform, PLATFORMS[HOST]).target
+    headers = INCLUDES if platform in PLATFORMS else (HEADERS, *INCLUDES)
     options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in headers)]
     for source in interface_sources():
         zig(tmp_path, *options, "-c", source, "-o", tmp_path / f"{source.stem}.o")

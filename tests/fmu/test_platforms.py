@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from chain_impact.compilation.compilers import INCLUDES, INTERFACE, ZIG_TARGETS
+from chain_impact.compilation.compilers import INCLUDES, INTERFACE
 from chain_impact.fmu.build import build_fmu
 from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
@@ -59,10 +59,10 @@ def binaries(fmu):
         return {name.split("/")[1]: (archive.getinfo(name), archive.read(name)) for name in names}
 
 
-@pytest.mark.parametrize("platform", ZIG_TARGETS)
+@pytest.mark.parametrize("platform", PLATFORMS)
 def test_binaries_need_system_libraries_only_and_hold_no_local_path(binaries, platform):
     entry, data = binaries[platform]
-    assert entry.filename == f"binaries/{platform}/RodDrop{ZIG_TARGETS[platform][1]}"
+    assert entry.filename == f"binaries/{platform}/RodDrop{PLATFORMS[platform].suffix}"
     found = binary(data)
     assert found.machine in (ARM if platform.startswith("aarch64") else X86)
     assert found.libraries
@@ -108,7 +108,7 @@ class Machine(NamedTuple):
 
 def printed(machine, source, folder, *arguments):
     """Return the numbers that a C program prints on a machine, a list for each line."""
-    target, _ = ZIG_TARGETS[machine.platform]
+    target = PLATFORMS[machine.platform].target
     program = folder / f"{source.stem}-{machine.platform}.exe"
     libraries = ["-ldl"] if "linux" in target else []
     headers = [f"-I{place}" for place in INCLUDES]

@@ -6,8 +6,7 @@ import sys
 from pathlib import Path
 
 from chain_impact.compilation.cache import linker_folder
-from chain_impact.compilation.compilers import ZIG_TARGETS
-from chain_impact.system import HOST
+from chain_impact.system import HOST, PLATFORMS
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-unused-parameter")
 
@@ -22,7 +21,7 @@ def zig(folder: Path, *arguments: object) -> None:
     command = [sys.executable, "-m", "ziglang", "cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1"]
     command += ["-fsanitize=undefined", "-fsanitize-trap=undefined"]
     if "-target" not in arguments:
-        command += ["-target", ZIG_TARGETS[HOST][0]]
+        command += ["-target", PLATFORMS[HOST].target]
     done = subprocess.run(
         [*command, *map(str, arguments)],
         cwd=folder,

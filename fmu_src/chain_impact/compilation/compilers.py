@@ -22,22 +22,10 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.laws.law_syntax import LawError
-from chain_impact.system import HOST, PLATFORMS
+from chain_impact.system import ARM, HOST, PLATFORMS, X86
 
-_TARGETS = {
-    "linux64": "x86_64-linux-gnu.2.17",
-    "win64": "x86_64-windows-gnu",
-    "darwin64": "x86_64-macos.11.0",
-    "aarch64-linux": "aarch64-linux-gnu.2.17",
-    "aarch64-darwin": "aarch64-macos.11.0",
-}
-ZIG_TARGETS = {name: (target, PLATFORMS[name].suffix) for name, target in _TARGETS.items()}
-"""Platform → zig's target, and the suffix of a library's file."""
-PORTABLE_CPU = "x86-64-v2"
+PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the processor
 BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is then on standard error
-# The processors for which code is made: every x86 since 2009 and every 64-bit ARM. So all processors of a
-# kind give equal bits.
-CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 KERNEL, DERIVATIVES = "kernel", "derivatives"
 """The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
 carry derivatives. The names also stand for the kinds of libraries: the kernel, and the kernel with these
@@ -176,7 +164,7 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
     """
     # by default numba uses the features of this machine's processor, and writes code in the order of hashes,
     # which Python changes in each run; the code would then differ between machines and between runs
-    cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
+    cpu = ARM if HOST.startswith("aarch64") else PORTABLE_CPU
     settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     given = [str(law)] if law else []
     done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), what, *given, **settings)
@@ -191,7 +179,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     Args:
         module: the part in LLVM's language, as lower.py writes it.
         compiled: the file to write; temporary files are in the same folder.
-        platform: a key of ``ZIG_TARGETS``.
+        platform: a key of ``PLATFORMS``.
         what: KERNEL or DERIVATIVES.
         sizes: the scenes that the kernel can run.
 
@@ -201,7 +189,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in ZIG_TARGETS[platform][0]:  # code for Windows does not need the flag
+    if "windows" not in PLATFORMS[platform].target:  # code for Windows does not need the flag
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
@@ -220,7 +208,7 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
     Args:
         parts: the compiled kernel and, in one that carries derivatives, the compiled hooks.
         library: the file to write; temporary files are in the same folder.
-        platform: a key of ``ZIG_TARGETS``.
+        platform: a key of ``PLATFORMS``.
         law: a user's law in LLVM's language, if there is one.
 
     Raises:
@@ -270,7 +258,7 @@ def interface_sources() -> list[Path]:
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
     """Compile the inputs that are not compiled yet, and link all inputs to a library."""
-    target, _ = ZIG_TARGETS[platform]
+    target = PLATFORMS[platform].target
     options = ["-shared", "-s"]
     if "linux" in target:
         # called functions must be found inside the library, not in another library of the same process; a
@@ -301,8 +289,7 @@ def _zig(
     platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
     """Run zig's C compiler."""
-    target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, f"-mcpu={CPUS[target.partition('-')[0]]}", *FLAGS]
+    options = ["cc", "-target", PLATFORMS[platform].target, f"-mcpu={PLATFORMS[platform].cpu}", *FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
     run_zig([*options, *paths, *libraries], output)

@@ -31,7 +31,7 @@ def kernel_library(
 
     Args:
         links: number of links N, compilers.GENERAL for a scene with rare features, or all sizes of a scene.
-        platform: a key of ``compilers.ZIG_TARGETS``.
+        platform: a key of ``system.PLATFORMS``.
         law_file: the file of the kernel's user law, if any.
         derivatives: whether the kernel carries derivatives.
 

@@ -19,6 +19,7 @@ from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL, Siz
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
+from chain_impact.system import PLATFORMS
 
 FOLDER = PACKAGE / "ready"
 MODULE = f"{KERNEL}.ll.xz"  # the file of the lowered kernel, compressed in a wheel
@@ -76,7 +77,7 @@ def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
     """Return the file name of a kernel for some sizes; it contains the name of a user's law."""
-    suffix = compilers.ZIG_TARGETS[platform][1]
+    suffix = PLATFORMS[platform].suffix
     if isinstance(wanted, tuple):
         size = "_".join(map(str, wanted))
     else:

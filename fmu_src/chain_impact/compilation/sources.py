@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+from chain_impact.system import PLATFORMS
+
 PACKAGE = Path(__file__).parents[1]
 MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
@@ -27,8 +29,8 @@ LANGUAGES = (".py", ".c", ".h")
 
 @cache
 def fingerprint() -> str:
-    """Return 16 hexadecimal digits that change only with the sources or the compilers."""
-    digest = hashlib.sha256(repr(COMPILERS).encode())
+    """Return 16 hexadecimal digits that change only with the sources, the compilers or the platforms."""
+    digest = hashlib.sha256(repr((COMPILERS, PLATFORMS)).encode())
     for source in sorted(_sources()):
         name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()
         digest.update(len(name).to_bytes(8, "big") + name + len(content).to_bytes(8, "big") + content)

@@ -13,7 +13,7 @@ from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.facts import facts_file
 from chain_impact.fmu.native_target import native_files
-from chain_impact.fmu.pythonfmu_target import PLATFORMS as PYTHONFMU_PLATFORMS, pythonfmu_files
+from chain_impact.fmu.pythonfmu_target import pythonfmu_files
 from chain_impact.fmu.references import reference_files
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
@@ -23,9 +23,12 @@ from chain_impact.variables.prepared import PreparedScene, kernel_size
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
-TARGETS = {"pythonfmu": PYTHONFMU_PLATFORMS, "native": tuple(PLATFORMS)}
+TARGETS = {
+    "pythonfmu": tuple(name for name, platform in PLATFORMS.items() if platform.has_pythonfmu),
+    "native": tuple(PLATFORMS),
+}
 """Kind of FMU → platforms for which this kind exists."""
-TARGET = "pythonfmu" if HOST in PYTHONFMU_PLATFORMS else "native"
+TARGET = "pythonfmu" if HOST in TARGETS["pythonfmu"] else "native"
 """The default kind of FMU on this machine."""
 
 

@@ -9,11 +9,9 @@ from pathlib import Path
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import described
 from chain_impact.fmu.versions import FMI_2
-from chain_impact.system import PLATFORMS as ALL_PLATFORMS
+from chain_impact.system import PLATFORMS
 from chain_impact.variables.prepared import PreparedScene
 
-PLATFORMS = ("linux64", "win64")
-"""The platforms for which pythonfmu has a wrapper."""
 SCRIPT = """\
 import ctypes
 
@@ -69,7 +67,7 @@ def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:
-        suffix = ALL_PLATFORMS[platform].suffix
+        suffix = PLATFORMS[platform].suffix
         wrapper = next(folder.glob(f"resources/binaries/{platform}/*{suffix}"))
         files[f"binaries/{platform}/{name}{suffix}"] = wrapper
     return {name: path.read_bytes() for name, path in sorted(files.items())}

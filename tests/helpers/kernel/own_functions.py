@@ -10,6 +10,7 @@ import numpy as np
 
 from chain_impact.compilation import compilers
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
+from chain_impact.system import PLATFORMS
 from tests.fmu.zig import zig
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
@@ -90,9 +91,8 @@ def program(law: Path, platform: str, folder: Path) -> Path:
     """Return a program for a platform that reads arguments, and writes results."""
     source, made = folder / "functions.c", folder / f"functions-{platform}.exe"
     source.write_text(PROGRAM, encoding="utf-8")
-    target, _ = compilers.ZIG_TARGETS[platform]
-    cpu = f"-mcpu={compilers.CPUS[target.partition('-')[0]]}"
-    zig(folder, "-target", target, cpu, *compilers.FLAGS, source, law, "-o", made)
+    target = PLATFORMS[platform]
+    zig(folder, "-target", target.target, f"-mcpu={target.cpu}", *compilers.FLAGS, source, law, "-o", made)
     return made
 
 
