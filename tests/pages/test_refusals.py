@@ -78,6 +78,18 @@ RULED = {
     "box_width": {"box": {"y_min": -4.0, "y_max": -3.5}, "contact": {"radius": 0.25}},
     "joint_range": {"base": "pinned", "link": {"joint_min": 0.75, "joint_max": 0.75}},
     "static_friction": {"box": {"y_min": -4.0}, "contact": {"friction": 0.5, "static_friction": 0.25}},
+    "law_restitution": {"contact": {"model": "kuwabara_kono", "restitution": 0.0}},
+    "law_exponent": {
+        "base": "pinned",
+        "link": {"joint_min": -0.75},
+        "stops": {"model": "kuwabara_kono", "exponent": 2.0},
+    },
+    "rigid_friction": {
+        "box": {"y_min": -4.0},
+        "contact": {"model": "newton_impact", "wall": {"y_min": {"friction": 0.5}}},
+    },
+    "no_joint": {"base": "free", "link": {"joint_max": 0.75}},
+    "no_stops": {"base": "pinned", "stops": {"restitution": 0.5}},
     "no_frequency": driven("pinned", "base.ax", form="sine", amplitude=1.0, frequency=0.0),
     "steps_jump": driven("pinned", "base.vx", form="steps", times=[0.0, 1.0], values=[0.0, 1.0]),
     "ramp_jumps": driven("pinned", "base.y", form="ramp", final=1.0, duration=1.0, shape="linear"),

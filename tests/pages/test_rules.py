@@ -30,13 +30,16 @@ def in_both(script, rules, values):
     return [[holds(rule, values.get), number_in(rule, values.get)] for rule in rules], page
 
 
-def texts_in(part, names):
-    """Add the names that a rule compares with texts, each with these texts, to ``names``."""
-    texts = [one["constant"] for one in part.get("parts", ()) if isinstance(one.get("constant"), str)]
-    for one in part.get("parts", ()):
-        texts_in(one, names)
-        if texts and "name" in one:
-            names.setdefault(one["name"], []).extend(texts)
+def collect(part, texts, lists):
+    """Collect from a rule the names that it compares with texts, each with them, and the names of lists."""
+    parts = part.get("parts", ())
+    of_part = [one["constant"] for one in parts if isinstance(one.get("constant"), str)]
+    if part.get("operator") in ("any", "sum"):
+        lists[parts[0]["name"]] = {*names_in(parts[1])}
+    for one in parts:
+        collect(one, texts, lists)
+        if of_part and "name" in one:
+            texts.setdefault(one["name"], []).extend(of_part)
 
 
 def test_each_form_has_the_same_value(script):
@@ -46,11 +49,16 @@ def test_each_form_has_the_same_value(script):
 
 @pytest.mark.parametrize("seed", range(TRIALS))
 def test_all_rules_have_the_same_value_for_any_values(script, seed):
-    chance, texts = np.random.default_rng(seed), {}
+    chance, texts, lists = np.random.default_rng(seed), {}, {}
     for rule in ALL_RULES:
-        texts_in(tree(rule), texts)
-    names = {name for rule in ALL_RULES for name in names_in(tree(rule))}
-    values = {name: NUMBERS[chance.integers(len(NUMBERS))] for name in sorted(names)}
-    values |= {name: chance.choice([*found, "other"]) for name, found in texts.items()}
+        collect(tree(rule), texts, lists)
+    names = sorted({name for rule in ALL_RULES for name in names_in(tree(rule))} - {"order"})
+
+    def values_of(names):
+        values = {name: NUMBERS[chance.integers(len(NUMBERS))] for name in names}
+        return values | {name: chance.choice([*texts[name], "other"]) for name in names if name in texts}
+
+    values = values_of(names) | {"order": 1}
+    values |= {name: [values_of(sorted(inner)) for _ in range(seed % 4)] for name, inner in lists.items()}
     python, page = in_both(script, ALL_RULES, values)
     assert page == python

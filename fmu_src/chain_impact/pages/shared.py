@@ -19,6 +19,7 @@ import numpy as np
 from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.inputs import REINITIALIZE
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
@@ -29,7 +30,7 @@ from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
 from chain_impact.scene.contents import PARALLEL
-from chain_impact.scene.refusals import RULES, SENTENCES, SIGNAL_RULES, Rule
+from chain_impact.scene.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULES, Rule
 from chain_impact.scene.rules import tree
 from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
@@ -78,6 +79,7 @@ def shared() -> dict[str, Any]:
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
         "refusals": SENTENCES,
         "rules": {"FILE": [*map(_parsed, RULES)], "SIGNAL": [*map(_parsed, SIGNAL_RULES)]},
+        "laws": {name: {key: getattr(law, key) for key in LAW_FACTS} for name, law in CONTACT_LAWS.items()},
         "file": {
             "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.CORNERS + 1)],
             "SHOWN": reading.SHOWN,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -12,16 +12,14 @@ from typing import Any
 from chain_impact.kernel.chain.inertia import loose_links
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, wall_friction
 from chain_impact.kernel.rows.geometry import OVERLAP, WALLS
-from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.angles import radians_hint, turns_hint
 from chain_impact.scene.chain_tables import ChainTable
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.kernel_view import chain_view
-from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
-from chain_impact.scene.refusals import RULES
-from chain_impact.scene.rules import holds, number_in, value_at
+from chain_impact.scene.refusals import LAW_FACTS, RULES
+from chain_impact.scene.rules import ValueOf, holds, number_in, value_at, value_within
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -39,8 +37,6 @@ def check(scene: Contents) -> None:
     """
     try:
         check_together(scene)
-        check_stops(scene)
-        check_friction(scene)
         check_signals(scene)
         check_start(scene)
         check_joint_angles(scene)
@@ -79,9 +75,6 @@ def check_together(scene: Contents) -> None:
         if point not in movable or contact.points.count(point) > 1:
             words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
             raise refusal(("contact", "points"), "points", point=value_text(point), **words)
-    check_law(contact.model, ("contact",), contact)
-    for name, material in contact.wall.items():
-        check_law(contact.model, ("contact", "wall", name), material)
     check_rules(scene)
     check_moved_walls(scene)
     check_reach(scene)
@@ -99,10 +92,14 @@ def check_together(scene: Contents) -> None:
 
 def check_rules(scene: Contents) -> None:
     """Refuse values that a rule in ``RULES`` refuses."""
-    tables: dict[str, list[tuple[DataPath, Callable[[str], Any]]]] = {
-        "": [((), partial(value_at, scene))],
-        "link": [(("chain", "links", i), partial(value_at, at)) for i, at in enumerate(scene.chain.links)],
-        "material": [(path, values.get) for path, values in _coefficients(scene.contact).items()],
+    whole = partial(value_at, scene)
+    tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
+        "": [((), whole)],
+        "link": [
+            (("chain", "links", i), partial(value_within, link, i, whole))
+            for i, link in enumerate(scene.chain.links)
+        ],
+        "law": [(path, table.get) for path, table in _of_laws(scene).items()],
     }
     for rule in RULES:
         for path, value_of in tables[rule.of]:
@@ -111,15 +108,30 @@ def check_rules(scene: Contents) -> None:
                 words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
                 if rule.least:
                     words |= {"least": f"{number_in(rule.least, value_of):.15g}", "bound": rule.least}
+                if rule.of == "law":
+                    words["law"] = value_of("law.id")
                 raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
 
 
-def _coefficients(contact: Contact) -> dict[DataPath, dict[str, float]]:
-    """Return path of [contact] and of each wall's table → its coefficients of friction, by their keys."""
+def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
+    """Return path → the values of each table with properties of a contact law, with those of this law."""
+    contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
-    names = ("friction", "static_friction")
-    return {path: dict(zip(names, coefficients(contact, own), strict=True)) for path, own in tables.items()}
+    found = {path: _of_law(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()}
+    return found | {("stops",): _of_law(scene.stops.model or contact.model, scene.stops)}
+
+
+def _of_law(
+    model: str,
+    table: Contact | Material | Stops,
+    friction: float | None = None,
+    static_friction: float | None = None,
+) -> dict[str, Any]:
+    law, exponent = CONTACT_LAWS.get(model), getattr(table, "exponent", None)
+    known = {"friction": friction, "static_friction": static_friction, "exponent": exponent}
+    known |= {f"law.{key}": getattr(law, key, None) for key in LAW_FACTS}
+    return known | {"restitution": table.restitution}
 
 
 def check_reach(scene: Contents) -> None:
@@ -145,49 +157,6 @@ def check_moved_walls(scene: Contents) -> None:
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
             raise no_wall(("inputs", "wall_motion", i), walls, f"= {value_text(name)} ")
-
-
-def check_law(model: str, table: DataPath, values: Contact | Material | Stops) -> None:
-    """Refuse a restitution or an exponent that the contact law ``model`` does not allow.
-
-    ``table`` is the path of the table that has the ``values``.
-    """
-    law, exponent = CONTACT_LAWS.get(model), getattr(values, "exponent", None)
-    if law and values.restitution == 0.0 and not law.allows_zero:
-        path = (*table, "restitution")
-        raise SceneError(f"{path_text(path)} = 0.0 must be > 0 for the contact model {law.id}", path)
-    if law and exponent is not None and not law.allows_exponent(exponent):
-        path, needed = (*table, "exponent"), f"must be {law.exponent} for the contact model {law.id}"
-        raise SceneError(f"{path_text(path)} = {exponent} {needed}", path)
-
-
-def check_stops(scene: Contents) -> None:
-    """Refuse a stop of link 1 on a free base, values in [stops] without stops, and those of ``check_law``."""
-    if not scene.chain.stops:
-        _refuse_table(scene)
-        return
-    joint, key = scene.chain.stops[0]
-    if joint == 1 and scene.chain.base == "free":
-        raise refusal(("chain", "links", 0, key), "no_joint", value=getattr(scene.chain.links[0], key))
-    check_law(scene.stops.model or scene.contact.model, ("stops",), scene.stops)
-
-
-def _refuse_table(scene: Contents) -> None:
-    for entry in keys(Stops):
-        if (value := getattr(scene.stops, entry.name)) is not None:
-            raise refusal(("stops", entry.name), "no_stops", value=value_text(value))
-
-
-def check_friction(scene: Contents) -> None:
-    """Refuse friction at rigid walls."""
-    law = CONTACT_LAWS.get(scene.contact.model)
-    if law is None or not law.impulsive:
-        return
-    for path, values in _coefficients(scene.contact).items():
-        for key, value in values.items():
-            if value > 0.0:
-                words = {"value": value, "law": law.id, "reason": WITHOUT_FRICTION}
-                raise refusal((*path, key), "rigid_friction", **words)
 
 
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from chain_impact.kernel.status import WITHOUT_FRICTION
+
 SENTENCES = {
     "no_table": "= {value} must be a table",
     "no_tables": "= {value} must be a table of tables",
@@ -33,7 +35,10 @@ SENTENCES = {
     "joint_range": "= {value} must be > {least} [rad], which is joint_min",
     "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0, which means "
     "equal to it",
-    "rigid_friction": "= {value} must be 0 for the contact model {law}: {reason}; choose a law with a force",
+    "law_restitution": "= {value} must be > 0 for the contact model {law}",
+    "law_exponent": "= {value} must be {least} for the contact model {law}",
+    "rigid_friction": "= {value} must be 0 for the contact model {law}: "
+    f"{WITHOUT_FRICTION}; choose a law with a force",
     "points": "holds {point}, must hold {first} to {last} with a {base} base, each once",
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
@@ -77,8 +82,11 @@ class Rule(NamedTuple):
         key: the refused key; its value is the word ``value`` of the sentence.
         condition: the rule (rules.py) by which the value is refused; its names are keys and facts.
         least: the number whose value is the word ``least`` of the sentence; its text is the word ``bound``.
-        of: the tables to which the keys belong: "" the whole file, "link" each link, "material" [contact] and
-            each table in [contact.wall], whose missing values are those of [contact].
+        of: the tables to which the key belongs: "" the whole file, "link" each link, "law" [contact], each
+            table in [contact.wall], and [stops]. A missing coefficient of friction or value of a stop is that
+            of [contact]. ``law`` is the contact law of the table; a law of the user has no properties here.
+        in_kernel: whether the kernel has the rule, too: a page leaves it to the kernel when its reader
+            changes a value, who may change the other value next.
     """
 
     fault: str
@@ -86,9 +94,19 @@ class Rule(NamedTuple):
     condition: str
     least: str = ""
     of: str = ""
+    in_kernel: bool = False
 
 
+STOP_KEYS = ("model", "stiffness", "exponent", "restitution", "minimum_impact_speed")
 RULES = (
+    Rule(
+        "law_restitution",
+        "restitution",
+        "restitution == 0 and law.allows_zero == 0",
+        of="law",
+        in_kernel=True,
+    ),
+    Rule("law_exponent", "exponent", "exponent != law.exponent", "law.exponent", of="law", in_kernel=True),
     Rule("velocity_pinned", "initial.velocity", "chain.base == 'pinned' and initial.velocity"),
     Rule("velocity_slider", "initial.velocity", "chain.base == 'slider' and initial.velocity"),
     Rule("no_slider", "chain.slider", "chain.base != 'slider' and chain.slider"),
@@ -114,10 +132,28 @@ RULES = (
         "static_friction",
         "static_friction > 0 and static_friction < friction",
         "friction",
-        "material",
+        "law",
+    ),
+    *(
+        Rule("rigid_friction", key, f"law.impulsive and {key} > 0", of="law", in_kernel=True)
+        for key in ("friction", "static_friction")
+    ),
+    *(
+        Rule("no_joint", key, f"chain.base == 'free' and order == 0 and given({key})", of="link")
+        for key in ("joint_min", "joint_max")
+    ),
+    *(
+        Rule(
+            "no_stops",
+            f"stops.{key}",
+            f"given(stops.{key}) and not any(chain.links, given(joint_min) or given(joint_max))",
+        )
+        for key in STOP_KEYS
     ),
 )
 """Rules of a file, in the order in which they are checked."""
+LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
+"""The properties of a contact law that rules name."""
 SIGNAL_RULES = (
     Rule(
         "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"

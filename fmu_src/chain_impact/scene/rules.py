@@ -150,14 +150,14 @@ def _value(part: Tree, value_of: ValueOf) -> Any:
 def _of_members(sign: str, members: Iterable[Any], of: Tree, value_of: ValueOf) -> Any:
     """Return whether a part of a rule holds for any member, or its sum over all members."""
     values = [
-        _value(of, partial(_value_within, member, order, value_of)) for order, member in enumerate(members)
+        _value(of, partial(value_within, member, order, value_of)) for order, member in enumerate(members)
     ]
     if sign == "any":
         return any(map(_is_so, values))
     return None if None in values else sum(values)
 
 
-def _value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
+def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
     """Return the value of a name for a member of a list: a table, or a mapping of values."""
     if name == "order":
         return order

@@ -99,7 +99,8 @@ export class Changes {
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.#valueIn(values, nameAt(path)) : inFile(this.scene.file, path));
-    keepFileRules(this.scene.file, valueAt, (path) => nameAt(path) ?? pathText(path));
+    const rules = SHARED.rules.FILE.filter((rule) => !rule.in_kernel);
+    keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
   }
 
   /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */

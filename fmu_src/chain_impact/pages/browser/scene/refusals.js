@@ -41,18 +41,39 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
  * Refuse the first value of a file that does not go together with others; `valueAt` and `textAt` return the value at a path of the
  * file, and its text.
  */
-export function keepFileRules(file, valueAt = (path) => inFile(file, path), textAt = pathText) {
-  const walls = Object.keys(file.contact.wall).map((name) => ["contact", "wall", name]);
-  const tables = { "": [[]], link: file.chain.links.map((_, k) => ["chain", "links", k]), material: [["contact"], ...walls] };
-  for (const rule of SHARED.rules.FILE) {
-    for (const table of tables[rule.of]) {
-      const pathOf = (key) => [...table, ...key.split(".")];
-      const ownOf = (key) => valueAt(pathOf(key));
-      // a wall with its own sliding friction has no static friction by default
-      const inContact = (key) => (ownOf("friction") === undefined ? valueAt(["contact", key]) : 0);
-      keepRules([rule], rule.of === "material" ? (key) => ownOf(key) ?? inContact(key) : ownOf, (key) => textAt(pathOf(key)));
+export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) => inFile(file, path), textAt = pathText) {
+  const whole = (key) => valueAt(key.split("."));
+  const tables = {
+    "": [[[], whole]],
+    link: file.chain.links.map((_, order) => {
+      const path = ["chain", "links", order];
+      return [path, (key) => (key === "order" ? order : valueAt([...path, key]) ?? whole(key))];
+    }),
+    law: tablesOfLaws(file, valueAt),
+  };
+  for (const rule of rules) {
+    for (const [path, valueOf] of tables[rule.of]) {
+      keepRules([rule], valueOf, (key) => textAt([...path, ...key.split(".")]), { law: valueOf("law.id") });
     }
   }
+}
+
+/** Return the path of each table with properties of a contact law, and the function that returns its values and those of the law. */
+function tablesOfLaws({ chain, contact, stops }, valueAt) {
+  const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
+  const table = (path, law, otherwise) => [path, (key) =>
+    (key.startsWith("law.") ? SHARED.laws[law]?.[key.slice(4)] : valueAt([...path, key]) ?? otherwise(key, path))];
+  // a wall with its own sliding friction has no static friction by default
+  const ofWall = (key, path) => {
+    if (!key.endsWith("friction")) return undefined;
+    return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;
+  };
+  const ofStops = (key) => (hasStops && !key.endsWith("friction") ? valueAt(["contact", key]) : undefined);
+  return [
+    table(["contact"], contact.model, () => undefined),
+    ...Object.keys(contact.wall).map((name) => table(["contact", "wall", name], contact.model, ofWall)),
+    table(["stops"], stops.model ?? contact.model, ofStops),
+  ];
 }
 
 /** Refuse a name at a path of the file that is not the name of a wall; `value`: the start of the sentence. */

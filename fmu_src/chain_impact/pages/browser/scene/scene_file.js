@@ -252,15 +252,9 @@ function setWallAngles({ walls }) {
   });
 }
 
-/** Add the constant defaults of the stops' law if there are stops; else refuse its keys. */
+/** Add the constant defaults of the stops' law if there are stops. */
 function setStops(file, keys) {
-  const [first] = stopsOf(file);
-  const [given] = Object.keys(file.stops);
-  if (!first && given) refuse(`stops.${given}`, "no_stops", { value: shown(file.stops[given]) });
-  if (!first) return;
-  if (first[0] === 1 && file.chain.base === "free") {
-    refuse(`chain.links[1].${first[1]}`, "no_joint", { value: file.chain.links[0][first[1]] });
-  }
+  if (!stopsOf(file).length) return;
   for (const [key, { ofStops }] of Object.entries(keys)) {
     if (ofStops !== undefined) file.stops[key] ??= ofStops;
   }
