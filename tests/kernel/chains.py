@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from chain_impact.kernel.rows.geometry import along, normal
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.kernel.plain import Plain, begun, pack
 from tests.helpers.models.reference import point_jacobian
+from tests.helpers.tools.differences import slope
 
 FAR = 1e3  # m, distance of the walls
 ANGLES = (0.4, 2.9)  # rad, of the walls besides the box
@@ -157,15 +158,14 @@ def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
 
     Afterwards ``d`` holds the points of a state near y.
     """
-    h = 1e-6
 
-    def potential(j: int, step: float) -> float:
+    def potential(j: int, change: float) -> float:
         moved = y.copy()
-        moved[j] += step
+        moved[j] += change
         locate_points(d, moved)
         return mechanical_energy(d, moved)[1]
 
-    return np.array([(potential(j, h) - potential(j, -h)) / (2 * h) for j in range(d.links + 2)])
+    return np.array([slope(partial(potential, j), 0.0, 1e-6) for j in range(d.links + 2)])
 
 
 def relative_motion(count: int) -> np.ndarray:

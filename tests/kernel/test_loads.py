@@ -8,6 +8,7 @@ from chain_impact import load_scene, simulate, sweep
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.instance import SimulationError
 from tests.helpers.campaigns.random_scenes import DRIVEN, RUBBED, SLANTED, STOPPED, scene as random_scene
+from tests.helpers.tools.differences import slope
 
 GEAR = {"link[2].joint_stiffness": 3.0, "link[3].joint_damping": 0.2, "inputs.tip_force": True}
 GEAR |= {"link[3].joint_min": 1.2, "link[3].joint_max": 1.4, "inputs.joint_torques": True}
@@ -293,11 +294,12 @@ def test_derivatives_are_those_of_differences(name, output):
     scene = loaded(name, **{"solver.tolerance": 1e-11})
     value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
     result = simulate(scene, stop_time=0.6, output_step=0.02, sensitivities=[parameter], inputs=inputs)
-    low, high = (
-        simulate(scene.with_values({parameter: value + d}), stop_time=0.6, output_step=0.02, inputs=inputs)
-        for d in (-change, change)
-    )
-    right = (high[output] - low[output]) / (2.0 * change)
+
+    def changed(number):
+        varied = scene.with_values({parameter: number})
+        return simulate(varied, stop_time=0.6, output_step=0.02, inputs=inputs)[output]
+
+    right = slope(changed, value, change)
     found = result.sensitivity(output, parameter)
     # the difference is not valid in a row just at an impact
     quiet = np.abs(right) < 50.0 * np.median(np.abs(right))
@@ -318,10 +320,13 @@ def test_derivatives_of_a_walls_load_equal_differences(name, wall, parameter, st
     value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
     asked = {"stop_time": stop, "output_step": 1e-4, "inputs": inputs}
     result = simulate(scene, sensitivities=[parameter], **asked)
-    low, high = (simulate(scene.with_values({parameter: value + d}), **asked) for d in (-change, change))
     names = [f"wall.{wall}.load.x", f"wall.{wall}.load.y", f"wall.{wall}.load_moment"]
+
+    def changed(number):
+        varied = simulate(scene.with_values({parameter: number}), **asked)
+        return np.array([varied[one] for one in names])
+
     assert sum(result[one].any() for one in names) == (2 if name == "box" else 3)
-    for one in names:
-        right = (high[one] - low[one]) / (2.0 * change)
+    for one, right in zip(names, slope(changed, value, change), strict=True):
         found = result.sensitivity(one, parameter)
         assert np.abs(found - right).max() <= 2e-6 * np.abs(right).max()

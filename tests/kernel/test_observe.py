@@ -14,6 +14,7 @@ from chain_impact.kernel.forces.contact_force import elastic_energy, law_force
 from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
 from chain_impact.kernel.rows.geometry import first_stop, place_walls
 from tests.helpers.models.reference import generalized_force, mass_matrix
+from tests.helpers.tools.differences import slope
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
 from tests.kernel.steps import (
     Motion,
@@ -94,9 +95,9 @@ def seen(request):
 
 def rate_of(quantity, y):
     """Return the rate of a quantity of the coordinates, by a central difference along the motion."""
-    h, along = 1e-6, np.zeros(len(y))
+    along = np.zeros(len(y))
     along[:HALF] = y[HALF : 2 * HALF]
-    return (quantity(y + h * along) - quantity(y - h * along)) / (2 * h)
+    return slope(lambda time: quantity(y + time * along), 0.0, 1e-6)
 
 
 def force_of(seen):

@@ -11,6 +11,7 @@ from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
 from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
 from tests.helpers.scenes.problems import build
+from tests.helpers.tools.differences import slope
 
 
 @pytest.mark.parametrize("armature", [1e-3, 0.7, 50.0])
@@ -100,15 +101,11 @@ def test_a_held_chain_has_the_moments_of_its_armatures():
 
 def differences(scene, parameter, output, step=1e-3, **more):
     """Return the derivative of an output over time by central differences of order 6."""
-    value, weights = scene.values[parameter], {1: 45.0, 2: -9.0, 3: 1.0}
-    total = 0.0
-    for k, weight in weights.items():
-        up, down = (
-            simulate(with_values(scene, {parameter: value + sign * k * step}), **more)[output]
-            for sign in (1.0, -1.0)
-        )
-        total = total + weight * (up - down)
-    return total / (60.0 * step)
+
+    def run(value):
+        return simulate(with_values(scene, {parameter: value}), **more)[output]
+
+    return slope(run, scene.values[parameter], step, 6)
 
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])

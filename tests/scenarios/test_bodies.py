@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict
+from tests.helpers.tools.differences import slope
 
 ROD = {
     "name": "Rod",
@@ -198,14 +199,14 @@ def test_derivatives_by_what_a_body_is_are_those_of_differences(name):
     run = simulate(body, stop_time=0.4, tolerance=1e-11, sensitivities=[name])
     assert len(run.impacts) == 1
     assert run.impacts["end"][0] < 0.4
-    step, value = 1e-6, body.values[name]
-    low, high = (
-        simulate(body.with_values({name: value + sign * step}), stop_time=0.4, tolerance=1e-12)
-        for sign in (-1, 1)
-    )
-    for output in ("point[1].y", "point[2].x", "link[1].angular_velocity"):
-        differences = (high[output][-1] - low[output][-1]) / (2.0 * step)
-        assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
+    outputs = ("point[1].y", "point[2].x", "link[1].angular_velocity")
+
+    def ends(number):
+        varied = simulate(body.with_values({name: number}), stop_time=0.4, tolerance=1e-12)
+        return np.array([varied[output][-1] for output in outputs])
+
+    for output, right in zip(outputs, slope(ends, body.values[name], 1e-6), strict=True):
+        assert run.sensitivity(output, name)[-1] == pytest.approx(right, rel=1e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -219,14 +220,14 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
     )
     run = simulate(cart, stop_time=0.6, tolerance=1e-11, sensitivities=[name])
     assert len(run.impacts) == 1
-    step, value = 1e-6, cart.values[name]
-    low, high = (
-        simulate(cart.with_values({name: value + sign * step}), stop_time=0.6, tolerance=1e-12)
-        for sign in (-1, 1)
-    )
-    for output in ("slider.position", "slider.velocity", "link[1].angle"):
-        differences = (high[output][-1] - low[output][-1]) / (2.0 * step)
-        assert run.sensitivity(output, name)[-1] == pytest.approx(differences, rel=1e-5, abs=1e-6)
+    outputs = ("slider.position", "slider.velocity", "link[1].angle")
+
+    def ends(number):
+        varied = simulate(cart.with_values({name: number}), stop_time=0.6, tolerance=1e-12)
+        return np.array([varied[output][-1] for output in outputs])
+
+    for output, right in zip(outputs, slope(ends, cart.values[name], 1e-6), strict=True):
+        assert run.sensitivity(output, name)[-1] == pytest.approx(right, rel=1e-5, abs=1e-6)
 
 
 def test_derivatives_of_a_limited_carriage_have_a_closed_form():

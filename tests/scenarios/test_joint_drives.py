@@ -3,6 +3,7 @@
 # Tests: kernel/chain/drives.py, kernel/events/saturation.py
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from chain_impact.scene.scene import with_values
 from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
 from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
+from tests.helpers.tools.differences import slope
 
 # --- servos ------------------------------------------------------------------------------------------------
 
@@ -236,17 +238,16 @@ def test_derivatives_through_limits_are_those_of_differences(method):
     tolerance = 1e-10 if method == "implicit" else TOLERANCE
     result = simulate(scene, inputs=inputs, sensitivities=list(VARIED), method=method, tolerance=tolerance)
     assert not result.sensitivity_limits
+
+    def run(name, by):
+        if name in inputs:
+            changed, more = scene, inputs | {name: lambda t: inputs[name](t) + by}
+        else:
+            changed, more = with_values(scene, {name: scene.values[name] + by}), inputs
+        return simulate(changed, inputs=more, tolerance=1e-13)["point[3].x"]
+
     for name, step in VARIED.items():
-        exact = 0.0
-        for k, weight in {1: 45.0, 2: -9.0, 3: 1.0}.items():
-            for sign in (1.0, -1.0):
-                changed, more = scene, dict(inputs)
-                if name in inputs:
-                    more[name] = lambda t, by=sign * k * step, own=inputs[name]: own(t) + by
-                else:
-                    changed = with_values(scene, {name: scene.values[name] + sign * k * step})
-                run = simulate(changed, inputs=more, tolerance=1e-13)
-                exact = exact + sign * weight * run["point[3].x"] / (60.0 * step)
+        exact = slope(partial(run, name), 0.0, step, 6)
         found = result.sensitivity("point[3].x", name)
         assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max(), name
 
@@ -274,13 +275,10 @@ def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():
 
     found = end()
     for name, step in steps.items():
-        exact = 0.0
-        for k, weight in {1: 45.0, 2: -9.0, 3: 1.0}.items():
-            up, down = (end(name, sign * k * step).get("point[2].x") for sign in (1.0, -1.0))
-            exact += weight * (up - down) / (60.0 * step)
-        slope = found.get(f"sensitivity.{name}.point[2].x")
-        assert slope == pytest.approx(exact, rel=1e-7), name
-        assert abs(slope) > 1e-5
+        exact = slope(lambda by, name=name: end(name, by).get("point[2].x"), 0.0, step, 6)
+        result = found.get(f"sensitivity.{name}.point[2].x")
+        assert result == pytest.approx(exact, rel=1e-7), name
+        assert abs(result) > 1e-5
 
 
 def test_a_state_is_restored_bit_by_bit_while_a_drive_is_at_its_limit():

@@ -1,6 +1,7 @@
 """Links that are boxes: every change moves their corners and changes their inertia."""
 
 import tomllib
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import tomlkit
 from chain_impact import fit, simulate, sweep
 from chain_impact.scene.scene import SceneError, load_scene, parse_scene, scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.scene_file import updated
+from tests.helpers.tools.differences import slope
 
 BRICK = """
 name = "Brick"
@@ -84,11 +86,12 @@ def test_a_sweep_moves_the_corners_as_a_changed_scene_does():
 def test_derivatives_move_the_corners_too():
     run = simulate(brick(), 0.5, sensitivities=["link[1].length", "link[1].height", "link[1].mass"])
     assert len(run.impacts) == 1
-    step = 1e-6
+
+    def end(name, value):
+        return simulate(brick(**{name: value}), 0.5, tolerance=1e-12)["link[1].angle"][-1]
+
     for name in ("link[1].length", "link[1].height", "link[1].mass"):
-        values = [brick().values[name] + sign * step for sign in (-1, 1)]
-        ends = [simulate(brick(**{name: value}), 0.5, tolerance=1e-12) for value in values]
-        by_runs = (ends[1]["link[1].angle"][-1] - ends[0]["link[1].angle"][-1]) / (2 * step)
+        by_runs = slope(partial(end, name), brick().values[name], 1e-6)
         assert run.sensitivity("link[1].angle", name)[-1] == pytest.approx(by_runs, rel=1e-4, abs=1e-5)
 
 

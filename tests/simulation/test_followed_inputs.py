@@ -9,6 +9,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import SceneError, with_values
+from tests.helpers.tools.differences import slope
 from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
 DRAWN = iter(np.random.default_rng(1).uniform, None)
@@ -83,17 +84,16 @@ def test_a_row_has_the_accelerations_of_the_input_at_its_time():
 def test_a_derivative_is_for_a_constant_added_to_the_function():
     scene = with_values(load_scene("pinned_arm"), {("simulation", "stop_time"): 0.9})
     scene = with_values(scene, {("solver", "tolerance"): 1e-11})
-    step = 1e-5
 
     def shifted(by):
-        return simulate(scene, output_step=0.1, inputs={SHOULDER: lambda t: wave(t) + by, ELBOW: switched})
+        inputs = {SHOULDER: lambda t: wave(t) + by, ELBOW: switched}
+        return simulate(scene, output_step=0.1, inputs=inputs)
 
     result = simulate(
         scene, output_step=0.1, inputs={SHOULDER: wave, ELBOW: switched}, sensitivities=[SHOULDER]
     )
     assert len(result.impacts) > 0
-    more, less = shifted(step), shifted(-step)
-    slopes = (motion(more) - motion(less)) / (2.0 * step)
+    slopes = slope(lambda by: motion(shifted(by)), 0.0, 1e-5)
     found = np.stack(
         [
             result.sensitivity(f"link[{i}].{name}", SHOULDER)

@@ -15,6 +15,7 @@ from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signal_values import value_at_start
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TABLE, TARGET, TIMES, TORQUE, with_table
+from tests.helpers.tools.differences import slope
 
 
 def smooth(x):
@@ -188,14 +189,13 @@ def test_derivatives_by_each_number_are_those_of_differences(name, key):
     run = simulate(scene, tolerance=1e-12, sensitivities=[parameter])
     value = scene.values[parameter]
     step = 1e-5 * max(1.0, abs(value))
-    ends = [
-        simulate(scene.with_values({parameter: value + n * step}), tolerance=1e-13)[output]
-        for n in (-2, -1, 1, 2)
-    ]
-    # differences of order 4
-    slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[2] - ends[3]) / (12.0 * step)
+
+    def changed(number):
+        return simulate(scene.with_values({parameter: number}), tolerance=1e-13)[output]
+
+    right = slope(changed, value, step, 4)
     found = run.sensitivity(output, parameter)
-    np.testing.assert_allclose(found, slope, rtol=0.0, atol=1e-6 * (np.abs(slope).max() + 1e-2))
+    np.testing.assert_allclose(found, right, rtol=0.0, atol=1e-6 * (np.abs(right).max() + 1e-2))
 
 
 @pytest.mark.parametrize("name", ["steps", "trapezoid", "chirp"])

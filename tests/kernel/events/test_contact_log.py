@@ -19,6 +19,7 @@ from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.scenes.problems import GRAVITY, build
+from tests.helpers.tools.differences import slope
 from tests.kernel.chains import located, stopped_chain, stops_of
 from tests.kernel.events.motions import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
@@ -90,9 +91,8 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     t = FINE * size
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-    h = 1e-6
-    slope = (forces(d, size + h, TURNING) - forces(d, size - h, TURNING)) / (2 * h)
-    assert d.touch.force_rate[1] == pytest.approx(slope, rel=1e-6)
+    right = slope(lambda t: forces(d, t, TURNING), size, 1e-6)
+    assert d.touch.force_rate[1] == pytest.approx(right, rel=1e-6)
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
     assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))

@@ -1,6 +1,7 @@
 """Contacts of a chain: the loads of their forces, their dissipation, and the begin of a contact."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from chain_impact.kernel.rows import constraints, geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import mass_matrix, point_jacobian
 from tests.helpers.scenes.problems import of_law
+from tests.helpers.tools.differences import slope
 from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
 
 DEPTH = 1e-3
@@ -51,10 +53,10 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
         assert (d.touch.force[candidates] == forces).all()
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
     # the power of the walls = power stored in springs + power of the dampers
-    h, stored = 1e-7, 0.0
-    for k, rate in enumerate(rates):
-        ends = [elastic_energy(d, candidates[k], DEPTH * (k + 1) - side * h * rate) for side in (1, -1)]
-        stored += (ends[0] - ends[1]) / (2 * h)
+    stored = sum(
+        -rate * slope(partial(elastic_energy, d, candidates[k]), DEPTH * (k + 1), 1e-7 * abs(rate))
+        for k, rate in enumerate(rates)
+    )
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
     contact.clear_loads(d)

@@ -13,6 +13,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
 from tests.helpers.scenes.problems import ball, of_law, struck_ball
+from tests.helpers.tools.differences import slope
 from tests.kernel.forces.free_impact import MASS, SPEED, STIFFNESS, scaled_impact
 
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
@@ -91,8 +92,8 @@ def test_slopes_are_those_of_the_force(law, rate):
         return forces.law_force(d, 0, depth, rate)[0]
 
     stiffness, damping = slopes_of(d, depth, rate)
-    by_depth = (force(depth * (1 + h), rate) - force(depth * (1 - h), rate)) / (2 * h * depth)
-    by_rate = (force(depth, rate + h) - force(depth, rate - h)) / (2 * h)
+    by_depth = slope(lambda changed: force(changed, rate), depth, h * depth)
+    by_rate = slope(lambda changed: force(depth, changed), rate, h)
     assert stiffness == pytest.approx(by_depth, rel=1e-8)
     assert damping == pytest.approx(by_rate, rel=1e-8, abs=1e-6)
 

@@ -32,6 +32,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
 from tests.helpers.scenes.problems import default_scene
+from tests.helpers.tools.differences import slope
 from tests.kernel.chains import random_state, stopped_chain, stops_of
 
 # angle and point; the last angle exceeds the range of the kernel's own sines
@@ -120,14 +121,16 @@ def stopped(request):
 
 def differenced(d, y, change):
     """Return the changes of all clearances along a change of the coordinates, by central differences."""
-    gaps, h = [], 1e-6
-    for shift in (h, -h):
+
+    def gaps(shift):
         moved = y.copy()
         moved[: d.links + 2] += shift * change
         kinematics.locate_points(d, moved)
-        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
+        return np.array([clearance(d, c)[0] for c in range(d.candidates)])
+
+    changes = slope(gaps, 0.0, 1e-6)
     kinematics.locate_points(d, y)
-    return (gaps[0] - gaps[1]) / (2 * h)
+    return changes
 
 
 def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):

@@ -13,6 +13,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update
 from tests.helpers.scenes.derivative_scenes import table
+from tests.helpers.tools.differences import slope
 
 PARAMETERS = ("link[1].mass", "gravity.y")
 OUTPUTS = ("link[2].angle", "link[2].angular_velocity")
@@ -45,9 +46,7 @@ def played(scene, script, stop, names):
 def difference(run, scene, name, relative=1e-4):
     """Return the derivative of a run's results, by differences of order 4."""
     value = scene.values[name]
-    h = relative * abs(value)
-    at = {k: run(scene.with_values({name: value + k * h})) for k in (-2, -1, 1, 2)}
-    return (8.0 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12.0 * h)
+    return slope(lambda other: run(scene.with_values({name: other})), value, relative * abs(value), 4)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from chain_impact.kernel.tangent import duals
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
 from tests.helpers.scenes.derivative_scenes import Case, struck_twice
+from tests.helpers.tools.differences import slope
 from tests.kernel.tangent.dual import followed, started
 
 CASE = struck_twice("flores")
@@ -51,13 +52,13 @@ def test_impacts_are_followed_to_the_communication_point():
     result = simulate(scene, tolerance=1e-12, sensitivities=names)
     assert np.isnan(result.impacts["end"]).tolist() == [True]
     found = {name: result.impact_sensitivity("peak_force", name)[0] for name in names}
+
+    def peak(values):
+        return simulate(scene.with_values(values), tolerance=1e-12).impacts["peak_force"][0]
+
     for name in names:
-        by = 1e-4 * scene.values[name]
-        above, below = (
-            simulate(scene.with_values({name: scene.values[name] + sign * by}), tolerance=1e-12)
-            for sign in (1, -1)
-        )
-        right = (above.impacts["peak_force"][0] - below.impacts["peak_force"][0]) / (2.0 * by)
+        value = scene.values[name]
+        right = slope(lambda changed, name=name: peak({name: changed}), value, 1e-4 * value)
         assert found[name] == pytest.approx(right, rel=1e-6)
         assert np.isnan(result.impact_sensitivity("end", name)).all()
         assert np.isfinite(result.impact_sensitivity("impact_speed", name)).all()

@@ -18,6 +18,7 @@ from tests.helpers.kernel.plain import Plain, make_rigid, record_of
 from tests.helpers.models.complex_laws import TINY
 from tests.helpers.scenes.derivative_scenes import Case
 from tests.helpers.scenes.problems import ball, of_law
+from tests.helpers.tools.differences import slope
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.forces.factors import FACTORS
 from tests.kernel.tangent.dual import random_duals, started
@@ -123,18 +124,18 @@ def test_given_values_hold_with_their_derivatives(both):
 def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     """The reference is d f/d e by a difference, times the derivatives of the restitution."""
     d, t = both
-    entry, e, h = CONTACT_LAWS[law], 0.6, 1e-6
+    entry, e = CONTACT_LAWS[law], 0.6
     d.given.law, d.given.restitution = entry.number, e
     d.contact.exponent = 1.5
     assert contact_law.start_laws(d) == OK
     duals.copy_given(d, t, AT_START)
     starts.take_given(d, t)
     assert contact_law.start_laws(t) == OK
-    slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
+    right = slope(entry.damping_factor, e, 1e-6)
     own = t.law
     factor = own.damping_factor[0]
     assert factor.value == d.law.damping_factor[0]
-    np.testing.assert_allclose(factor.slope, slope * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(factor.slope, right * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
     assert (own.impulsive[0], own.approach_only[0]) == (entry.impulsive, entry.approach_only)
     if entry.rate_exponent is None:
         assert own.rate_exponent[0] is own.exponent[0]

@@ -11,6 +11,7 @@ from chain_impact.studies.fit import problem as module
 from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
+from tests.helpers.tools.differences import slope
 from tests.helpers.tools.measurements import FREE, TRUE, impacts, motion, scene
 from tests.helpers.tools.refusal import refusal
 
@@ -41,11 +42,10 @@ def test_slopes_are_those_of_the_residuals(both):
     place = both.start + np.array([0.1, -0.02, 0.01])
     found = both.evaluate(place)
     for p, h in enumerate((1e-4, 1e-5, 1e-5)):
-        step = h * np.eye(3)[p]
-        ahead, behind = both.evaluate(place + step), both.evaluate(place - step)
-        slope = (ahead.residuals - behind.residuals) / (2.0 * h)
-        scale = np.abs(slope[found.usable]).max()
-        np.testing.assert_allclose(found.slopes[:, p], slope, rtol=1e-3, atol=1e-4 * scale)
+        axis = np.eye(3)[p]
+        right = slope(lambda by, axis=axis: both.evaluate(place + by * axis).residuals, 0.0, h)
+        scale = np.abs(right[found.usable]).max()
+        np.testing.assert_allclose(found.slopes[:, p], right, rtol=1e-3, atol=1e-4 * scale)
 
 
 def test_beyond_the_horizon_nothing_is_compared(both):
