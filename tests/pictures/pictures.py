@@ -19,7 +19,9 @@ from tests.helpers.scenes.model_files import inputs_of
 
 WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}
 _PAGES = {}
+OVER_TIME = {"bouncing_ball", "bouncing_table", "elastic_ball", "elastic_floor", "golf_ball"}
 MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
+PLANAR = [name for name in MODELS if name not in OVER_TIME]  # whose motion is drawn in the plane
 
 
 @functools.cache
@@ -91,7 +93,8 @@ def crowd(count=60):
 def drawn(recording):
     """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
 
-    The page has the usual size. It is drawn once and cached.
+    There are no axes "time" if the motion is drawn over time. The page has the usual size. It is drawn once
+    and cached.
     """
     if id(recording) not in _PAGES:
         page = figures.draw_figure(functools.partial(fill, recording=recording), usual=usual_size(recording))

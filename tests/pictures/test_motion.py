@@ -135,7 +135,7 @@ def test_the_hardest_impact_is_numbered():
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
 
 
-@pytest.mark.parametrize("model", ["bouncing_ball", "elastic_ball", "sphere_on_wall"])
+@pytest.mark.parametrize("model", ["ramp", "sphere_on_wall"])
 def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
     recording = recorded(model)
     assert ball_of(recording) == 0

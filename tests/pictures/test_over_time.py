@@ -21,7 +21,8 @@ from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
 @pytest.mark.parametrize("model", MODELS)
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
-    _, _, _, energy, speeds, *_ = drawn(recording)
+    panels = {axes.get_label(): axes for axes in drawn(recording)[1:]}
+    energy, speeds = panels["energy"], panels["impacts"]
     lines = [path for item in speeds.collections for path in item.get_segments()]
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
     expected = sorted(recording.impacts[["onset", "impact_speed"]].tolist())
@@ -34,7 +35,7 @@ def test_every_impact_is_in_the_picture(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
-    speeds = drawn(recording)[4]
+    (speeds,) = (axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts")
     for text in speeds.texts:
         impact = recording.impacts[int(re.split("[,–]", text.get_text())[0]) - 1]
         assert text.xy == (impact["onset"], impact["impact_speed"])

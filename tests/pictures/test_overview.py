@@ -1,6 +1,6 @@
 """The page with a recording: its files, its headline, and no overlaps."""
 
-# Tests: pictures/legends.py, pictures/sizes.py
+# Tests: pictures/arrangement.py, pictures/legends.py, pictures/sizes.py
 
 import dataclasses
 import itertools
@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 
+from chain_impact.pictures.arrangement import broadness, is_beside, is_over_time
 from chain_impact.pictures.figures import FIGURE_SIZE
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import MARK, fit_legends, legend_above
-from chain_impact.pictures.overview import BROADEST_BESIDE, broadness
 from chain_impact.pictures.style import styled
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.models import model_names
@@ -77,7 +77,8 @@ def test_settings_of_matplotlib_are_left_alone(tmp_path):
 @pytest.mark.parametrize("name", PICTURES)
 def test_labels_never_overlap(name):
     page, *panels = drawn(picture(name))
-    motion, _, energy, speeds, *_ = panels
+    named = {axes.get_label(): axes for axes in panels}
+    motion, speeds = named["motion"], named["impacts"]
     for axes in panels:
         inside = axes.get_window_extent()
         for one, other in itertools.combinations(boxes(axes), 2):
@@ -85,7 +86,7 @@ def test_labels_never_overlap(name):
         for box in boxes(axes):
             assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
             assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
-    outside = [axes.get_legend().get_window_extent() for axes in (motion, energy, *panels[3:])]
+    outside = [axes.get_legend().get_window_extent() for axes in panels if axes.get_label() != "time"]
     outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
     outside += [text.get_window_extent() for text in page.texts]
     for box in outside:
@@ -94,7 +95,11 @@ def test_labels_never_overlap(name):
         assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
     for one, other in itertools.combinations([box for box in outside if box.width], 2):
         assert not one.overlaps(other)
-    assert boxes(motion) or any("in the motion" in text.get_text() for text in page.texts)
+    assert (
+        boxes(motion)
+        or is_over_time(picture(name), "motion")
+        or any("in the motion" in text.get_text() for text in page.texts)
+    )
     # the only impact of the belt is at the edge
     assert len(boxes(speeds)) > 0 or name == "stick_slip_belt"
     check_texts(page)
@@ -104,8 +109,8 @@ def test_labels_never_overlap(name):
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_picture_has_few_colours_besides_those_of_time(name):
-    _, _, _, energy, speeds, *_ = drawn(picture(name))
-    for axes in (energy, speeds):
+    _, *panels = drawn(picture(name))
+    for axes in (panel for panel in panels if panel.get_label() in ("energy", "impacts")):
         colours = {to_hex(line.get_color()) for line in axes.lines}
         colours |= {to_hex(colour) for item in axes.collections for colour in item.get_edgecolor()}
         assert 0 < len(colours) <= COLOURS
@@ -143,10 +148,9 @@ def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
 
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = drawn(recorded("four_link_box"))
-    message, conditions, left_out = (text.get_text() for text in page.texts)
+    message, conditions = (text.get_text() for text in page.texts)
     assert message.startswith("FourLinkBox: 14 impacts in 2 s, ")
     assert "zhang_sharf" in conditions
-    assert left_out == "Impacts without room for their numbers: 9 in the speeds"
 
 
 @pytest.mark.full("takes long")
@@ -215,7 +219,8 @@ def test_texts_fit_a_page_of_any_width(model, width):
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *others = (axes.get_position(original=True) for axes in page.axes)
-    beside = width >= 6.0 and broadness(recorded(model)) <= BROADEST_BESIDE
+    is_timed = is_over_time(recorded(model), "motion")
+    beside = not is_timed and is_beside(broadness(recorded(model)), width)
     assert all((other.x0 >= motion.x1) == beside for other in others)
     check_texts(page)
     check_rules(page)
@@ -305,7 +310,7 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
 
 
 def test_the_legend_of_a_slim_motion_is_beside_it_on_a_narrow_page():
-    page = recorded("bouncing_ball").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
+    page = recorded("controlled_arm").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
     page.draw_without_rendering()
     axes = next(panel for panel in page.axes if panel.get_label() == "motion")
     legend, motion = axes.get_legend().get_window_extent(), axes.get_window_extent()
@@ -329,12 +334,13 @@ def test_a_long_entry_leaves_no_gap_in_a_legend():
 def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():
     result = recorded("sliding_rod")
     for page in (result.plot(kind="energy"), result.plot(panels="energy")):
-        assert {axes.get_label() for axes in page.axes} == {"time", "energy"}
+        assert [axes.get_label() for axes in page.axes] == ["energy"]
 
 
 def test_panels_are_chosen():
     page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
-    assert [axes.get_ylabel() for axes in page.axes] == ["", "energy [J]", ""]
+    assert [axes.get_ylabel() for axes in page.axes] == ["energy [J]", ""]
+    assert [axes.get_xlabel() for axes in page.axes] == ["", "time [s]; shaded: held"]
 
 
 @pytest.mark.parametrize(
@@ -357,7 +363,7 @@ def test_a_page_that_cannot_be_is_refused(options, expected):
 
 
 def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
-    page = recorded("stick_slip_belt").plot(size=(4.7, 9.0))
+    page = recorded("sliding_rod").plot(size=(4.7, 9.0))
     page.draw_without_rendering()
     assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
-from tests.pictures.pictures import MODELS, drawn, recorded, swing
+from tests.pictures.pictures import PLANAR, drawn, recorded, swing
 
 
 def wall_lines(axes):
@@ -15,7 +15,7 @@ def wall_lines(axes):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", PLANAR)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)
@@ -32,7 +32,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
 
 
 @pytest.mark.full("more cases", but=2)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", PLANAR)
 def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)
@@ -116,7 +116,7 @@ def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
     assert places[:, 1].max() < motion.get_ylim()[1]
 
 
-@pytest.mark.parametrize("model", ["sphere_on_wall", "elastic_ball"])
+@pytest.mark.parametrize("model", ["sphere_on_wall", "ramp"])
 def test_a_disc_at_a_point_is_in_view_as_a_whole(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)

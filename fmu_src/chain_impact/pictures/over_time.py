@@ -60,20 +60,29 @@ MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry f
 SHORT = 0.002  # sliding for up to this part of the run's duration is too short to be explained in a legend
 # the least duration of a contact, relative to the run's duration, that is drawn as a thick line
 SEEN_CONTACT = 0.01
+TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """Draw the axis of time with the colours that the motion has at each time."""
+    """Draw the colours that the motion has at each time, above the label of the axis of time."""
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
-    margin = 0.015 * (end - start)
-    note = shown.note or ("the same colours as in the motion" if is_full(axes) else "")
-    label = "; ".join(filter(None, ("time [s]", note)))
-    axes.set(xlabel=label, yticks=[], xlim=(start - margin, end + margin))
+    label_time(axes, recording, "the same colours as in the motion" if is_full(axes) else "")
+    axes.set_yticks([])
     axes.spines[:].set_visible(False)
     axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers of this axis
     give_ticks(axes)
+
+
+def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
+    """Give axes of time their label, with words on a rest or else the ``note``, and their limits."""
+    shown = shown_time(recording)
+    margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
+    axes.set(
+        xlabel="; ".join(filter(None, ("time [s]", shown.note or note))),
+        xlim=(shown.start - margin, shown.end + margin),
+    )
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:

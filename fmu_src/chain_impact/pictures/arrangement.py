@@ -1,0 +1,138 @@
+"""The arrangement of the panels of a picture: the motion is beside or above the panels over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.figures import FIGURE_SIZE
+from chain_impact.pictures.over_time import MOST_ROWS, rubbing_places
+from chain_impact.pictures.room import view_of
+from chain_impact.pictures.sizes import Size, figure_size
+from chain_impact.pictures.straight import line_of_motion
+from chain_impact.pictures.style import FULL, WIDE
+from chain_impact.recording.recording import Recording
+
+# Ratios of width to height of the motion. SLIM, BROAD: the panel beside others is not slimmer or broader than
+# for these. BROADEST_BESIDE: a broader motion has the whole width of the figure, above the other panels.
+# BROADEST_HIGH: on a narrow figure, the panel of a broader motion is lower than ABOVE_TIME.
+SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
+# the height of the panel of motion beside others, relative to the width of a wide or narrow figure
+WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
+# RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
+# contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_HEIGHT: the
+# height of the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
+# it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one the panel is higher. All
+# are relative to the height of the panel of energies.
+RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_HEIGHT, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
+# HIGHEST: the largest height of the panel of motion, relative to the width of the figure
+HIGHEST = 0.4
+# [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
+# TEXTS: that of the legend and the numbers of a panel over time; HEADS: the sum of the heights of the headline
+# and of the labels below all panels; LABELS: the height of the legend and the labels of a motion; MARGINS:
+# the width of numbers and labels at the left and right of the motion; LEAST_BESIDE: the least width of panels
+# over time beside the motion, with their numbers and labels
+LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0.45, 1.0, 0.6, 0.9, 2.75
+
+
+def is_over_time(recording: Recording, name: str) -> bool:
+    """Return whether a panel has an axis of time."""
+    return name != "motion" or line_of_motion(recording) is not None
+
+
+def broadness(recording: Recording) -> float:
+    """Return the ratio of width to height of the motion with its walls."""
+    width, height = np.ptp(view_of(recording).corners, axis=0)
+    return float(width / height)
+
+
+def motion_share(ratio: float, width: float) -> float:
+    """Return the width of the panel of motion beside other panels, relative to the figure's [inches]."""
+    height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
+    return height * min(max(ratio, SLIM), BROAD)  # a panel of this width has the shape of the motion
+
+
+def is_beside(ratio: float, width: float) -> bool:
+    """Return whether a motion is beside the panels over time in a figure of a width [inches]."""
+    return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
+
+
+def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
+    """Return the heights of the panels over time, and of the axis of colours, relative to that of energies.
+
+    Only a motion in the plane has colours.
+    """
+    timed = [name for name in shown if is_over_time(recording, name)]
+    known = {"motion": ALONG_LINE, "friction": RUBBING}
+    if "friction" in timed:
+        known["friction"] += RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
+    has_colours = timed and len(timed) < len(shown)
+    return [known.get(name, 1.0) for name in timed] + ([CLOCK_HEIGHT] if has_colours else [])
+
+
+def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
+    """Return the default size of a figure [inches], or the usual height for the width in ``size``.
+
+    The result is FIGURE_SIZE if the figure is narrow and the motion is above the other panels.
+    """
+    width = figure_size(size)[0] if size else FULL
+    timed = [name for name in shown if is_over_time(recording, name)]
+    ratio = broadness(recording)
+    if not timed or ("motion" not in shown and width >= WIDE):
+        return FIGURE_SIZE
+    over_time = ENERGY_HEIGHT * sum(heights_of(recording, shown)) + TEXTS * len(timed)
+    if "motion" in timed:
+        return width, HEADS + over_time
+    if is_beside(ratio, width):
+        motion = (motion_share(ratio, width) * width - MARGINS) / ratio
+        return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
+    if width < WIDE:
+        return FIGURE_SIZE
+    return width, HEADS + LABELS + min((width - MARGINS) / ratio, HIGHEST * width) + over_time
+
+
+def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+    """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
+    timed = [name for name in shown if is_over_time(recording, name)]
+    width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
+    ratio = broadness(recording) if has_motion else 1.0
+    heights = heights_of(recording, shown)
+    names = [*timed, *(["time"] if timed and has_motion else [])]
+    if has_motion and timed and is_beside(ratio, width):
+        share = motion_share(ratio, width)
+        columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
+        motion = figure.add_subplot(columns[0], label="motion")
+        # the panels over time have a grid of their own: their margin does not depend on the motion
+        grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
+        return {"motion": motion} | _timed_axes(figure, grid, names)
+    above = [_height_above(ratio, width)] if has_motion else []
+    # all panels share a grid, so that their left edges are aligned
+    grid = figure.add_gridspec(len(above) + len(heights), 1, height_ratios=[*above, *heights])
+    axes = {}
+    if has_motion:
+        axes["motion"] = figure.add_subplot(grid[0], label="motion")
+        axes["motion"].set_anchor("W")
+    return axes | _timed_axes(figure, grid, names)
+
+
+def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
+    """Return axes with a common axis of time in the last cells of a grid, in the order of ``names``.
+
+    The axes "time" are made first, so that in the figure all others come after them.
+    """
+    axes: dict[str, Axes] = {}
+    for name in sorted(names, key="time".__ne__):
+        shared, cell = next(iter(axes.values()), None), grid[names.index(name) - len(names), 0]
+        axes[name] = figure.add_subplot(cell, sharex=shared, label=name)
+    return axes
+
+
+def _height_above(ratio: float, width: float) -> float:
+    """Return the height of a motion above the other panels, relative to the height of a panel of energies."""
+    if width < WIDE:
+        return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio) * max(1.0, width / COLUMN)
+    return min((width - MARGINS) / ratio, HIGHEST * width) / ENERGY_HEIGHT

@@ -1,0 +1,91 @@
+"""The motion of a ball along a line, over time: its place, the walls, and the impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.motion import RING_SIZE, ball_of
+from chain_impact.pictures.over_time import over_all_time
+from chain_impact.pictures.room import STRAIGHT, moves, view_of
+from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
+from chain_impact.recording.recording import Recording
+
+BENT = 0.01  # the largest width of the path of a ball that moves along a line, relative to the path's length
+# the margin beyond the ball, and the visible width of the area outside of a wall, relative to the range of
+# the ball and the walls
+BALL_MARGIN, WALL_BAND = 0.06, 0.14
+BALL_OPACITY = 0.25  # of the ball around its centre
+# SMALLEST_RING: [points] the least size of the mark of an impact; RING_PART: its size if there are many,
+# relative to the width of the axes for each impact
+SMALLEST_RING, RING_PART = 3.0, 0.7
+
+
+def line_of_motion(recording: Recording) -> int | None:
+    """Return the axis along which a ball moves, 0 for x and 1 for y; None for any other motion.
+
+    All walls near the ball are across this axis, and the way of the ball is longer than its radius.
+    """
+    ball = ball_of(recording)
+    if ball is None:
+        return None
+    ways = np.ptp(recording.points[:, ball], axis=0)
+    along = int(ways.argmax())
+    if not ways[along] > recording.touching[ball] or ways[1 - along] > BENT * ways[along]:
+        return None
+    normals = [recording.walls[name].normal for name in view_of(recording).walls]
+    return along if all(abs(normal[along]) > STRAIGHT for normal in normals) else None
+
+
+def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
+    """Draw the place of a ball along the axis ``along`` over time, with walls and impacts."""
+    ball = ball_of(recording)
+    assert ball is not None
+    time, place, radius = recording.time, recording.points[:, ball, along], recording.touching[ball]
+    surfaces = wall_surfaces(recording, along)
+    every = [place - radius, place + radius, *surfaces.values()]
+    low, high = min(map(np.min, every)), max(map(np.max, every))
+    span = high - low
+    low, high = low - BALL_MARGIN * span, high + BALL_MARGIN * span
+    for name, surface in surfaces.items():
+        is_below = recording.walls[name].normal[along] > 0.0
+        low, high = (low - WALL_BAND * span, high) if is_below else (low, high + WALL_BAND * span)
+        kind, width = ("moving wall", 1.2) if moves(surface) else ("wall", 2.0)
+        axes.plot(time, surface, color=INK, linewidth=width, zorder=2.0, label=f"{kind} {name}")
+    for name, surface in surfaces.items():
+        beyond = low if recording.walls[name].normal[along] > 0.0 else high
+        axes.fill_between(time, surface, beyond, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0.5)
+    if radius > 0.0:
+        look: dict[str, Any] = {"color": BLUE, "alpha": BALL_OPACITY, "linewidth": 0.0, "zorder": 1.5}
+        axes.fill_between(time, place - radius, place + radius, label=f"ball, radius {radius:g} m", **look)
+    axes.plot(time, place, color=BLUE, linewidth=1.2, label="its centre" if radius > 0.0 else "ball")
+    draw_hits(axes, recording, surfaces)
+    axes.set_ylim(low, high)
+    axes.set_ylabel(f"{'xy'[along]} [m]")
+    over_all_time(axes, recording)
+    legend_above(axes)
+
+
+def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray]) -> None:
+    """Draw a ring at each impact: at its onset, on the surface of its wall."""
+    hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
+    spots = [(onset, np.interp(onset, recording.time, at)) for onset, at in hits if at is not None]
+    if spots:
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        room = axes.get_window_extent().width * 72.0 / figure.dpi / len(spots)
+        size = min(max(RING_PART * room, SMALLEST_RING), RING_SIZE)
+        look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none"}
+        axes.plot(*np.transpose(spots), **look, linestyle="", color=INK, zorder=5, label="impacts")
+
+
+def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
+    """Return wall → the place of its surface along an axis over time, shape (T,) [m], of walls across it."""
+    still, surfaces = np.zeros(len(recording.time)), {}
+    for name in view_of(recording).walls:
+        wall = recording.walls[name]
+        surfaces[name] = (wall.offset + recording.moved_walls.get(name, still)) / wall.normal[along]
+    return surfaces

@@ -1,0 +1,42 @@
+"""The motion of a ball along a line is drawn over time, with the times of the panels below."""
+
+import numpy as np
+import pytest
+
+from chain_impact.pictures.arrangement import is_over_time
+from chain_impact.pictures.straight import line_of_motion, wall_surfaces
+from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, recorded
+
+
+@pytest.mark.parametrize("model", [*MODELS, "triple_pendulum"])
+def test_only_a_ball_that_moves_along_a_line_is_drawn_over_time(model):
+    """The path of the ball of the ramp bends; the sphere on a wall moves by less than its radius."""
+    assert line_of_motion(recorded(model)) == (1 if model in OVER_TIME else None)
+    assert is_over_time(recorded(model), "motion") == (model in OVER_TIME)
+    assert is_over_time(recorded(model), "energy")
+
+
+def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
+    recording = recorded("bouncing_table")
+    page = recording.plot(size=(WIDTHS[0], None))
+    motion, *others = page.axes
+    curves = {line.get_label(): line.get_xydata() for line in motion.lines}
+    np.testing.assert_array_equal(curves["ball"], np.stack([recording.time, recording["point[0].y"]], axis=1))
+    table = recording["wall.y_min.displacement"]
+    np.testing.assert_allclose(curves["moving wall y_min"][:, 1], table, atol=1e-15)
+    rings = curves["impacts"]
+    np.testing.assert_array_equal(rings[:, 0], recording.impacts["onset"])
+    np.testing.assert_allclose(rings[:, 1], np.interp(rings[:, 0], recording.time, table), atol=1e-15)
+    assert motion.get_xlim() == others[0].get_xlim()
+    assert not motion.texts  # the numbers are at the same times in the panel of speeds
+    assert [axes.get_label() for axes in page.axes] == ["motion", "energy", "impacts"]  # no colours of time
+    check_texts(page)
+
+
+def test_a_ball_with_a_radius_is_drawn_as_wide_as_it_is():
+    recording = recorded("elastic_ball")
+    motion = recording.plot(size=(WIDTHS[1], None)).axes[0]
+    (ball,) = (band for band in motion.collections if band.get_label() == "ball, radius 0.1 m")
+    (path,) = ball.get_paths()
+    assert np.ptp(path.vertices[:, 1]) == pytest.approx(np.ptp(recording["point[0].y"]) + 0.2)
+    assert wall_surfaces(recording, 1)["y_min"].tolist() == [0.0] * len(recording.time)
