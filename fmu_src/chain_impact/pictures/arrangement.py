@@ -32,7 +32,7 @@ RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_HEIGHT, ABOVE_TIME, COLUMN = 0.15, 0.32,
 # HIGHEST: the largest height of the panel of motion, relative to the width of the figure
 HIGHEST = 0.4
 # [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
-# TEXTS: that of the legend and the numbers of a panel over time; HEADS: the sum of the heights of the headline
+# TEXTS: that of the legend and numbers of a panel over time; HEADS: the sum of the heights of the headline
 # and of the labels below all panels; LABELS: the height of the legend and the labels of a motion; MARGINS:
 # the width of numbers and labels at the left and right of the motion; LEAST_BESIDE: the least width of panels
 # over time beside the motion, with their numbers and labels
