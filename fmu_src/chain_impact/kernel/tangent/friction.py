@@ -92,9 +92,9 @@ def stops_slowly(t, e):
 def slow_acceleration(t, e):
     """Return the acceleration [m/s²] of element e up to which the acceleration may be an error of the solver.
 
-    It is √tolerance times the acceleration that the friction of the element could cause.
+    It is OPEN times the tolerance times the acceleration that the friction of the element could cause.
     """
-    return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
+    return OPEN * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
 
 
 # the margin φ = µ_s F_n − |F_t| of static friction as a function of time, and the rate of φ, for
