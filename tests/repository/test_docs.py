@@ -218,6 +218,40 @@ def test_a_command_draws_an_image_of_the_docs(program, folder, run):
     assert (ROOT / image).is_file()
 
 
+def additions():
+    """Return each addition of CONTRIBUTING.md with the files and folders that its entry names."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    section = text.partition("\n## Add something\n")[2].partition("\n## ")[0]
+    entries = dict(re.findall(r"^- \*\*([\w ,]+)\*\*(.*(?:\n  .*)*)", section, re.M))
+    return {
+        name: re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|h|txt|yml)))`", entry)
+        for name, entry in entries.items()
+    }
+
+
+def test_files_that_an_addition_changes_exist():
+    files = [file for folder in ("fmu_src", "tests", "docs", "models") for file in (ROOT / folder).rglob("*")]
+    paths = [
+        f"/{file.relative_to(ROOT).as_posix()}{'/' * file.is_dir()}" for file in (*files, *ROOT.iterdir())
+    ]
+    found = additions()
+    assert len(found) > 12
+    assert min(map(len, found.values())) > 0
+    missing = [
+        name for names in found.values() for name in names if not any(p.endswith(f"/{name}") for p in paths)
+    ]
+    assert missing == []
+
+
+def test_the_entry_of_joint_effects_names_all_files_of_its_example():
+    package = ROOT / "fmu_src" / "chain_impact"
+    found = additions()
+    named = (*found["scene key"], *found["joint effect"])
+    files = [file for file in package.rglob("*.py") if "joint_armature" in file.read_text(encoding="utf-8")]
+    assert len(files) >= 4
+    assert [str(file) for file in files if not file.as_posix().endswith(named)] == []
+
+
 def test_notebooks_are_committed_without_outputs():
     assert len(NOTEBOOKS) >= 5
     for notebook in NOTEBOOKS:
