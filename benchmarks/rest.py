@@ -21,6 +21,7 @@ from chain_impact.pictures.style import BLUE, INK, headline
 from chain_impact.recording.text import number
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
+from tests.helpers.kernel.kernel_calls import advance
 
 STIFFNESSES = (1e6, 1e8, 1e10, 1e12)
 RESTITUTIONS = (0.05, 0.1, 0.3, 0.7)
@@ -90,7 +91,7 @@ def at_rest(rows: np.ndarray) -> float | None:
 def compare(scene: Scene) -> dict[str, Any]:
     """Return results, times and their ratios of our kernel and of CVODE on one scene."""
     fine = Instance(with_values(scene, {("solver", "tolerance"): FINE}))
-    assert fine._kernel.advance(fine._address, float(STOP)) == 0
+    assert advance(fine, float(STOP)) == 0
     seconds = np.arange(1.0, STOP + 1.0)
     runs: dict[str, Ours | Cvode] = {"ours": Ours(scene)}
     runs |= {name: Cvode(scene, seconds, *how) for name, how in CVODES.items()}

@@ -19,6 +19,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.simulate import simulate
+from tests.helpers.kernel.kernel_calls import kernel_of
 
 STEP = 1e-3  # s, of the FMU
 
@@ -29,9 +30,9 @@ class OnInstance:
     def __init__(self, scene: Scene, stop: float) -> None:
         self.instance, self.stop = Instance(scene), stop
         # the record is copied as bytes, because a copy of a record copies its fields one by one
-        self.block = self.instance._memory.view(np.uint8)
+        self.block = self.instance.words.view(np.uint8)
         self.fresh = self.block.copy()
-        self.kernel, self.address = self.instance._kernel, self.instance._address
+        self.kernel, self.address = kernel_of(self.instance), self.block.ctypes.data
 
     def observed(self) -> tuple[np.ndarray, Onsets]:
         """Return the state, and candidate and time of each onset, in order of time."""

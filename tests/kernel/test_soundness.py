@@ -22,6 +22,7 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
+from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.kernel.plain import Plain, record_of
 from tests.helpers.scenes.derivative_scenes import table
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
@@ -243,7 +244,7 @@ def test_nor_is_one_behind_it(links, path, value):
     prepared = PreparedScene(scene)
     instance = DifferentiatedInstance(prepared, varied_by(prepared, ["contact.stiffness"]))
     assert instance.is_sound(instance.words)
-    record = instance._tangents[0]
+    record = tangents_of(instance)[0]
     for step in path[:-1]:
         record = record[step]
     record[path[-1]] = value

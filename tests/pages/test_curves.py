@@ -1,6 +1,7 @@
 """The chart of outputs: chosen outputs are drawn with the numbers of `simulate()`, and stored in the link."""
 
 # Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
+# Tests: pages/browser/charts/chart.js, pages/browser/charts/time_chart.js
 
 import numpy as np
 import pytest

@@ -1,6 +1,7 @@
 """The drawing of a recording: arrows of forces and their scale, friction, stops, the trace, labels."""
 
 # Tests: pages/browser/drawing/chain_drawing.js, pages/browser/drawing/trace.js
+# Tests: pages/browser/drawing/scale_strip.js
 
 import math
 import re

@@ -1,6 +1,7 @@
 """Scenes that the page reads itself, from opened files: the record is that of Python."""
 
 # Tests: pages/kit.py, pages/signals.py, pages/browser/scene/record.js
+# Tests: pages/browser/base/range.js, pages/browser/scene/geometry.js, pages/browser/scene/signals.js
 
 import re
 import tomllib

@@ -1,6 +1,7 @@
 """The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
 
 # Tests: pages/browser/explore/editor.js
+# Tests: pages/browser/scene/edits.js
 
 import json
 

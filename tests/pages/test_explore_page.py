@@ -1,6 +1,7 @@
 """The page that simulates: runs that fail or last long, screens, other pages, and the memory."""
 
 # Tests: pages/browser/explore/explore.js
+# Tests: pages/browser/base/dom.js
 
 import functools
 import re

@@ -1,6 +1,7 @@
 """What leaves the page: the console, the link, the command, tables, pictures and the scene file."""
 
 # Tests: pages/browser/explore/export.js, pages/browser/explore/export_dialog.js
+# Tests: pages/browser/explore/console.js
 
 import csv
 import io

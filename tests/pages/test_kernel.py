@@ -1,6 +1,7 @@
 """The page's worker: bit-equal `simulate()` and `sweep()`, the frames of an animation, refused requests."""
 
 # Tests: pages/browser/solver/kernel.js, pages/browser/solver/worker.js
+# Tests: pages/browser/solver/engine.js, pages/browser/solver/motion.js
 
 import numpy as np
 import pytest

@@ -1,6 +1,8 @@
 """A recording's page: playback, jumps, the list of impacts, keys, a phone and the dark theme."""
 
 # Tests: pages/recorded.py, pages/browser/player/player.js
+# Tests: pages/browser/player/clock.js, pages/browser/player/controls.js, pages/browser/player/impact_list.js
+# Tests: pages/browser/player/recorded_page.js, pages/browser/recording/recording.js
 
 import re
 

@@ -1,6 +1,7 @@
 """The pages: small, without other files, made from their sources, with the parts of npm's packages."""
 
 # Tests: pages/assembly.py, pages/encoding.py, pages/inline.py
+# Tests: pages/browser/base/base64.js, pages/browser/player/packed_recording.js
 
 import base64
 import hashlib

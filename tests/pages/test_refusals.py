@@ -6,6 +6,7 @@ Some values that do not go together are refused by the kernel, which runs in the
 """
 
 # Tests: pages/browser/scene/scene_file.js
+# Tests: pages/browser/scene/refusals.js
 
 import re
 import tomllib

@@ -1,6 +1,7 @@
 """The rules of a scene and of its variables: JavaScript finds the values that Python finds."""
 
 # Tests: pages/browser/scene/rules.js
+# Tests: pages/browser/scene/owners.js
 
 import numpy as np
 import pytest

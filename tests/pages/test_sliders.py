@@ -1,6 +1,8 @@
 """The sliders and the list of parameters: values that are taken, refused and reset, signals and inputs."""
 
 # Tests: pages/browser/explore/parameters/sliders.js
+# Tests: pages/browser/explore/parameters/parameter_fields.js
+# Tests: pages/browser/explore/parameters/parameter_list.js
 
 import re
 import shlex

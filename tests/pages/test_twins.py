@@ -5,6 +5,11 @@ libraries round sines differently.
 """
 
 # Tests: pages/drawn.py, pages/shared.py, pictures/arrow_scale.py, pictures/film_figure.py, scene/bodies.py
+# Tests: pages/browser/base/mapped.js, pages/browser/base/similar_names.js
+# Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
+# Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
+# Tests: pages/browser/recording/free_region.js, pages/browser/recording/frames.js
+# Tests: pages/browser/solver/bodies.js, pages/browser/scene/angles.js
 
 import re
 from dataclasses import replace

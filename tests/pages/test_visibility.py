@@ -1,6 +1,7 @@
 """What a reader sees: one scale in a frame, free labels, whole charts, room on all screens."""
 
 # Tests: pages/browser/drawing/label_positions.js
+# Tests: pages/browser/charts/force_chart.js, pages/browser/drawing/camera.js
 
 import pytest
 

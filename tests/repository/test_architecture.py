@@ -1,4 +1,4 @@
-"""The import directions inside the layers of the architecture; import-linter checks the layers."""
+"""Imports inside the layers, which import-linter checks, and the rules of files, names and tests."""
 
 import ast
 import graphlib
@@ -194,9 +194,8 @@ def test_each_module_has_tests_and_each_test_file_a_module():
     }
     named = {*itertools.chain(*files.values())}
     assert {str(file) for file in named if not file.is_file()} == set()
-    assert {str(file) for file in MODULES if file.name != "__init__.py"} - {
-        str(file) for file in named
-    } == set()
+    modules = {file for file in MODULES if file.name != "__init__.py"} | {*SCRIPTS}
+    assert {str(file) for file in modules - named} == set()
     mirrored = [file for file in files if file.relative_to(ROOT / "tests").parts[0] in rooms]
     assert [str(file) for file in mirrored if not files[file]] == []
 
@@ -259,6 +258,29 @@ def test_no_file_imports_from_a_file_of_tests_or_fixtures():
         file.name: [m for m in imported(file) if re.search(r"\b(test_\w+|conftest)$", m)] for file in files
     }
     assert {name: modules for name, modules in found.items() if modules} == {}
+
+
+def private(file, own):
+    """Return the private attributes that a file takes from ``self``, or else from other objects."""
+    return {
+        node.attr
+        for node in nodes(file)
+        if isinstance(node, ast.Attribute)
+        and re.match(r"_[a-z]", node.attr)
+        and (isinstance(node.value, ast.Name) and node.value.id == "self") == own
+    }
+
+
+def test_only_one_helper_uses_private_parts_of_chains_and_instances():
+    names = set().union(
+        *(
+            private(PACKAGE / "simulation" / f"{name}.py", True)
+            for name in ("chain", "instance", "derivatives")
+        )
+    )
+    assert {"_instance", "_kernel", "_tangents"} <= names
+    files = [file for room in ("tests", "benchmarks", "docs/tools") for file in (ROOT / room).rglob("*.py")]
+    assert [file.name for file in files if private(file, False) & names] == ["kernel_calls.py"]
 
 
 HELPERS = ROOT / "tests" / "helpers"

@@ -10,6 +10,7 @@ import pytest
 
 from chain_impact import Chain, SceneError, load_scene, simulate
 from chain_impact.scene.scene import with_values
+from tests.helpers.kernel.kernel_calls import instance_of
 from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
 from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
@@ -285,7 +286,7 @@ def test_a_state_is_restored_bit_by_bit_while_a_drive_is_at_its_limit():
     chain = Chain(random_chain(2, "pinned", limits=True, **FOLLOWS))
     chain.set({"link[1].joint_stiffness": 200.0, "joint[1].target_angle": 2.0})
     chain.step_to(0.05)
-    assert chain._instance.record["drive"]["mode"][0] != 0
+    assert instance_of(chain).record["drive"]["mode"][0] != 0
     state = chain.save()
     chain.step_to(0.6)
     first = chain.save()

@@ -2,6 +2,7 @@
 
 # Tests: scene/kernel_view.py, scene/key_rules.py, scene/refusals.py
 
+import ast
 import math
 import re
 import warnings
@@ -44,11 +45,16 @@ def table():
             yield scene, dict(map(change, changes.split("; "))), message
 
 
+def value_of(text):
+    """Return the value of a text: a number, also nan or inf, or a text, a list or a table."""
+    return float(text) if text in ("nan", "inf", "-inf") else ast.literal_eval(text)
+
+
 def change(text):
     """Return name or path, and value."""
     name, value = text.split(" = ", 1)
     path = tuple(int(part) if part.isdigit() else part for part in name.split("/"))
-    return (path if "." not in name else name), eval(value, {"nan": math.nan, "inf": math.inf})
+    return (path if "." not in name else name), value_of(value)
 
 
 def test_scenes_are_refused_with_the_listed_sentences():

@@ -10,6 +10,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, Chain, SceneError, SimulationError, load_scene, simulate
 from chain_impact.recording.impacts import IMPACT_DTYPE
+from tests.helpers.kernel.kernel_calls import instance_of
 from tests.helpers.scenes.problems import ball, default_scene, dropped_ball
 from tests.helpers.tools.refusal import refusal
 
@@ -143,7 +144,7 @@ def test_a_damaged_state_is_refused_and_changes_nothing(arm):
 def test_an_unsound_state_with_a_right_checksum_is_refused(arm):
     chain = Chain(arm)
     state = chain.save()
-    head = len(state) - chain._reals.nbytes
+    head = len(state) - instance_of(chain).words.nbytes
     checked = state[16:head] + b"\xff" * 16 + state[head + 16 :]
     forged = state[:8] + zlib.crc32(checked).to_bytes(8, "little") + checked
     assert "the state is damaged" in refusal(chain.restore, forged)

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import Chain, SimulationError, load_scene
 from chain_impact.scene.reading import SceneError
 from tests.helpers.campaigns.random_scenes import scene as random_scene
+from tests.helpers.kernel.kernel_calls import instance_of
 
 STEPS = 40
 DRIVEN = {"inputs.tip_force": True, "inputs.joint_torques": True}
@@ -43,7 +44,7 @@ def try_inputs(chain, variables, rng):
 def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
     scene = load_scene(name).with_values(changes)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
-    variables, moved = tried._instance.prepared.variables, set()
+    variables, moved = instance_of(tried).prepared.variables, set()
     names = [v.name for v in variables]
     for k in range(1, STEPS + 1):
         time = scene.simulation.stop_time * k / STEPS
@@ -62,7 +63,7 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
 def test_random_scenes_go_on_as_without_a_trial(number):
     scene = random_scene(7000000 + number).with_values(DRIVEN)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
-    variables = tried._instance.prepared.variables
+    variables = instance_of(tried).prepared.variables
     for k in range(1, 9):
         for chain in (tried, alone):
             chain.step_to(scene.simulation.stop_time * k / 8)

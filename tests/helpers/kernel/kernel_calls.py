@@ -1,15 +1,33 @@
 """The calls of a kernel that FMUs make and ``Instance`` does not, and the memory of an instance.
 
-This is the only module of the tests that uses private attributes of ``Instance``.
+Of all tests and benchmarks, only this module uses private attributes of ``Instance`` and ``Chain``.
 """
 
 from __future__ import annotations
 
+from ctypes import CDLL
 from typing import Any
 
 import numpy as np
 
+from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import Instance
+
+
+def instance_of(chain: Chain) -> Instance:
+    """Return the instance that a chain steps."""
+    return chain._instance
+
+
+def kernel_of(instance: Instance) -> CDLL:
+    """Return the compiled kernel of an instance."""
+    return instance._kernel
+
+
+def tangents_of(instance: Instance) -> np.ndarray:
+    """Return the records of dual numbers behind the record of an instance with derivatives."""
+    found: np.ndarray = instance._tangents  # type: ignore[attr-defined]
+    return found
 
 
 def initialize(instance: Instance, time: float = 0.0) -> int:

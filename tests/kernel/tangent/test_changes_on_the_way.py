@@ -11,7 +11,7 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
-from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update
+from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update, tangents_of
 from tests.helpers.scenes.derivative_scenes import table
 from tests.helpers.tools.differences import slope
 
@@ -105,7 +105,7 @@ def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, cha
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
     looks = [compiled.columns[name] for name in ("point[1].y", "link[1].angular_velocity")]
-    seen = instance._tangents["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
+    seen = tangents_of(instance)["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
 
     def plain(one):
         run = Instance(one)

@@ -13,6 +13,7 @@ from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RE
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import SOLVER
 from chain_impact.kernel.tangent import replay, step_ends
+from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.scenes.derivative_scenes import (
     AT_STOPS,
     pinned_chain,
@@ -53,7 +54,7 @@ SAME = {
 def test_values_are_those_of_the_run(name):
     case = CASES[name]
     instance = started(case)
-    d, t = instance.record, instance._tangents
+    d, t = instance.record, tangents_of(instance)
     for time in np.linspace(0.0, case.scene.simulation.stop_time, 24):
         followed(instance, [time])
         for record, fields in SAME.items():

@@ -14,6 +14,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import duals, replay as starts, trust
+from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.kernel.plain import Plain, make_rigid, record_of
 from tests.helpers.models.complex_laws import TINY
 from tests.helpers.scenes.derivative_scenes import Case
@@ -32,7 +33,7 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
     assert {*CONTACT_LAWS} - {*FACTORS} == {"newton_impact"}
     found = complex(FACTORS[law](complex(e, TINY)))
     case = Case(ball(1e-3, 1.0, restitution=e, **of_law(law)), ("contact.restitution",), ())
-    factor = started(case)._tangents["law"]["damping_factor"][0, 0]
+    factor = tangents_of(started(case))["law"]["damping_factor"][0, 0]
     # the polynomial of Kuwabara and Kono has 10 digits
     bound = 1e-10 if law == "kuwabara_kono" else 1e-11
     assert factor["value"] == pytest.approx(found.real, rel=bound, abs=1e-14)
