@@ -8,18 +8,19 @@ import pytest
 
 from chain_impact.scene.refusals import RULES, SIGNAL_RULES
 from chain_impact.scene.rules import holds, names_in, number_in, tree
-from chain_impact.variables.owners import CONDITIONS, COUNTS_OF, OWNER_KINDS, RECORD
+from chain_impact.variables.owners import COUNTS_OF, FACTS, LISTS, OWNER_KINDS, RECORD
 from tests.pages.javascript import function_of
 from tests.scene.rule_cases import CASES, VALUES
 
 EVALUATED = function_of("rules", "evaluated")
 ALL_RULES = [
     *(text for rule in (*RULES, *SIGNAL_RULES) for text in (rule.condition, rule.least) if text),
-    *(condition.rule for condition in CONDITIONS.values()),
+    *(fact.rule for fact in FACTS.values()),
+    *(text for row in LISTS.values() for text in (row.over or "1", row.has, *row.values.values())),
     *(text for row in OWNER_KINDS.values() for text in (row.over, row.has, *row.numbers.values())),
     *(text for row in OWNER_KINDS.values() for text in row.conditions.values()),
     *COUNTS_OF.values(),
-    *(written.number for written in RECORD.values()),
+    *(text for row in RECORD.values() for text in (row.number, row.over, row.at)),
 ]
 NUMBERS = (None, 0, 1, 2, -1, 0.5, False, True)
 TRIALS = 10
@@ -61,5 +62,6 @@ def test_all_rules_have_the_same_value_for_any_values(script, seed):
 
     values = values_of(names) | {"order": 1}
     values |= {name: [values_of(sorted(inner)) for _ in range(seed % 4)] for name, inner in lists.items()}
+    values["inputs.wall_motion"] = ["*", "other"][: seed % 3]
     python, page = in_both(script, ALL_RULES, values)
     assert page == python

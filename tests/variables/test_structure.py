@@ -8,10 +8,11 @@ import pytest
 
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.rules import names_in, tree
-from chain_impact.scene.tables import Inputs, Outputs
+from chain_impact.scene.scene import scene_keys
+from chain_impact.scene.tables import Inputs, Material, Outputs
 from chain_impact.variables.owners import (
-    CONDITIONS,
     COUNTS_OF,
     FACTS,
     LISTS,
@@ -23,11 +24,13 @@ from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.variables.everything import CART, EVERYTHING
 
+FILE_KEYS = {key for key, _ in scene_keys() if "." in key}
+FILE_KEYS |= {entry.name for table in (Link, Material) for entry in fields(table)}
 KEYS = {f"{table.__name__.lower()}.{entry.name}" for table in (Inputs, Outputs) for entry in fields(table)}
 
 
-def names_of(rule):
-    return {*names_in(tree(rule))}
+def names_of(*rules):
+    return {name for rule in rules for name in names_in(tree(rule))}
 
 
 def members_of(name):
@@ -39,30 +42,36 @@ def members_of(name):
 @pytest.mark.parametrize("scene", [EVERYTHING, CART], ids=["everything", "cart"])
 def test_each_fact_and_each_list_is_explained(scene):
     structure = structure_of(scene)
-    assert {*structure.facts} == FACTS.keys() | KEYS
+    assert {*structure.known} == FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
     assert structure.lists.keys() == LISTS.keys()
-    assert all(name in LISTS[one] for one in LISTS for name in members_of(one))
+    assert all(name in LISTS[one].meaning for one in LISTS for name in members_of(one))
 
 
 def test_names_in_the_tables_are_known():
-    known = FACTS.keys() | KEYS | LISTS.keys()
-    for name, (rule, meaning) in CONDITIONS.items():
+    members = {name for one in LISTS for name in members_of(one)} | {"order"}
+    known = LISTS.keys() | FILE_KEYS | members
+    for one, row in LISTS.items():
+        rules = [row.over, row.has, *row.values.values()] if row.over else []
+        assert names_of(*rules) <= known | row.values.keys(), one
+    for name, (rule, meaning) in FACTS.items():
         assert names_of(rule) <= known, name
         assert meaning
         known |= {name}
     assert COUNTS_OF.keys() == {*COUNTS}
-    assert all(names_of(text) <= known for text in COUNTS_OF.values())
+    assert names_of(*COUNTS_OF.values()) <= known - members
+    known |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
-        here = known | members_of(row.over) | {"order"} | row.conditions.keys()
-        texts = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
-        assert all(names_of(text) <= here for text in texts), kind
+        rules = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
+        assert (
+            names_of(*rules) <= known - members | members_of(row.over) | {"order"} | row.conditions.keys()
+        ), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for written in RECORD.values():
-        assert names_of(written.number) <= (members_of(written.over) if written.over else known | {*COUNTS})
+        assert names_of(written.number, written.over, written.at) <= known
 
 
 def test_no_owner_changes_what_holds_for_its_scene():
-    of_scenes = FACTS.keys() | KEYS | LISTS.keys() | CONDITIONS.keys() | {*COUNTS}
+    of_scenes = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
     of_members = {name for one in LISTS for name in members_of(one)} | {"order"}
     assert not of_scenes & OWN_CONDITIONS.keys()
     assert not of_scenes & of_members
@@ -75,6 +84,8 @@ def test_no_owner_changes_what_holds_for_its_scene():
 def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     known = structure_of(scene).known
     assert known["friction"] == scene.has_friction
+    assert known["contact_friction"] == scene.has_contact_friction
+    assert known["skewed"] == scene.chain.is_skewed
     assert known["supply"] == scene.is_driven
     assert known["has_base_joint"] == scene.chain.has_base_joint
 

@@ -37,7 +37,7 @@ from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import CONDITIONS, COUNTS_OF, OWNER_KINDS, RECORD, Owner
+from chain_impact.variables.owners import COUNTS_OF, FACTS, LISTS, OWNER_KINDS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
@@ -55,11 +55,6 @@ COUNTED = {
 """Kind of owner → what its number counts, if the number changes with a link or point that is removed."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD.items()},
-    "regularized": ("step", "regularized"),
-    "belt": ("motion", "belt", AT),
-    "channel": ("shift", AT, "channel"),
-    **{f"wall_{key}": ("walls", key, AT) for key in ("restitution", "friction", "static_friction")},
-    "stop_law": ("stops", "law"),
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
@@ -76,12 +71,16 @@ def kit(scene: Scene) -> dict[str, Any]:
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
     return {
         "keys": _keys(Scene),
-        "conditions": {name: tree(condition.rule) for name, condition in CONDITIONS.items()},
+        "facts": {name: tree(fact.rule) for name, fact in FACTS.items()},
+        "lists": {
+            name: {"over": tree(row.over), "has": tree(row.has), "values": _trees(row.values)}
+            for name, row in LISTS.items()
+            if row.over
+        },
         "counts": _trees(COUNTS_OF),
         "owners": {
             kind: {
-                "list": row.over,
-                "count": tree(row.over),
+                "over": tree(row.over),
                 "has": tree(row.has),
                 "numbers": _trees(row.numbers),
                 "conditions": _trees(row.conditions),
@@ -89,7 +88,8 @@ def kit(scene: Scene) -> dict[str, Any]:
             for kind, row in OWNER_KINDS.items()
         },
         "record": {
-            name: {"number": tree(written.number), "over": written.over} for name, written in RECORD.items()
+            name: {"number": tree(row.number), "over": tree(row.over), "at": tree(row.at)}
+            for name, row in RECORD.items()
         },
         "lawFile": scene.contact.law_file,
         "laws": scene.law_names,

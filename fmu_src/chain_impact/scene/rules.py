@@ -10,8 +10,9 @@ A rule is written like an expression of Python. From strong to weak, its parts a
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
 
-A value holds if it is neither missing nor 0 nor empty; a list holds if one of its entries holds. A sum or a
-product with a missing value is missing, and a comparison with a missing value does not hold.
+A value holds if it is neither missing nor 0 nor empty; a list holds if one of its entries holds, and counts
+as its length where a number is needed. The members of tables by name are these tables. A sum or a product
+with a missing value is missing, and a comparison with a missing value does not hold.
 
 ``tree`` parses a rule. Python evaluates the tree here, and pages/browser/scene/rules.js in the same way.
 """
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from typing import Any, TypeAlias
 
@@ -124,9 +125,15 @@ def holds(rule: str, value_of: ValueOf) -> bool:
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
-    """Return the number that a rule stands for; None if a value is missing."""
-    value = _value(tree(rule), value_of)
+    """Return the number, or a text, that a rule stands for; None if a value is missing."""
+    value = _counted(_value(tree(rule), value_of))
     return int(value) if isinstance(value, bool) else value
+
+
+def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
+    """Return the members of the list that a rule stands for; for a number, as many members without values."""
+    value = _value(tree(rule), value_of)
+    return [{}] * value if isinstance(value, int) else _members(value)
 
 
 def _value(part: Tree, value_of: ValueOf) -> Any:
@@ -135,7 +142,7 @@ def _value(part: Tree, value_of: ValueOf) -> Any:
         return value_of(part["name"]) if "name" in part else part["constant"]
     sign, parts = part["operator"], part["parts"]
     if sign in ("any", "sum"):
-        return _of_members(sign, _value(parts[0], value_of) or (), parts[1], value_of)
+        return _of_members(sign, _members(_value(parts[0], value_of)), parts[1], value_of)
     values = (_value(inner, value_of) for inner in parts)
     if sign in _OF_ALL:
         return _OF_ALL[sign](map(_is_so, values))
@@ -144,7 +151,7 @@ def _value(part: Tree, value_of: ValueOf) -> Any:
     first, second = values
     if first is None or second is None:
         return None if sign in ("+", "*") else False
-    return _OF_TWO[sign](first, second)
+    return _OF_TWO[sign](first, second) if sign == "in" else _OF_TWO[sign](_counted(first), _counted(second))
 
 
 def _of_members(sign: str, members: Iterable[Any], of: Tree, value_of: ValueOf) -> Any:
@@ -164,6 +171,14 @@ def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
     if isinstance(member, Mapping):
         return member[name] if name in member else value_of(name)
     return getattr(member, name) if hasattr(member, name) else value_of(name)
+
+
+def _members(value: Any) -> Collection[Any]:
+    return value.values() if isinstance(value, Mapping) else value or ()
+
+
+def _counted(value: Any) -> Any:
+    return len(value) if isinstance(value, tuple | list) else value
 
 
 def _is_so(value: Any) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from operator import attrgetter
 from typing import Any
 
@@ -18,19 +18,18 @@ from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.contact_law import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
-from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
-from chain_impact.scene.rules import number_in
+from chain_impact.scene.rules import members_in, number_in, value_within
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
-from chain_impact.variables.owners import OWNER_KINDS, RECORD
+from chain_impact.variables.owners import OWNER_KINDS, RECORD, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure
 
@@ -72,22 +71,20 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
     These are the parts of a scene that are no parameters, the signals, and the materials of single walls.
     """
-    for path, text, over in RECORD.values():
+    value_of = values_of(structure.known, structure.lists, scene)
+    for path, rule, over, at in RECORD.values():
         *parts, key = (step for step in path if step != AT)
         part = d
         for name in parts:
             part = part[name]
-        if not over:
-            part[key] = number_in(text, structure.known.__getitem__)
-        elif members := structure.lists[over]:
-            part[key] = [number_in(text, member.__getitem__) for member in members]
-    d["step"]["regularized"] = NO_CONTACT
-    channels = {owner.values["name"]: owner.values["at"] for owner in structure.owners("moving wall")}
-    for channel in channels.values():
-        d["motion"]["belt"][channel + 1] = 1
-    for c, candidate in enumerate(structure.lists["candidates"]):
-        d["shift"]["channel"][c] = channels.get(candidate.get("name"), -1)
-    d["stops"]["law"] = _law_number(scene.stops.model) if scene.stops.model else 0
+        of_members = [
+            partial(value_within, member, order, value_of)
+            for order, member in enumerate(members_in(over, value_of))
+        ]
+        if AT not in path:
+            part[key] = number_in(rule, value_of)
+        elif of_members:
+            part[key][[number_in(at, of) for of in of_members]] = [number_in(rule, of) for of in of_members]
     fill_signals(d, scene, structure)
     _fill_materials(d, scene)
 
@@ -235,10 +232,9 @@ def _places(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write the given values of single walls' materials, and ``Kind.if_missing`` for the others."""
+    """Write the given values of single walls' materials."""
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
-        d[part][key] = kind.if_missing
         for w, wall in enumerate(scene.wall_names if scene.may_touch else ()):
             value = getattr(scene.contact.wall.get(wall), key, None)
             if value is not None:

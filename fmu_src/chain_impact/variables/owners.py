@@ -1,104 +1,123 @@
 """The tables of conditions, counts and owners of variables, and of numbers in a record that follow from them.
 
-Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables. Each of them finds
-only the FACTS and the LISTS of a scene by itself. Conditions and numbers are in the language of
-scene/rules.py; a list counts as its length.
+Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables, which are in the
+language of scene/rules.py. Each of them finds only some LISTS of a scene by itself. Example: a link with
+``joint_friction`` is a member of "links" with ``has_friction``, so it is an owner of the kind "joint with
+friction", which has the outputs of dry friction; it makes the fact "friction" hold, so that the record has
+room for these outputs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
+from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
-from chain_impact.scene.rules import holds, number_in
+from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, value_at, value_within
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signals import Driven
 from chain_impact.variables.kind import ALWAYS
 
 
-class Parts(NamedTuple):
-    """A scene, its candidates, and the inputs that its signals drive."""
+class Members(NamedTuple):
+    """A list of a scene: what its members are, and how they follow from another list, if they do.
 
-    scene: Scene
-    pairs: Sequence[tuple[int, int]]
-    signals: Sequence[Driven]
+    Attributes:
+        meaning: what the members are, and the values that each member has.
+        over: the list whose members can be members; "" for a list that each language finds by itself.
+        has: the rule by which one of them is a member.
+        values: name → rule for each value of a member.
+    """
+
+    meaning: str
+    over: str = ""
+    has: str = "1"
+    values: Mapping[str, str] = {}
+
+
+LISTS = {
+    "sites": Members("points of links; link and entry: indices; corner: of a box, from 1, or 0; label"),
+    "candidates": Members(
+        "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, a joint's stop has "
+        "none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop"
+    ),
+    "walls": Members("numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it"),
+    "lines": Members("walls at any angle; name"),
+    "laws": Members("contact laws, a user's law last; name"),
+    "signals": Members("driven inputs; name: of the signal; input; knot_count"),
+    "steps": Members(
+        "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
+    ),
+    "links": Members(
+        "jointed: a joint holds it; has_friction: this joint has dry friction",
+        over="chain.links",
+        values={
+            "jointed": "chain.base != 'free' or order > 0",
+            "has_friction": "jointed and joint_friction > 0",
+        },
+    ),
+    "moving_walls": Members(
+        "walls that inputs move; name; number: index among the walls",
+        over="walls",
+        has="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
+        values={"name": "name", "number": "order"},
+    ),
+}
+"""Name → list of a scene. In a rule, a name without a dot is a list, a member's value, a fact or a count."""
 
 
 class Fact(NamedTuple):
-    """A fact of a scene: its meaning, and the function that returns it for the parts of the scene."""
-
-    meaning: str
-    of: Callable[[Parts], int]
-
-
-FACTS = {
-    ALWAYS: Fact("all scenes have this", lambda _: True),
-    "free": Fact("no base holds the chain", lambda of: of.scene.chain.base == "free"),
-    "pinned": Fact("the base is pinned", lambda of: of.scene.chain.base == "pinned"),
-    "slider": Fact("the base is on a slider", lambda of: of.scene.chain.base == "slider"),
-    "skewed": Fact(
-        "the centre of mass of some link lies beside the link's line", lambda of: of.scene.chain.is_skewed
-    ),
-    "contact_friction": Fact("a contact may have dry friction", lambda of: of.scene.has_contact_friction),
-    "joint_friction": Fact("a joint has dry friction", lambda of: bool(of.scene.friction_joints)),
-    "slider_friction": Fact(
-        "the slider has dry friction",
-        lambda of: of.scene.chain.slider is not None and of.scene.chain.slider.friction > 0.0,
-    ),
-    "own_stop_law": Fact("stops have another law than walls", lambda of: of.scene.stops.model is not None),
-    "has_limits": Fact("a drive has a largest torque or force", lambda of: of.scene.chain.has_limits),
-    "pairs": Fact(
-        "the number of pairs of a point and a wall that can touch",
-        lambda of: len(of.pairs) - len(of.scene.chain.stops) - len(of.scene.slider_stops),
-    ),
-    "stops": Fact("the number of stops in joints", lambda of: len(of.scene.chain.stops)),
-    "slider_stops": Fact("the number of stops of the slider", lambda of: len(of.scene.slider_stops)),
-    "knots": Fact(
-        "the number of knots of all signals", lambda of: sum(driven.knots for driven in of.signals)
-    ),
-}
-"""Name → fact of a scene. The keys of [inputs] and [outputs] are facts, too, as
-``inputs.tip_force``; a list of names counts as its length."""
-LISTS = {
-    "links": "jointed: a joint holds it; has_friction: this joint has dry friction",
-    "sites": "points of links; link and entry: indices; corner: of a box, from 1, or 0; label",
-    "candidates": "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, "
-    "a joint's stop has none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop",
-    "walls": "numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it",
-    "lines": "walls at any angle; name",
-    "moving_walls": "walls that inputs move; name",
-    "signals": "driven inputs; name: of the signal; input",
-    "steps": "steps of each driven input; name: of the signal; input; entry: index; knot: index in record",
-}
-"""Name → members of each list of a scene, with the values that each member has."""
-
-
-class Condition(NamedTuple):
-    """A condition of variables: the rule by which it holds, and its meaning."""
+    """A fact of a scene: the rule by which it holds, or its number, and its meaning."""
 
     rule: str
     meaning: str
 
 
-CONDITIONS = {
-    "contacts": Condition("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
-    "law": Condition("contacts or stops and not own_stop_law", "the law of contacts acts"),
-    "friction": Condition("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
-    "has_base_joint": Condition("not free", "a joint connects link 1 with the base"),
-    "has_inputs": Condition(
+FACTS = {
+    ALWAYS: Fact("1", "all scenes have this"),
+    "free": Fact("chain.base == 'free'", "no base holds the chain"),
+    "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
+    "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
+    "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
+    "skewed": Fact(
+        "any(chain.links, center_of_mass_offset != 0)",
+        "the centre of mass of some link lies beside the link's line",
+    ),
+    "pairs": Fact("sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"),
+    "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
+    "slider_stops": Fact("sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"),
+    "contacts": Fact("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
+    "own_stop_law": Fact("given(stops.model)", "stops have another law than walls"),
+    "law": Fact("contacts or stops and not own_stop_law", "the law of contacts acts"),
+    "contact_friction": Fact(
+        "pairs and (contact.friction > 0 or contact.static_friction > 0 or "
+        "any(contact.wall, given(friction) or given(static_friction)))",
+        "a contact may have dry friction: a coefficient is above 0, or a wall has its own, even 0",
+    ),
+    "joint_friction": Fact("any(links, has_friction)", "a joint has dry friction"),
+    "slider_friction": Fact("chain.slider.friction > 0", "the slider has dry friction"),
+    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
+    "has_inputs": Fact(
         " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
         "inputs act on the chain without contact",
     ),
-    "supply": Condition("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
-    "impulses": Condition(
+    "has_limits": Fact(
+        "given(chain.slider.force_limit) or any(chain.links, given(joint_torque_limit))",
+        "a drive has a largest torque or force",
+    ),
+    "supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
+    "impulses": Fact(
         "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
         "some output needs the impulses of contacts",
     ),
+    "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
 }
-"""Conditions of a scene, beside its facts and lists; a rule may name conditions before it."""
+"""Name → fact of a scene, after the facts that its rule names. The keys of [inputs] and [outputs] are facts,
+too, as ``inputs.tip_force``."""
 OWN_CONDITIONS = {
     "has_target": "the target of the joint's spring is an input",
     "target_is_parameter": "the target of the joint's or slider's spring is a parameter",
@@ -106,7 +125,7 @@ OWN_CONDITIONS = {
     "in_file": "the file has the point; it is no corner of a box",
     "base_at_rest": "the point is a base that cannot move",
 }
-"""Name → meaning of the conditions of owners. None has the name of a condition of scenes."""
+"""Name → meaning of the conditions of owners. None has the name of a fact."""
 COUNTS_OF = {
     "links": "links",
     "candidates": "candidates",
@@ -125,7 +144,7 @@ class OwnerKind:
     """A kind of owners: a row of the table of owners.
 
     Attributes:
-        over: the name of the list whose members can be owners, or the number of owners.
+        over: the list whose members can be owners, or the number of owners.
         has: the rule by which a member is an owner. Only the first of members with equal ``n``, ``of``
             and name is an owner: the two stops of joint 2 are one owner.
         numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
@@ -140,6 +159,7 @@ class OwnerKind:
 
 
 _COUNTED = {"n": "order + 1", "at": "order"}
+_CHANNEL = "2*inputs.base_motion + 2*order"
 OWNER_KINDS = {
     "one": OwnerKind(over="1"),
     "link": OwnerKind(
@@ -182,7 +202,7 @@ OWNER_KINDS = {
     "line": OwnerKind(over="lines", numbers={"at": "order"}),
     # where points may touch, each wall that exists has a material
     "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
-    "moving wall": OwnerKind(over="moving_walls", numbers={"at": "2*inputs.base_motion + 2*order"}),
+    "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
     "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),
     "signal": OwnerKind(over="signals", numbers={"at": "order"}),
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
@@ -192,11 +212,19 @@ OWNER_KINDS = {
 
 
 class Written(NamedTuple):
-    """A number in the record that follows from the tables; one for each member of ``over``, if given."""
+    """A number in the record that follows from the tables.
+
+    Attributes:
+        path: its path in the record.
+        number: the rule for the number.
+        over: the list for whose members there is such a number, or how many there are.
+        at: the index in the record for a member.
+    """
 
     path: DataPath
     number: str
-    over: str = ""
+    over: str = "1"
+    at: str = "order"
 
 
 RECORD = {
@@ -215,6 +243,17 @@ RECORD = {
     "candidate_point": Written(("candidate", AT, "point"), "n", "candidates"),
     "candidate_wall": Written(("candidate", AT, "wall"), "wall", "candidates"),
     "candidate_stop": Written(("candidate", AT, "stop"), "stop", "candidates"),
+    "regularized": Written(("step", "regularized"), f"{NO_CONTACT}"),
+    # the channels of a moving wall: its displacement, and its motion as a belt
+    "belt": Written(("motion", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
+    "candidate_channel": Written(
+        ("shift", AT, "channel"), f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1", "candidates"
+    ),
+    "stop_law": Written(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
+    **{
+        f"wall_{key}": Written(("walls", key, AT), "-1", f"{len(WALLS)} + candidates")
+        for key in ("restitution", "friction", "static_friction")
+    },
 }
 """Name → numbers of the record that are no parameters."""
 
@@ -232,12 +271,48 @@ class Owner:
     conditions: dict[str, Any] = field(default_factory=dict)
 
 
-def with_conditions(facts: Mapping[str, int], lists: Mapping[str, Sequence[Any]]) -> dict[str, int]:
-    """Return the facts of a scene with its conditions, the lengths of its lists, and its counts."""
-    known = {**facts, **{name: len(members) for name, members in lists.items()}}
-    for name, condition in CONDITIONS.items():
-        known[name] = holds(condition.rule, known.__getitem__)
-    return known | {name: number_in(text, known.__getitem__) for name, text in COUNTS_OF.items()}
+def values_of(
+    known: Mapping[str, Any], lists: Mapping[str, Sequence[Any]], scene: Scene | None = None
+) -> ValueOf:
+    """Return the function that returns the value of a name in the rules of these tables.
+
+    With a scene, a name with a dot is a key of the scene's file, else the same of [inputs] or [outputs].
+    """
+
+    def value_of(name: str) -> Any:
+        if scene is not None and "." in name:
+            return value_at(scene, name)
+        return lists[name] if name in lists else known[name]
+
+    return value_of
+
+
+def add_lists(lists: dict[str, Sequence[Mapping[str, Any]]], scene: Scene) -> None:
+    """Add the lists that follow from other lists to the lists of a scene."""
+    value_of = values_of({}, lists, scene)
+    for name, row in LISTS.items():
+        if row.over:
+            members: list[dict[str, Any]] = []
+            for order, member in enumerate(members_in(row.over, value_of)):
+                of_member = partial(value_within, member, order, value_of)
+                if holds(row.has, of_member):
+                    values = dict[str, Any]()
+                    for key, rule in row.values.items():
+                        values[key] = number_in(rule, partial(value_within, values, order, of_member))
+                    members.append(values)
+            lists[name] = members
+
+
+def known_of(
+    flags: Mapping[str, int], lists: Mapping[str, Sequence[Mapping[str, Any]]], scene: Scene
+) -> dict[str, int]:
+    """Return ``flags`` with the facts and counts of a scene, and the lengths of its lists."""
+    known = {**flags}
+    value_of = values_of(known, lists, scene)
+    for name, fact in FACTS.items():
+        known[name] = int(number_in(fact.rule, value_of))
+    counts = {name: number_in(rule, value_of) for name, rule in COUNTS_OF.items()}
+    return known | {name: len(members) for name, members in lists.items()} | counts
 
 
 def owners_of(
@@ -245,10 +320,10 @@ def owners_of(
 ) -> list[Owner]:
     """Return the owners of a kind, in the order of their variables."""
     row, found = OWNER_KINDS[kind], dict[Any, Owner]()
-    for order, member in enumerate(lists.get(row.over) or [{}] * number_in(row.over, known.__getitem__)):
+    for order, member in enumerate(members_in(row.over, values_of(known, lists))):
         here = {**known, **member, "order": order}
         if holds(row.has, here.__getitem__):
-            numbers = {name: number_in(text, here.__getitem__) for name, text in row.numbers.items()}
+            numbers = {name: number_in(rule, here.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}
             for name, rule in row.conditions.items():
                 here[name] = holds(rule, here.__getitem__)

@@ -14,33 +14,28 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import Driven, driven_by
 from chain_impact.scene.tables import Inputs, Outputs
-from chain_impact.variables.owners import FACTS, Owner, Parts, owners_of, with_conditions
+from chain_impact.variables.owners import Owner, add_lists, known_of, owners_of
 
 
 @dataclass(frozen=True)
 class Structure:
     """All properties of a scene that determine which variables exist, without values of parameters.
 
-    Scenes of one structure have the same outputs. Nothing may change ``facts`` and ``lists``.
+    Scenes of one structure have the same outputs. Nothing may change ``known`` and ``lists``.
 
     Attributes:
-        facts: the facts of the scene, see ``owners.FACTS``.
+        known: the facts and counts of the scene, and the lengths of its lists, by name: see owners.py.
         lists: the lists of the scene, see ``owners.LISTS``.
         signals: the driven inputs, one row for each.
     """
 
-    facts: Mapping[str, int]
+    known: Mapping[str, int]
     lists: Mapping[str, Sequence[Mapping[str, Any]]]
     signals: tuple[Driven, ...]
 
     def __hash__(self) -> int:
-        """Return the hash of the facts; equal structures have equal facts."""
-        return hash(tuple(self.facts.values()))
-
-    @cached_property
-    def known(self) -> dict[str, int]:
-        """The facts, conditions and counts of the scene, and the lengths of its lists, by name."""
-        return with_conditions(self.facts, self.lists)
+        """Return the hash of the facts and counts, which equal structures have in common."""
+        return hash(tuple(self.known.values()))
 
     @cached_property
     def counts(self) -> Counts:
@@ -62,32 +57,27 @@ class Structure:
 
 def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
-    chain, pairs, signals = scene.chain, candidates(scene), driven_by(scene)
-    joints, with_friction, parts = chain.joints, scene.friction_joints, Parts(scene, pairs, signals)
-    facts = {
-        **_flags("inputs", scene.inputs),
-        **_flags("outputs", scene.outputs),
-        **{name: fact.of(parts) for name, fact in FACTS.items()},
-    }
-    at_walls = facts["pairs"]
-    lists: dict[str, list[dict[str, Any]]] = {
-        "links": [
-            {"jointed": n in joints, "has_friction": n in with_friction}
-            for n in range(1, len(chain.links) + 1)
-        ],
+    pairs, signals = candidates(scene), driven_by(scene)
+    stops = len(scene.chain.stops)
+    at_walls = len(pairs) - stops - len(scene.slider_stops)
+    lists: dict[str, Sequence[Mapping[str, Any]]] = {
         "sites": [
             {"link": i, "entry": j, "corner": j + 1 if j < link.corners else 0, "label": site.name}
-            for i, link in enumerate(chain.links)
+            for i, link in enumerate(scene.chain.links)
             for j, site in enumerate(link.points)
         ],
-        "candidates": _candidates(scene.wall_names, pairs, range(at_walls, at_walls + facts["stops"])),
+        "candidates": _candidates(scene.wall_names, pairs, range(at_walls, at_walls + stops)),
         "walls": _walls(scene, pairs[:at_walls]),
         "lines": [{"name": wall.name} for wall in scene.walls],
-        "moving_walls": [{"name": name} for name in scene.moving_walls],
-        "signals": [{"name": signal.signal, "input": signal.input} for signal in signals],
+        "laws": [{"name": name} for name in scene.law_names],
+        "signals": [
+            {"name": signal.signal, "input": signal.input, "knot_count": signal.knots} for signal in signals
+        ],
         "steps": _steps(signals),
     }
-    return Structure(facts, lists, signals)
+    add_lists(lists, scene)
+    flags = {**_flags("inputs", scene.inputs), **_flags("outputs", scene.outputs)}
+    return Structure(known_of(flags, lists, scene), lists, signals)
 
 
 def _flags(table: str, keys: Inputs | Outputs) -> dict[str, int]:

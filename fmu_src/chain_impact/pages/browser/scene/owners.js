@@ -2,9 +2,9 @@
 // tables of `owners.py`.
 
 import { mapped } from "../base/mapped.js";
-import { range } from "../base/range.js";
+import { inFile } from "../base/paths.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
-import { holds, numberIn } from "./rules.js";
+import { holds, membersIn, numberIn, valuesWithin } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -16,19 +16,20 @@ export function structureOf(file, kit) {
   const wallNames = [...BOX_WALLS, ...lines, ...(stops.length ? STOPS : []), ...sliderStops];
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
   const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
-  const lists = listsOf(parts);
-  const known = withConditions(factsOf(parts, lists), lists, kit);
+  const lists = listsOf(parts, kit);
+  const known = knownOf(file, lists, kit);
   return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
 }
 
+/** Return the function that returns the value of a name in the rules of `owners.py`, as `values_of` there. */
+export function valuesOfScene(file, lists, known) {
+  return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
+}
+
 /** Return the lists of a scene, see `owners.py`. */
-function listsOf({ file: { chain, walls, inputs }, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }) {
+function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }, kit) {
   const { STOP_CODES } = SHARED.kernel;
-  return {
-    links: chain.links.map(({ joint_friction: friction }, k) => {
-      const jointed = chain.base !== "free" || k > 0;
-      return { jointed, has_friction: jointed && friction > 0 };
-    }),
+  const lists = {
     sites: sites.map(({ link, entry, corner = 0, name }) => ({ link, entry, corner, label: name })),
     candidates: [
       ...pairs.map(([n, wall]) => ({ n, wall, name: wallNames[wall], stop: 0, at_joint: false })),
@@ -37,37 +38,23 @@ function listsOf({ file: { chain, walls, inputs }, driven, sites, sliderStops, s
     ],
     walls: wallNames.map((name, number) =>
       ({ name, exists: existingWalls.includes(name), touched: pairs.some(([, wall]) => wall === number) })),
-    lines: walls.map(({ name }) => ({ name })),
-    moving_walls: wallNames.filter((name) =>
-      existingWalls.includes(name) && inputs.wall_motion.some((other) => other === "*" || other === name)).map((name) => ({ name })),
-    signals: driven.map(({ name, input }) => ({ name, input })),
+    lines: file.walls.map(({ name }) => ({ name })),
+    laws: kit.laws.map((name) => ({ name })),
+    signals: driven.map(({ name, input, knots }) => ({ name, input, knot_count: knots })),
     steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>
       signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };
-}
-
-/** Return the facts of a scene, see `owners.py`. */
-function factsOf({ file, driven, mayTouch, sliderStops, stops, existingWalls, pairs }, lists) {
-  const { chain: { base, links, slider }, contact, inputs, outputs } = file;
-  const hasOwnFriction = Object.values(contact.wall).some(({ friction, static_friction: least }) => (friction ?? least) !== undefined);
-  return {
-    ...flags(inputs, "inputs"),
-    ...flags(outputs, "outputs"),
-    always: true,
-    free: base === "free",
-    pinned: base === "pinned",
-    slider: base === "slider",
-    skewed: links.some(({ center_of_mass_offset: offset }) => offset !== 0),
-    contact_friction: mayTouch && existingWalls.length > 0 && (contact.friction > 0 || contact.static_friction > 0 || hasOwnFriction),
-    joint_friction: lists.links.some(({ has_friction }) => has_friction),
-    slider_friction: slider?.friction > 0,
-    own_stop_law: Boolean(file.stops.model),
-    has_limits: slider?.force_limit !== undefined || links.some((link) => link.joint_torque_limit !== undefined),
-    pairs: pairs.length,
-    stops: stops.length,
-    slider_stops: sliderStops.length,
-    knots: driven.reduce((sum, { knots }) => sum + knots, 0),
-  };
+  const valueOf = valuesOfScene(file, lists, {});
+  for (const [name, { over, has, values }] of Object.entries(kit.lists)) {
+    lists[name] = membersIn(over, valueOf).flatMap((member, order) => {
+      const ofMember = valuesWithin(member, order, valueOf);
+      const own = {};
+      if (!holds(has, ofMember)) return [];
+      for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, valuesWithin(own, order, ofMember));
+      return [own];
+    });
+  }
+  return lists;
 }
 
 /** Return the values of a table under their dotted keys; a list of names counts as its length. */
@@ -75,21 +62,21 @@ function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
 
-/** Return the facts with the conditions of the scene, the lengths of its lists and its counts. */
-function withConditions(facts, lists, { conditions, counts }) {
-  const known = { ...facts, ...mapped(lists, ({ length }) => length) };
-  const valueOf = (name) => known[name];
-  for (const [name, rule] of Object.entries(conditions)) known[name] = holds(rule, valueOf);
-  return { ...known, ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
+/** Return the facts and counts of a scene, and the lengths of its lists, see `owners.py`. */
+function knownOf(file, lists, { facts, counts }) {
+  const known = { ...flags(file.inputs, "inputs"), ...flags(file.outputs, "outputs") };
+  const valueOf = valuesOfScene(file, lists, known);
+  for (const [name, rule] of Object.entries(facts)) known[name] = numberIn(rule, valueOf);
+  return { ...known, ...mapped(lists, ({ length }) => length), ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
 }
 
 /**
  * Return the owners of one row of the table of owners: the members of its list that meet its rule `has`, with their numbers and
  * conditions.
  */
-function ownersIn({ list, count, has, numbers, conditions }, known, lists) {
+function ownersIn({ over, has, numbers, conditions }, known, lists) {
   const found = new Map();
-  (lists[list] ?? range(numberIn(count, (name) => known[name])).map(() => ({}))).forEach((member, order) => {
+  membersIn(over, (name) => lists[name] ?? known[name]).forEach((member, order) => {
     const here = { ...known, ...member, order };
     const valueOf = (name) => here[name];
     if (!holds(has, valueOf)) return;

@@ -1,8 +1,7 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
-import { range } from "../base/range.js";
-import { BOX_WALLS } from "./geometry.js";
-import { numberIn } from "./rules.js";
+import { valuesOfScene } from "./owners.js";
+import { membersIn, numberIn, valuesWithin } from "./rules.js";
 import { putSignals } from "./signals.js";
 
 /** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
@@ -27,7 +26,7 @@ function actingOf({ acts: [number, index], owner: { at } }) {
  * or without a signal.
  */
 export function recordOf(kit, structure, driven, rows, values, byName) {
-  const { file, known, lists, owners, mayTouch } = structure;
+  const { file, known, lists, mayTouch } = structure;
   const bytes = new Uint8Array(wordIndex(kit.size, known) * SHARED.record.WORD);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
@@ -37,19 +36,14 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
     else integers[at] = BigInt(value);
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
-  const each = (name, all) => all.forEach((value, index) => put(name, value, index));
-  for (const [name, { number, over }] of Object.entries(kit.record)) {
-    if (over) each(name, lists[over].map((member) => numberIn(number, (key) => member[key])));
-    else put(name, numberIn(number, (key) => known[key]));
+  const valueOf = valuesOfScene(file, lists, known);
+  for (const [name, { number, over, at }] of Object.entries(kit.record)) {
+    membersIn(over, valueOf).forEach((member, order) => {
+      const ofMember = valuesWithin(member, order, valueOf);
+      put(name, numberIn(number, ofMember), numberIn(at, ofMember));
+    });
   }
-  put("regularized", SHARED.kernel.NO_CONTACT);
-  const channels = new Map(owners["moving wall"].map(({ name, at }) => [name, at]));
-  channels.forEach((channel) => put("belt", 1, channel + 1));
-  each("channel", lists.candidates.map(({ name }) => channels.get(name) ?? -1));
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
-  ["wall_restitution", "wall_friction", "wall_static_friction"].forEach((name) =>
-    each(name, range(BOX_WALLS.length + known.candidates).map(() => -1)));
-  put("stop_law", kit.laws.indexOf(file.stops.model) + 1);
   for (const { name, ownerKind, word, given, givenIf, type, owner, missing } of rows) {
     const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(missing) } : null);
     if (!value || (ownerKind === "line" && !mayTouch)) continue;

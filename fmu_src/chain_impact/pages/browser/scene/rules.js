@@ -9,27 +9,26 @@ const COMPARISONS = {
   ">": (a, b) => a > b,
   "<=": (a, b) => a <= b,
   ">=": (a, b) => a >= b,
-  in: (value, entries) => entries.includes(value),
 };
 
 /** Return the value of a part of a rule, of a condition 0 or 1; null if it is missing. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? numbered(valueOf(name)) : constant;
-  if (operator === "any" || operator === "sum") return ofMembers(operator, valueIn(parts[0], valueOf) ?? [], parts[1], valueOf);
+  if (operator === "any" || operator === "sum") return ofMembers(operator, listed(valueIn(parts[0], valueOf)), parts[1], valueOf);
   if (operator === "and") return numbered(parts.every((part) => holds(part, valueOf)));
   if (operator === "or") return numbered(parts.some((part) => holds(part, valueOf)));
   if (operator === "not") return numbered(!holds(parts[0], valueOf));
   const [first, second] = parts.map((part) => valueIn(part, valueOf));
   if (operator === "given") return numbered(first !== null);
   if (first === null || second === null) return operator in ARITHMETIC ? null : 0;
-  return numbered((ARITHMETIC[operator] ?? COMPARISONS[operator])(first, second));
+  if (operator === "in") return numbered(second.includes(first));
+  return numbered((ARITHMETIC[operator] ?? COMPARISONS[operator])(counted(first), counted(second)));
 }
 
 /** Return whether a part of a rule holds for any member, or its sum over all members. */
 function ofMembers(operator, members, of, valueOf) {
-  const ofMember = (member, order) => (name) => (name === "order" ? order : name in member ? member[name] : valueOf(name));
-  if (operator === "any") return numbered(members.some((member, order) => holds(of, ofMember(member, order))));
-  const values = members.map((member, order) => valueIn(of, ofMember(member, order)));
+  if (operator === "any") return numbered(members.some((member, order) => holds(of, valuesWithin(member, order, valueOf))));
+  const values = members.map((member, order) => valueIn(of, valuesWithin(member, order, valueOf)));
   return values.includes(null) ? null : values.reduce((sum, value) => sum + value, 0);
 }
 
@@ -38,8 +37,17 @@ function numbered(value) {
   return typeof value === "boolean" ? Number(value) : value ?? null;
 }
 
+function listed(value) {
+  return Array.isArray(value) ? value : Object.values(value ?? {});
+}
+
+function counted(value) {
+  return Array.isArray(value) ? value.length : value;
+}
+
 function isSo(value) {
-  return Array.isArray(value) ? value.some(isSo) : Boolean(value);
+  if (Array.isArray(value)) return value.some(isSo);
+  return typeof value === "object" && value !== null ? Object.keys(value).length > 0 : Boolean(value);
 }
 
 /** Return whether a rule holds; `valueOf` returns the value of a name. */
@@ -47,7 +55,18 @@ export function holds(rule, valueOf) {
   return isSo(valueIn(rule, valueOf));
 }
 
-/** Return the number that a rule stands for; null if a value is missing. */
+/** Return the number, or a text, that a rule stands for; null if a value is missing. */
 export function numberIn(rule, valueOf) {
-  return valueIn(rule, valueOf);
+  return counted(valueIn(rule, valueOf));
+}
+
+/** Return the members of the list that a rule stands for; for a number, as many members without values. */
+export function membersIn(rule, valueOf) {
+  const value = valueIn(rule, valueOf);
+  return typeof value === "number" ? Array.from({ length: value }, () => ({})) : listed(value);
+}
+
+/** Return the function that returns the value of a name for a member of a list: its own value, or else that of `valueOf`. */
+export function valuesWithin(member, order, valueOf) {
+  return (name) => (name === "order" ? order : name in member ? member[name] : valueOf(name));
 }
