@@ -40,7 +40,7 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
     assert INK != GREY
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("model", ["rocking_block", "hopper"])
 def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model, width):

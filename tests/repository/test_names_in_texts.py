@@ -1,9 +1,7 @@
 """A reader finds capital names of comments and docstrings in the code of the file, or of a file named."""
 
-import io
 import itertools
 import re
-import tokenize
 from functools import cache
 from pathlib import Path
 
@@ -21,25 +19,12 @@ FILES = [
 ]
 PUBLIC = {*chain_impact.__all__}
 WORDS = {
-    *(
-        "ACM",
-        "ARM",
-        "BDF",
-        "BIT",
-        "BLAS",
-        "BSD",
-        "CC0",
-        "CIE",
-        "CIELAB",
-        "CPU",
-        "CRC",
-    ),
-    *("CSV", "CVODE", "D65", "DEBUG", "DOP853", "DT_NEEDED", "ELF", "FMI", "FMU", "FNV", "GUID", "HTML"),
-    *("IEEE", "II", "IIA", "INFO", "IV", "JSON", "LC_BUILD_VERSION", "LC_CODE_SIGNATURE"),
-    *("LC_LOAD_DYLIB", "LC_SYMTAB", "LEB128", "LLVM", "MB", "MJ", "MJCF", "MPLBACKEND", "NULL"),
-    *("PE", "PMMA", "PNG", "POSIX", "PYTHONPATH", "README", "RK4", "SDND108", "SHA", "SHT_DYNAMIC"),
-    *("SHT_DYNSYM", "SI", "SIAM", "SIGBUS", "SIGNUM", "SVG", "TOML", "URDF", "URI", "USSR", "UTF"),
-    "WCAG",
+    *("ACM", "ARM", "BDF", "BIT", "BLAS", "BSD", "CC0", "CIE", "CIELAB", "CPU", "CRC", "CSV", "CVODE"),
+    *("D65", "DEBUG", "DOP853", "DT_NEEDED", "ELF", "FMI", "FMU", "FNV", "GUID", "HTML", "IEEE", "II"),
+    *("IIA", "INFO", "IV", "JSON", "LC_BUILD_VERSION", "LC_CODE_SIGNATURE", "LC_LOAD_DYLIB", "LC_SYMTAB"),
+    *("LEB128", "LLVM", "MB", "MJ", "MJCF", "MPLBACKEND", "NULL", "PE", "PMMA", "PNG", "POSIX"),
+    *("PYTHONPATH", "README", "RK4", "SDND108", "SHA", "SHT_DYNAMIC", "SHT_DYNSYM", "SI", "SIAM"),
+    *("SIGBUS", "SIGNUM", "SVG", "TOML", "URDF", "URI", "USSR", "UTF", "WCAG"),
 }
 """Abbreviations, units, and words of other works."""
 NAME = re.compile(r"(?<![\w=#%\\])[A-Z][A-Z\d]+(?:_[A-Z\d]+)*(?![\w=′])")
@@ -47,43 +32,25 @@ COMMAND = re.compile(r"``[^`]*[ =\[][^`]*``|\S+(?: \[?[A-Z_]{3,}\b[\]…]?){2,}"
 """A command or a setting, with words in place of its arguments."""
 PLAIN = re.compile(r"``([^` =\[]+)``|noqa: [A-Z0-9, ]+")
 """A quoted name, and numbers of rules."""
-PARTS = re.compile(
-    r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/"""  # comments
-    r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'|`(?:\\.|[^`\\])*`""",  # strings
-    re.DOTALL,
-)
-"""The comments and the strings of JavaScript and C."""
-BEFORE = {None, tokenize.ENCODING, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
-
-
-def python_texts(source):
-    """Return the texts of a module, where comments in neighbouring lines are one text, and its code."""
-    texts, code, before, last = [], [], None, -1
-    for kind, text, (line, _), *_ in tokenize.generate_tokens(io.StringIO(source).readline):
-        if kind == tokenize.COMMENT:
-            texts.append(f"{texts.pop()} {text[1:]}" if last == line - 1 else text[1:])
-            last = line
-        elif kind == tokenize.STRING and before in BEFORE:
-            texts.append(text)
-        elif kind != tokenize.NL:
-            code.append(text)
-        if kind not in (tokenize.COMMENT, tokenize.NL):
-            before = kind
-    return texts, " ".join(code)
-
-
-def other_texts(source):
-    """Return the same of a file in JavaScript or C."""
-    texts = [part for part in PARTS.findall(source) if part[0] == "/"]
-    return texts, PARTS.sub(lambda part: " " if part[0][0] == "/" else part[0], source)
+STRINGS = r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'"""
+PYTHON = re.compile(r"""\#[^\n]*(?:\n *\#[^\n]*)*|"{3}.*?"{3}|'{3}.*?'{3}""" + STRINGS, re.DOTALL)
+OTHER = re.compile(r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/|`(?:\\.|[^`\\])*`""" + STRINGS, re.DOTALL)
+"""The comments and the strings of Python, and of JavaScript and C. Comments in successive lines are one."""
 
 
 @cache
 def read(file):
-    """Return the texts of a file and the words in its code."""
-    parts = python_texts if file.suffix == ".py" else other_texts
-    texts, code = parts(file.read_text("utf-8"))
-    return [PLAIN.sub(r"\1", text) for text in texts], {*re.findall(r"\w+", code)}
+    """Return the texts of a file, comments and docstrings, and the words in its code."""
+    source, texts, code, at = file.read_text("utf-8"), [], [], 0
+    for part in (PYTHON if file.suffix == ".py" else OTHER).finditer(source):
+        start, end = part.span()
+        code.append(source[at:start])
+        line = source[source.rfind("\n", 0, start) + 1 : start]
+        is_text = part[0][0] in "#/" or (part[0].startswith('"""') and not line.strip())
+        (texts if is_text else code).append(part[0])
+        at = end
+    code.append(source[at:])
+    return [PLAIN.sub(r"\1", text) for text in texts], {*re.findall(r"\w+", " ".join(code))}
 
 
 def named(text, name):

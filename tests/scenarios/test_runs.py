@@ -29,11 +29,17 @@ from tests.helpers.tools.shared import shared_folder
 LITTLE_WORK = {"solver.work_limit": "1500"}
 
 
+class Built(OnDemand):
+    """FMUs as paths."""
+
+    def __getitem__(self, name):
+        return Path(super().__getitem__(name))
+
+
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
     """Return the FMU of each model: name of the model → path."""
-    built = OnDemand("pythonfmu", shared_folder(tmp_path_factory, "fmus") / "pythonfmu")
-    return {name: Path(built[name]) for name in model_names()}
+    return Built("pythonfmu", shared_folder(tmp_path_factory, "fmus") / "pythonfmu")
 
 
 @pytest.fixture(params=["scene", "FMU"])

@@ -3,12 +3,13 @@
 import functools
 
 import numpy as np
-import sympy
 
 
 @functools.cache
 def lagrange(count):
     """Return functions M(q…) and h(q…) of Lagrange's equations M q̈ = h, from T, V, D and virtual work."""
+    import sympy  # here, because the import takes a second
+
     n = count
     q = sympy.symbols(f"x y theta0:{n}")
     qd = sympy.symbols(f"vx vy omega0:{n}")

@@ -7,7 +7,6 @@ import re
 from types import SimpleNamespace
 
 import numpy as np
-import pandas
 import pytest
 
 from chain_impact import SceneError, fit, load_scene, simulate
@@ -42,6 +41,8 @@ def test_values_and_their_errors(found):
 
 
 def test_a_table_of_pandas_is_a_table(found):
+    import pandas  # here, because the import takes half a second
+
     samples = motion(0.9)[0]
     table = pandas.DataFrame({name: list(cells) for name, cells in samples.items()})
     for data in (table, [table], [[table]]):

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from chain_impact.studies.fit.uncertainty import exceeded, information, quantiles, small_sample
 
@@ -42,6 +41,8 @@ def test_parameters_that_act_only_together_have_infinite_errors():
 
 
 def test_quantiles_are_those_of_scipy():
+    from scipy import stats  # here, because the import takes half a second
+
     wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
     assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)
     assert exceeded(25.0, 10) == pytest.approx(stats.chi2.sf(25.0, 10))

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import qmc
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
@@ -66,6 +65,8 @@ def test_wrong_designs_are_refused(count, sampling, seed, words):
 @pytest.mark.parametrize("count", [1, 10, 1000, 3001])
 def test_samples_are_scipys_whatever_block_is_asked_for(sampling, count):
     """Samples of a seed never change, because no state is kept between blocks."""
+    from scipy.stats import qmc  # here, because the import takes half a second
+
     variations, generator = variations_of(SCENE, INTERVALS), np.random.default_rng(7)
     if sampling == "lhs":
         parts = qmc.LatinHypercube(2, seed=generator).random(count)
