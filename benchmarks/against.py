@@ -44,10 +44,10 @@ class Run:
         self.block = room[first : first + len(self.fresh)]
         self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
         self.varied, self.count = side["varied"], side["evaluations"]
-        self.kernel = ctypes.CDLL(side["library"])
-        pointer, real = ctypes.c_void_p, ctypes.c_double
-        self.kernel.initialize.argtypes = self.kernel.advance.argtypes = [pointer, real]
-        self.kernel.observe.argtypes = [pointer]
+        kernel, pointer, real = ctypes.CDLL(side["library"]), ctypes.c_void_p, ctypes.c_double
+        self.initialize, self.advance, self.observe = (kernel[name] for name in side["functions"])
+        self.initialize.argtypes = self.advance.argtypes = [pointer, real]
+        self.observe.argtypes = [pointer]
         self.copies = True
         self.expected = self.outcome()
         self.copies = False
@@ -59,13 +59,13 @@ class Run:
         """Run from the parameters to the end; return the status."""
         if self.copies:
             self.block[:] = self.fresh
-        self.kernel.initialize(self.address, 0.0)
-        return int(self.kernel.advance(self.address, self.stop))
+        self.initialize(self.address, 0.0)
+        return int(self.advance(self.address, self.stop))
 
     def outcome(self) -> list[bytes]:
         """Return the records to compare, after one more run."""
         self()
-        self.kernel.observe(self.address)
+        self.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]
 
     def evaluations(self) -> int:
@@ -76,8 +76,8 @@ class Run:
         """Yield the number of evaluations of each run with other angles at the start."""
         for instance in self.varied:
             self.block[:] = np.frombuffer(instance, np.uint8)
-            self.kernel.initialize(self.address, 0.0)
-            self.kernel.advance(self.address, self.stop)
+            self.initialize(self.address, 0.0)
+            self.advance(self.address, self.stop)
             yield self.evaluations()
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
+from chain_impact.compilation.signatures import SIGNATURES
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
 
 try:
@@ -73,6 +74,10 @@ def varied(scene: Scene) -> list[Scene]:
 def main() -> None:
     """Write name → stop time, kernel, bytes of new instances, and places in the records of a run."""
     sides = {}
+    # commits may have other names for the functions: the first one to advance, and the one to observe
+    functions = [
+        next(f for f in SIGNATURES if f.startswith(verb)) for verb in ("initialize", "advance", "observe")
+    ]
     for name, (scene, stop) in scenes().items():
         block, *others = (PreparedScene(start).new_instance() for start in (scene, *varied(scene)))
         fields: Any = block.dtype.fields
@@ -80,6 +85,7 @@ def main() -> None:
         counts, offset = fields["statistics"][:2]
         sides[name] = {
             "stop": stop,
+            "functions": functions,
             "library": str(kernel_library(len(scene.chain.links))),
             "instance": block.tobytes(),
             "varied": [other.tobytes() for other in others],

@@ -21,7 +21,7 @@ from benchmarks import common
 from benchmarks.certificate import NO_EVENT, UNDECIDED, certify
 from benchmarks.step_equations import Step
 from chain_impact import load_scene
-from chain_impact.kernel.forces.contact_law import HARMLESS, USER_LAW
+from chain_impact.kernel.forces.candidate_laws import HARMLESS, USER_LAW
 from chain_impact.kernel.status import OK
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene

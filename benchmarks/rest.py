@@ -46,7 +46,7 @@ class Ours(OnInstance):
         self.block[:] = self.fresh
         record = self.instance.record
         for second in range(STOP):
-            assert self.kernel.advance(self.address, second + 1.0) == 0
+            assert self.kernel.advance_to(self.address, second + 1.0) == 0
             counts, row = record["statistics"], self.rows[second]
             row["steps"], row["rejected"] = counts["steps"], counts["rejected_steps"]
             row["rhs"], row["restarts"] = counts["rhs_evaluations"], record["impact"]["count"]
@@ -54,7 +54,7 @@ class Ours(OnInstance):
 
 def energy(run: OnInstance) -> float:
     """Return the present energy plus the dissipated energy [J]."""
-    run.kernel.observe(run.address)
+    run.kernel.observe_now(run.address)
     output = run.instance.record["output"]
     return float(output["total"] + output["dissipated"])
 

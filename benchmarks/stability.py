@@ -190,7 +190,7 @@ def run_ours(scene: Scene) -> dict[str, Any]:
 def left(peer: OnKernel) -> float:
     """Return the energy at the end, without the contacts' energy, as a fraction of the initial energy."""
     peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
-    peer.kernel.observe(peer.address)
+    peer.kernel.observe_now(peer.address)
     output = peer.instance.record["output"]
     return float(output["kinetic"] + output["potential"]) / energies()[0]
 

@@ -113,8 +113,8 @@ def all_kinds_of_kernels_give_the_same_bits() -> str:
             continue
         kernel, memory = load_kernel(found), PreparedScene(scene).new_instance()
         assert kernel.initialize(memory.ctypes.data, 0.0) == 0
-        assert kernel.advance(memory.ctypes.data, 2.0) == 0
-        assert kernel.observe(memory.ctypes.data) == 0
+        assert kernel.advance_to(memory.ctypes.data, 2.0) == 0
+        assert kernel.observe_now(memory.ctypes.data) == 0
         assert memory[0]["impact"]["count"] > 1
         blocks[found.name] = memory.tobytes()
     assert len(set(blocks.values())) <= 1, f"not the same: {', '.join(blocks)}"
@@ -133,8 +133,8 @@ def a_process_that_rounds_upwards() -> None:
         assert c.fesetround(rounding) == 0
         try:
             assert kernel.initialize(memory.ctypes.data, 0.0) == 0
-            assert kernel.advance(memory.ctypes.data, 2.0) == 0
-            assert kernel.observe(memory.ctypes.data) == 0
+            assert kernel.advance_to(memory.ctypes.data, 2.0) == 0
+            assert kernel.observe_now(memory.ctypes.data) == 0
             assert c.fegetround() == rounding
         finally:
             c.fesetround(0)

@@ -36,7 +36,7 @@ class OnInstance:
 
     def observed(self) -> tuple[np.ndarray, Onsets]:
         """Return the state, and candidate and time of each onset, in order of time."""
-        self.kernel.observe(self.address)
+        self.kernel.observe_now(self.address)
         record = self.instance.record
         out, candidate = record["output"], record["candidate"]
         state = np.concatenate(
@@ -52,13 +52,13 @@ class OnInstance:
 
 
 class Kernel(OnInstance):
-    """The kernel functions ``initialize`` and ``advance`` as a contender."""
+    """The kernel functions ``initialize`` and ``advance_to`` as a contender."""
 
     def run(self) -> Any:
         """Run from the parameters to the end; return the status, a whole number."""
         self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
-        return self.kernel.advance(self.address, self.stop)
+        return self.kernel.advance_to(self.address, self.stop)
 
     def outcome(self) -> Outcome:
         """Return state, onsets and the counts of the statistics."""

@@ -22,8 +22,8 @@ from tests.helpers.tools.binaries import read_binary
 from tests.tiers import needs_compilers
 
 ENTRY_POINTS = {
-    *("initialize", "advance", "advance_awhile", "advance_to_onset", "event_update"),
-    *("observe", "is_sound", "log_contacts", "trajectory", "run_each", "record_words"),
+    *("initialize", "advance_to", "advance_awhile", "advance_to_onset", "event_update"),
+    *("observe_now", "is_sound", "log_contacts", "trajectory", "run_each", "record_words"),
 }
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")
@@ -77,8 +77,8 @@ def test_kernels_for_any_and_for_four_links_give_equal_bits():
     for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):
         memory, kernel = PreparedScene(scene).new_instance(), load_kernel(path)
         assert kernel.initialize(memory.ctypes.data, 0.0) == 0
-        assert kernel.advance(memory.ctypes.data, 1.0) == 0
-        assert kernel.observe(memory.ctypes.data) == 0
+        assert kernel.advance_to(memory.ctypes.data, 1.0) == 0
+        assert kernel.observe_now(memory.ctypes.data) == 0
         outputs.append(memory.tobytes())
     assert outputs[0] == outputs[1]
     assert memory[0]["impact"]["count"] > 1

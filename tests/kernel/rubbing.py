@@ -12,11 +12,11 @@ from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
-    joint_or_slider,
+    drive_of_element,
     list_friction,
     set_friction_used,
 )
-from chain_impact.kernel.rows.geometry import tangent, tangential_acceleration, tangential_position
+from chain_impact.kernel.rows.geometry import tangent_row, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
 from tests.helpers.kernel.plain import Plain, begun
 from tests.helpers.models.reference import mass_matrix, point_jacobian
@@ -61,11 +61,11 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
     rows = []
     for e in elements:
         if e < d.candidates:
-            _, tx, ty = tangent(d, e)
+            _, tx, ty = tangent_row(d, e)
             jacobian = point_jacobian(scene, y[2 : d.links + 2], int(d.candidate.point[e]))
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
-            row, i = np.zeros(d.links + 2), joint_or_slider(d, e)
+            row, i = np.zeros(d.links + 2), drive_of_element(d, e)
             row[2 + i] = d.model.longest_link
             if i > 0:
                 row[1 + i] = -d.model.longest_link

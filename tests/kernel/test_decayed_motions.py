@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing, marks, search
-from chain_impact.kernel.forces import contact_force, holding
+from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_anchor
 from chain_impact.kernel.ode import collocation, control, dense, explicit, last_step, sundman
 from chain_impact.kernel.rows import constraints
@@ -138,7 +138,7 @@ def test_a_top_of_faded_values_is_found(size):
 @pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 1.7])
 def test_powers_and_their_derivatives_are_finite(size, exponent):
     found = rules.power_of_depth(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
-    assert found.value == contact_force.power_of_depth(size, exponent)
+    assert found.value == force_formula.power_of_depth(size, exponent)
     assert finite(found.value, *found.slope)
 
 
@@ -147,7 +147,7 @@ def test_powers_and_their_derivatives_are_finite(size, exponent):
 def test_forces_slopes_and_sizes_of_a_contact_are_finite(size, speed):
     d = resting()
     for rate in (speed, -speed):
-        assert finite(*contact_force.law_force(d, 0, size, rate), *contact_force.law_slopes(d, 0, size, rate))
+        assert finite(*force_formula.law_force(d, 0, size, rate), *force_formula.law_slopes(d, 0, size, rate))
     assert finite(dense.time_rate(size), sundman.time_rate_change(size, speed))
 
 

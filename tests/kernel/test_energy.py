@@ -8,7 +8,7 @@ import pytest
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, stored_energy
-from chain_impact.kernel.forces import contact, contact_force
+from chain_impact.kernel.forces import active_contacts, force_formula
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import centre_jacobian
 from tests.kernel.chains import chain, press_in, struck, touch
@@ -25,9 +25,9 @@ def prepared(base, count, **more):
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact.any_rigid:
-            contact.latch_onset(d, c)
+            active_contacts.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
-    contact.set_kink_sides(d)
+    active_contacts.set_kink_sides(d)
     d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     return scene, d, y, candidates
 
@@ -57,7 +57,7 @@ def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     _, d, y, (first, _second) = prepared(base, count)
     assert d.model.has_springs == (count > 1 or base == "pinned")
     springs = drives.spring_energy(d, y)
-    contacts = [contact_force.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
+    contacts = [force_formula.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
     press_in(d, first, -1e-3)  # the point has left its wall, and the end of its contact is not located yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)

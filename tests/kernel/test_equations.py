@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.chain.drives import spring_energy
-from chain_impact.kernel.forces import contact, holding
+from chain_impact.kernel.forces import active_contacts, holding
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import generalized_force, mass_matrix, point_jacobian, set_vectors
 from tests.kernel.chains import (
@@ -114,19 +114,19 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
 def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base, count):
     _, d, y, _ = prepared(base, count, touching=[0, 3])
     for k, c in enumerate((0, 3)):
-        contact.latch_onset(d, c)
+        active_contacts.latch_onset(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.rate_from_points(d, y, rate)
     loads = vectors(d.work.load)
-    equations.free_rate_from_loads(d, y, contact.apply_contacts(d), expected)
+    equations.free_rate_from_loads(d, y, active_contacts.apply_contacts(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.work.load) == loads).all()
     equations.rate_from_state(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # without the walls: rigid walls have no forces here
     make_rigid(d)
-    contact.clear_loads(d)
+    active_contacts.clear_loads(d)
     only_inputs = vectors(d.work.load)
     equations.free_rate_from_loads(d, y, 0.0, expected)
     d.work.load.x[:] = d.work.load.y[:] = 9.0

@@ -18,7 +18,7 @@ from chain_impact.kernel.initialize import (
     initialize,
     set_initial_state,
 )
-from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, in_flight
+from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, size_in_flight
 from chain_impact.kernel.ode.methods import stable
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.constraints import UNSOLVED
@@ -160,7 +160,7 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     d.given.drive_damping[:] = 1e4
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
     assert initialize(d, 0.0) == OK
-    size = in_flight(d, d.step.state, d.work.rate_start)
+    size = size_in_flight(d, d.step.state, d.work.rate_start)
     assert first_size(d) == size
     assert stable(d, size) < 0.1 * size
     assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable(d, size))

@@ -16,7 +16,7 @@ from chain_impact.kernel.ode.control import (
     SPOILED,
     accepted,
     conclude,
-    refuse,
+    reject_step,
 )
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
@@ -138,7 +138,7 @@ class Landing:
         _, self.d = chain(np.random.default_rng(1), 2)
         self.d.step.size, self.d.step.method, self.d.step.last_method = SIZE, method, method
         self.patch, self.noted, errors, costs = monkeypatch, [], list(errors), [1.0, 0.7]
-        monkeypatch.setattr(loop, "bends_force", lambda _: bends)
+        monkeypatch.setattr(loop, "force_has_kink", lambda _: bends)
         monkeypatch.setattr(loop, "roll_back", lambda _: self.noted.append("roll back"))
         monkeypatch.setattr(loop, "drop_events", lambda _: self.noted.append("drop events"))
         monkeypatch.setattr(loop, "truncate_step", lambda _, theta: self.noted.append(("cut", theta)))
@@ -152,7 +152,7 @@ class Landing:
             self.noted.append(("energy", theta))
             conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
             if not keeps:
-                refuse(d, SPOILED)
+                reject_step(d, SPOILED)
             return KEPT
 
         monkeypatch.setattr(loop, "attempt", attempt)
@@ -161,7 +161,7 @@ class Landing:
 
     def located(self, d, theta):
         if theta is None:
-            refuse(d, SPOILED)
+            reject_step(d, SPOILED)
             return -1.0
         return theta
 
@@ -250,5 +250,5 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):
     landing = Landing(monkeypatch, bends=True)
-    landing.located = lambda d, theta: (refuse(d, SPOILED), theta)[1]
+    landing.located = lambda d, theta: (reject_step(d, SPOILED), theta)[1]
     assert landing.run(0.4) == (SPOILED, BACK)

@@ -98,7 +98,7 @@ def test_a_read_of_another_state_is_found():
         clearance(d, 0)
         with pytest.raises(StaleError, match="acceleration of another state"):
             gap_acceleration(d, 0)
-        kinematics.link_vectors(d, y)
+        kinematics.set_link_vectors(d, y)
         with pytest.raises(StaleError, match="position of another state"):
             clearance(d, 0)
 

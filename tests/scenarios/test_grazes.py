@@ -8,7 +8,7 @@ HARMLESS of a link length, a picometre.
 import numpy as np
 import pytest
 
-from chain_impact.kernel.forces.contact_law import HARMLESS
+from chain_impact.kernel.forces.candidate_laws import HARMLESS
 from tests.scenarios.grazes import FAR, instance, run, set_motion
 
 pytestmark = pytest.mark.full("takes long")

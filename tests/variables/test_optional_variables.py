@@ -112,7 +112,7 @@ def test_a_scene_with_friction_has_its_variables():
     assert found["contact.friction"].record_path == ("given", "friction")
     assert found["wall.x_max.static_friction"].record_path == ("walls", "static_friction", 1)
     assert found["contact[1].x_min.friction_force"].record_path == ("output", "friction", "force", 4)
-    of_joint = {"friction_moment": "joint_or_slider_friction", "sticking": "joint_or_slider_sticking"}
+    of_joint = {"friction_moment": "drive_friction", "sticking": "drive_sticking"}
     for name, field in of_joint.items():
         assert found[f"joint[3].{name}"].record_path == ("output", "friction", field, 2)
     units = [found[f"contact[4].y_max.{key}"].unit for key in touches]

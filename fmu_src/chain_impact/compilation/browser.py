@@ -14,7 +14,15 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.laws.law_syntax import LawError
 
 MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
-EXPORTS = ("initialize", "advance_awhile", "observe", "log_contacts", "trajectory", "run_each", "__heap_base")
+EXPORTS = (
+    "initialize",
+    "advance_awhile",
+    "observe_now",
+    "log_contacts",
+    "trajectory",
+    "run_each",
+    "__heap_base",
+)
 STACK = 1 << 20  # [byte] size of the stack; the kernel needs a few thousand bytes
 # WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector (-msimd128) holds
 # two doubles, as in the code for x86 processors.

@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
+from chain_impact.kernel import hooks
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.laws.law_syntax import LawError
 from chain_impact.system import ARM, HOST, PLATFORMS, X86
@@ -91,16 +92,8 @@ LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
 }
-_ON_INSTANCE = (
-    "on_start",
-    "on_reinit",
-    "on_step",
-    "on_observe",
-    "on_observe_trial",
-    "on_truncate",
-)
 HOOKS: OpenFunctions = {
-    **dict.fromkeys(_ON_INSTANCE, ("ptr", ("ptr",), 0)),
+    **{name: ("ptr", ("ptr",), 0) for name in vars(hooks) if name.startswith("on_")},
     "indices_valid": ("i64", ("ptr",), 1),
     "words_behind": ("i64", ("ptr",), 0),
 }

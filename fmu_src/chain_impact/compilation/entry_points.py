@@ -53,7 +53,7 @@ def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # 
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
-    d, indices, parameters, values, stops, runs, output_indices, columns, rows, continuing
+    d, indices, parameters, values, end_times, runs, output_indices, columns, rows, continuing
 ):
     """Run from the start for each row of parameters, and fill a row at the end; return the number of runs."""
     return entry.run_each(
@@ -61,7 +61,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
         as_words(d),
         vector(indices, parameters),
         matrix(values, runs, parameters),
-        vector(stops, runs),
+        vector(end_times, runs),
         vector(output_indices, columns),
         matrix(rows, runs, columns),
         continuing,
@@ -77,11 +77,11 @@ def entry_points() -> Entries:
     """Return the C functions of the kernel."""
     functions: dict[str, Callable[..., Any]] = {
         "initialize": initialize,
-        "advance": entry.advance_to,
+        "advance_to": entry.advance_to,
         "advance_awhile": entry.advance_awhile,
         "advance_to_onset": advance_to_onset,
         "event_update": event_update,
-        "observe": entry.observe_now,
+        "observe_now": entry.observe_now,
         "is_sound": is_sound,
         "log_contacts": log_contacts,
         # the C interface calls this function to check the size of a record that it reads from a file

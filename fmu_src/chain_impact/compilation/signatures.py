@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 
 _TABLE = """
 int32 initialize(record* d, double time)
-int32 advance(record* d, double time)
+int32 advance_to(record* d, double time)
 int32 advance_awhile(record* d, double time)
 int32 advance_to_onset(record* d, double time)
 int32 event_update(record* d)
-int32 observe(record* d)
+int32 observe_now(record* d)
 int32 is_sound(record* d)
 int32 log_contacts(record* d)
 int64 record_words(record* d)
 int64 trajectory(record* d, double* times, int64 count, int64* spans, int64 span_count, double* rows,
                  int64 columns, int32 of_state)
-int64 run_each(record* d, int64* indices, int64 parameters, double* values, double* stops, int64 runs,
+int64 run_each(record* d, int64* indices, int64 parameters, double* values, double* end_times, int64 runs,
                int64* output_indices, int64 columns, double* rows, int32 continuing)
 """
 

@@ -10,7 +10,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base import check_base, end_at_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
-from chain_impact.kernel.events.handlers import apply_events, bends_force, renew_modes
+from chain_impact.kernel.events.handlers import apply_events, force_has_kink, renew_modes
 from chain_impact.kernel.events.marks import (
     KINK,
     NONE,
@@ -25,8 +25,8 @@ from chain_impact.kernel.events.segments import (
     end_at_segment,
     limit_to_segment,
 )
-from chain_impact.kernel.forces.contact import clear_loads, latch
-from chain_impact.kernel.forces.contact_law import laws_in_use, update_laws
+from chain_impact.kernel.forces.active_contacts import clear_loads, latch
+from chain_impact.kernel.forces.candidate_laws import laws_in_use, update_laws
 from chain_impact.kernel.forces.inputs import (
     REINITIALIZE,
     apply_inputs,
@@ -307,7 +307,7 @@ def try_step(d, h):
     if control.accepted(d):
         present, available = check_energy(d, theta)
     if control.accepted(d) and d.constraints.unsolved != SOLVED:
-        control.refuse(d, control.SPOILED)
+        control.reject_step(d, control.SPOILED)
     if not control.accepted(d):
         roll_back(d)
         drop_events(d)
@@ -327,19 +327,19 @@ def must_land(d, theta):
     error would let a point that bounces lower and lower fall faster than it has risen, and bounce without
     end.
     """
-    return theta > 0.0 and (bends_force(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
+    return theta > 0.0 and (force_has_kink(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
 
 
 def land(d, theta):
     """Repeat the last step so that it ends at its fraction θ.
 
-    Returns the fraction of the repeated step at which contacts begin; −1: its end, or the step is refused.
+    Returns the fraction of the repeated step at which contacts begin; −1: its end, or the step is rejected.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
     attempt(d, h)
     if not control.accepted(d):
-        control.refuse(d, control.SPOILED)
+        control.reject_step(d, control.SPOILED)
         return -1.0
     accept(d)
     # the error of the whole step, not of the repeated part, determines the size of the next step
@@ -355,10 +355,10 @@ def begin_step(d):
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
-        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
-        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:

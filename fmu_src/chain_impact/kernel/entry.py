@@ -186,7 +186,7 @@ def trajectory(d, words, times, spans, rows, of_state):
     return len(times)
 
 
-def run_each(d, words, indices, values, stops, output_indices, rows, continuing):
+def run_each(d, words, indices, values, end_times, output_indices, rows, continuing):
     """Run the instance from its start once for each row of parameter values.
 
     A run does not depend on the runs before it: no run changes a parameter, and ``initialize`` sets
@@ -197,7 +197,7 @@ def run_each(d, words, indices, values, stops, output_indices, rows, continuing)
         words: all numbers of the record (8 bytes each), shape (W,).
         indices: indices of the words that vary, shape (K,).
         values: the values of these words in each run, shape (R, K).
-        stops: the end time of each run, shape (R,) [s].
+        end_times: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
         rows: result, shape (R, L): the requested words. After a fault, outputs among the words have no
             meaning.
@@ -213,7 +213,7 @@ def run_each(d, words, indices, values, stops, output_indices, rows, continuing)
             for j in range(len(indices)):
                 words[indices[j]] = values[r, j]
             initialize(d, 0.0)
-        if finish_run(d, stops[r], work) == PAUSED:
+        if finish_run(d, end_times[r], work) == PAUSED:
             return r
         work -= work_done(d)
         for j in range(len(output_indices)):
@@ -221,8 +221,8 @@ def run_each(d, words, indices, values, stops, output_indices, rows, continuing)
     return len(rows)
 
 
-def finish_run(d, stop, work):
-    """Advance to ``stop`` [s], and return a status.
+def finish_run(d, end_time, work):
+    """Advance to ``end_time`` [s], and return a status.
 
     Contacts that still last at the end are logged, because the outputs of peaks come from the log.
     """
@@ -230,7 +230,7 @@ def finish_run(d, stop, work):
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:
-        status = advance(d, stop, log_capacity, work)
+        status = advance(d, end_time, log_capacity, work)
         collect(d)
         clear_changes(d)
     if status == OK:

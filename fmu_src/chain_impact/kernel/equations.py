@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.drives import (
     stored_force,
 )
 from chain_impact.kernel.chain.elimination import accelerations
-from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
+from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import carry_sites, joint_place
 from chain_impact.kernel.chain.slider import carriage_energy
 from chain_impact.kernel.chain.state import (
@@ -32,8 +32,8 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.contact import apply_contacts, apply_true_contacts
-from chain_impact.kernel.forces.contact_force import clear_crossings, elastic_energy
+from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_true_contacts
+from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import ensure_inputs
@@ -99,7 +99,7 @@ def rate_from_state(d, y, rate):
     if d.touch.active_count > 0 or d.model.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)
     else:
-        link_vectors(d, y)
+        set_link_vectors(d, y)
         free_rate_from_loads(d, y, 0.0, rate)
 
 

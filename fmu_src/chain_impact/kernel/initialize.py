@@ -14,8 +14,8 @@ from chain_impact.kernel.events.base import check_base
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
-from chain_impact.kernel.forces.contact import clear_impacts, clear_loads
-from chain_impact.kernel.forces.contact_law import start_laws
+from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
+from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.forces.inputs import apply_inputs, begin_motion
 from chain_impact.kernel.functions import clear
@@ -25,10 +25,10 @@ from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     SOLVER_METHODS,
-    chosen,
-    in_flight,
     keep_for_flight,
+    prescribed_method,
     propose,
+    size_in_flight,
 )
 from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
@@ -78,7 +78,7 @@ def initialize(d, time):
         return d.statistics.status
     set_start(d, time)
     size = first_size(d)
-    propose(d, size if chosen(d.solver.method) == IMPLICIT else stable(d, size))
+    propose(d, size if prescribed_method(d.solver.method) == IMPLICIT else stable(d, size))
     keep_for_flight(d)
     start_balance(d, time)
     begin_explicit(d)
@@ -257,7 +257,7 @@ def refuse_value(d, k, i):
 def first_size(d):
     """Return a first step size [s], from how fast the links turn; the error control adapts the size later."""
     rate_from_state(d, d.step.state, d.work.rate_start)
-    return in_flight(d, d.step.state, d.work.rate_start)
+    return size_in_flight(d, d.step.state, d.work.rate_start)
 
 
 def check_start(d):

@@ -24,12 +24,20 @@ import math
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.forces.contact import set_joint_square
+from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction, interpolate, maximum_of
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
-from chain_impact.kernel.rows.geometry import WALLS, at_joint, at_wall, link_of, normal, stop_moment, tangent
+from chain_impact.kernel.rows.geometry import (
+    WALLS,
+    at_joint,
+    at_wall,
+    link_of,
+    normal_row,
+    stop_moment,
+    tangent_row,
+)
 from chain_impact.kernel.work import counted_work, uncount_work
 
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
@@ -108,10 +116,10 @@ def wall_force(d, c, along_normal, along_tangent):
 
     ``along_normal`` and ``along_tangent`` hold its two components for each candidate.
     """
-    _, nx, ny = normal(d, c)
+    _, nx, ny = normal_row(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
     if d.elements > 0:
-        _, tx, ty = tangent(d, c)
+        _, tx, ty = tangent_row(d, c)
         fx += along_tangent[c] * tx
         fy += along_tangent[c] * ty
     return fx, fy
@@ -128,7 +136,7 @@ def fill_loads(d, y, rate):
     for i in range(d.links):
         out.load.moment[i] = transmitted_moment(d, y, rate, i)
         if d.elements > 0:
-            out.load.moment[i] += out.friction.joint_or_slider_friction[i]
+            out.load.moment[i] += out.friction.drive_friction[i]
     if d.slides:
         fill_guide(d)
     for row in range(d.links, d.loads):

@@ -5,7 +5,7 @@ the state and of integrals, such as impulses, stay unchanged until the next step
 """
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import along_drive, lever_arm
+from chain_impact.kernel.chain.drives import along_drive, lever_of_drive
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
@@ -21,15 +21,15 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.contact import apply_true_contacts
-from chain_impact.kernel.forces.friction import STICKS, joint_or_slider
+from chain_impact.kernel.forces.active_contacts import apply_true_contacts
+from chain_impact.kernel.forces.friction import STICKS, drive_of_element
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever, stop_moment
+from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever_of_candidate, stop_moment
 from chain_impact.kernel.work import counted_work, uncount_work
 
 
@@ -156,15 +156,15 @@ def fill_friction(d):
     friction, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
-        out.joint_or_slider_friction[e], out.joint_or_slider_sticking[e] = 0.0, 0.0
+        out.drive_friction[e], out.drive_sticking[e] = 0.0, 0.0
     for i in range(friction.count):
         e = d.element.index[i]
         mode = d.element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
-            k = joint_or_slider(d, e)
-            out.joint_or_slider_friction[k] = lever_arm(d, k) * d.element.force[e]
-            out.joint_or_slider_sticking[k] = sticks
+            k = drive_of_element(d, e)
+            out.drive_friction[k] = lever_of_drive(d, k) * d.element.force[e]
+            out.drive_sticking[k] = sticks
         else:
             out.sticking[e] = sticks
             # sliding friction −s µ F_n in the direction −s, with the coefficient µ and the true normal force
@@ -205,7 +205,7 @@ def combine_forces(d):
     """
     out = d.output
     for c in range(d.candidates):
-        arm = lever(d, c)
+        arm = lever_of_candidate(d, c)
         if at_joint(d, c):
             moment = stop_moment(d, c, out.force[c])
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm

@@ -36,13 +36,13 @@ WITHOUT_FRICTION = (
 STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
-    "solver.tolerance or lower contact.stiffness or stop.stiffness",
+    "solver.tolerance, or lower contact.stiffness or stop.stiffness",
     NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
     "inputs are too large",
-    EVENT_STORM: "too many contacts begin and end in too short a time: a larger "
-    "contact.minimum_impact_speed or a smaller contact.restitution brings points to rest; a larger "
-    "stops.minimum_impact_speed or a smaller stops.restitution brings joints at stops to rest; walls that "
-    "move must leave room; a joint at its joint_torque_limit needs a smaller joint_stiffness",
+    EVENT_STORM: "too many contacts begin and end in too short a time: for points at walls, raise "
+    "contact.minimum_impact_speed or lower contact.restitution; for joints at stops, raise "
+    "stop.minimum_impact_speed or lower stop.restitution; for walls that move, leave more room between them; "
+    "for a joint at its joint_torque_limit, lower its joint_stiffness",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
@@ -54,8 +54,9 @@ STATUS_TEXT = {
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while nothing touches",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: tighten "
-    "solver.tolerance if it is above 1e-8, or else loosen it",
+    "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: lower "
+    "solver.tolerance, which makes errors of steps smaller; if it is 1e-8 or less, raise it, because "
+    "round-off is then too large for it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn while no mass moves: the inertia of one of them "
     "must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "

@@ -188,10 +188,10 @@ class Instance:
         set again.
         """
         if not self.record["given"]["changed"]:
-            status: int = self._kernel.observe(self._address)
+            status: int = self._kernel.observe_now(self._address)
             return status
         tried = self._memory.copy()  # a copy, because reading outputs must not change the run
-        status = self._kernel.observe(tried.ctypes.data)
+        status = self._kernel.observe_now(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
         self.record["stops"]["restitution"] = tried[0]["stops"]["restitution"]

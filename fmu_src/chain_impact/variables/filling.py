@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.counts import Counts

@@ -222,8 +222,8 @@ OUTPUTS = (
         owner_kind="slider",
         prefix="slider",
         rows="""
-        friction_force | N | dry friction on the carriage, along the line | field=friction.joint_or_slider_friction.{at} nominal=force feedthrough
-        sticking       | 1 | 1 while it sticks by dry friction, else 0    | field=friction.joint_or_slider_sticking.{at} feedthrough minimum=0 maximum=1
+        friction_force | N | dry friction on the carriage, along the line | field=friction.drive_friction.{at} nominal=force feedthrough
+        sticking       | 1 | 1 while it sticks by dry friction, else 0    | field=friction.drive_sticking.{at} feedthrough minimum=0 maximum=1
         """,
         heading=SLIDER,
         when=("outputs.contacts", "may_have_friction"),
@@ -274,8 +274,8 @@ OUTPUTS = (
         owner_kind="joint with friction",
         prefix="joint[{n}]",
         rows="""
-        friction_moment | N.m | moment of dry friction on link {n}        | field=friction.joint_or_slider_friction nominal=energy feedthrough
-        sticking        | 1   | 1 while it sticks by dry friction, else 0 | field=friction.joint_or_slider_sticking feedthrough minimum=0 maximum=1
+        friction_moment | N.m | moment of dry friction on link {n}        | field=friction.drive_friction nominal=energy feedthrough
+        sticking        | 1   | 1 while it sticks by dry friction, else 0 | field=friction.drive_sticking feedthrough minimum=0 maximum=1
         """,
         heading=JOINT,
         when=("outputs.contacts",),

@@ -32,7 +32,7 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
             excess = max(excess, float((np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit).max()))
     yield "cone", excess, least, "friction beyond its limit [N]"
     for i, link in enumerate(scene.chain.links):
-        most = float(np.abs(friction["joint_or_slider_friction"][:, i]).max())
+        most = float(np.abs(friction["drive_friction"][:, i]).max())
         beyond = most - (1.0 + FORCE) * link.joint_friction
         yield (
             "joint friction",

@@ -37,7 +37,7 @@ def initialize(instance: Instance, time: float = 0.0) -> int:
 
 def advance(instance: Instance, time: float) -> int:
     """Advance to a time [s] in one call, and return the status."""
-    return int(instance._kernel.advance(instance._address, time))
+    return int(instance._kernel.advance_to(instance._address, time))
 
 
 def advance_awhile(instance: Instance, time: float) -> int:

@@ -153,7 +153,7 @@ def _moved(stamps: Stamps, time: float) -> None:
 
 
 WRITERS: dict[Callable[..., Any], Callable[..., None]] = {
-    kinematics.link_vectors: _links,
+    kinematics.set_link_vectors: _links,
     kinematics.place_points: _places,
     kinematics.accelerate_points: _accelerations,
     motion.move: _moved,

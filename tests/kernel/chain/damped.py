@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.kinematics import set_link_vectors
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import derive_chain, derive_drives
 from chain_impact.scene.scene import scene_from_dict
@@ -26,5 +26,5 @@ def prepared(scene, angles):
     derive_chain(d)
     apply_inputs(d)
     derive_drives(d)
-    link_vectors(d, np.array([0.0, 0.0, *angles]))
+    set_link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d

@@ -14,7 +14,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.response import HELD, factorize, no_impedance
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
-from chain_impact.kernel.forces.contact import begin_force_contact, list_touching
+from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_touching
 from chain_impact.kernel.rows.compliance import solve_space
 from chain_impact.kernel.rows.geometry import clear_loads_of, join
 from chain_impact.scene.scene import scene_from_dict

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.elimination import accelerations, arms
-from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.kinematics import set_link_vectors
 from chain_impact.kernel.chain.response import FREE, HELD, factorize, no_impedance, solve, take_factors
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.models.reference import (
@@ -80,7 +80,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     rng = np.random.default_rng(count)
     scene, d = chain(rng, count)
     y, work = random_state(rng, d), d.work
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     loads, work.moment[:] = rng.normal(size=(count + 1, 2)), rng.normal(size=count)
     impedance, joints = random_impedances(rng, count + 1, 2.0), np.array([0.0, *rng.uniform(0, 9, count - 1)])
     moments = rng.normal(size=count) * (joints > 0.0)
@@ -113,12 +113,12 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     if pinned:
         d.model.has_base_joint, d.model.meeting_joint = 1, 0
     y, work = random_state(rng, d), d.work
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     work.moment[:] = rng.normal(size=count)
     set_vectors(work.load, rng.normal(size=(count + 1, 2)))
     no_impedance(d, work.impedance)
     factorize(d, work.link, work, HELD, True)
-    work.factors.share[FREE] = work.factors.rest[FREE] = 7.0
+    work.factors.share[FREE] = work.factors.complement[FREE] = 7.0
     accelerations(d, y, np.zeros(len(y)))
     take_factors(d, True)
     for name in ("gain_x", "gain_y", "inverse", "share", "rest", "middle_mobility", "coupled"):

@@ -6,10 +6,10 @@ import pytest
 from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
     largest,
-    link_vectors,
     locate_points,
     move_points,
     place_points,
+    set_link_vectors,
     zero,
 )
 from tests.helpers.models.reference import point_jacobian, set_vectors
@@ -56,12 +56,12 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
     y = random_state(rng, d)
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     d.work.at_end = 1
     place_points(d, y)
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     assert d.work.at_end == 1
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     assert d.work.at_end == 0
 
 
@@ -71,7 +71,7 @@ def test_a_change_of_coordinates_moves_points_by_their_jacobians(count, base):
     rng = np.random.default_rng([2, count])
     scene, d = chain(rng, count, base)
     y, change = random_state(rng, d), rng.normal(size=count + 2)
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     move_points(d, d.work.link, change, d.work.motion)
     expected = [point_jacobian(scene, y[2 : count + 2], k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.work.motion), expected, rtol=0, atol=1e-13)

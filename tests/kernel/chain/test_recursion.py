@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.elimination import accelerations
-from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.kinematics import set_link_vectors
 from chain_impact.kernel.equations import rate_from_state
 from tests.helpers.models.lagrange import lagrange_accelerations
 from tests.helpers.models.reference import generalized_force, mass_matrix, set_vectors
@@ -45,7 +45,7 @@ def test_a_thousand_links_solve_the_assembled_equations():
     y[2 : count + 2], y[count + 4 : 2 * count + 4] = angles, omega
     loads, d.work.moment[:] = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
     set_vectors(d.work.load, loads)
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     accelerations(d, y, rate)
     found = rate[count + 2 : 2 * count + 4]
     matrix, right = mass_matrix(scene, angles), generalized_force(scene, angles, omega, loads, d.work.moment)

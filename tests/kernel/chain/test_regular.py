@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.inertia import loose_links
-from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.kinematics import set_link_vectors
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
@@ -92,7 +92,7 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
         d = record_of(scene_from_dict(table, "points"))
         derive_chain(d)
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
-            link_vectors(d, np.array([0.0, 0.0, *angles]))
+            set_link_vectors(d, np.array([0.0, 0.0, *angles]))
             no_impedance(d, d.work.impedance)
             factorize(d, d.work.link, d.work, FREE, False)
             assert (d.work.factors.inverse[FREE] > 0.0).all()

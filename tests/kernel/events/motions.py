@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import keep_start, suspect_all
-from chain_impact.kernel.forces.contact import latch_onset, set_kink_sides
+from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away

@@ -10,8 +10,8 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
-from chain_impact.kernel.forces.contact import contact_force
-from chain_impact.kernel.forces.contact_force import set_damping
+from chain_impact.kernel.forces.active_contacts import contact_force
+from chain_impact.kernel.forces.force_formula import set_damping
 from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.rows.geometry import clearance

@@ -19,8 +19,8 @@ from chain_impact.kernel.events.friction_modes import (
     widen_slack,
 )
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
-from chain_impact.kernel.events.sampled import excess, rest_speed
-from chain_impact.kernel.forces.contact import list_touching
+from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
+from chain_impact.kernel.forces.active_contacts import list_touching
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, against, list_sticking
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
@@ -38,7 +38,7 @@ def assert_laws_hold(chain):
     for k, e in enumerate(chain.elements):
         force, mode = d.element.force[e], chain.modes[k]
         if mode == STICKS:
-            assert abs(force) <= held[k] + excess(d, e)
+            assert abs(force) <= held[k] + friction_round_off(d, e)
             assert abs(reached[k]) <= 1e-11 * scale
         else:
             assert force == pytest.approx(-mode * sliding[k], rel=1e-12)
@@ -219,7 +219,7 @@ def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, p
     d, c = one
     d.element.mode[c], d.element.undecided[c], d.element.limit[c] = STICKS, 1, 7.0
     for sign in (1.0, -1.0):
-        d.element.force[c] = sign * (7.0 + part * excess(d, c))
+        d.element.force[c] = sign * (7.0 + part * friction_round_off(d, c))
         assert is_inconsistent(d, c) == wrong
         assert count_inconsistent(d) == wrong
         d.element.undecided[c] = 0

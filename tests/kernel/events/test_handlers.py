@@ -9,12 +9,12 @@ from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.handlers import (
     LEAVING_TIME,
     apply_events,
-    bends_force,
     choose_size,
+    force_has_kink,
     handle,
 )
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
-from chain_impact.kernel.forces.contact_force import elastic_energy
+from chain_impact.kernel.forces.force_formula import elastic_energy
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
@@ -148,9 +148,9 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == control.at_onset_beside(d, C) < control.at_onset(d, C, EXPLICIT)
+        assert d.step.next_size == control.size_at_onset_beside(d, C) < control.size_at_onset(d, C, EXPLICIT)
     else:
-        assert d.step.next_size == control.at_onset(d, 1, EXPLICIT)
+        assert d.step.next_size == control.size_at_onset(d, 1, EXPLICIT)
 
 
 def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
@@ -190,7 +190,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     d.work.load.x[:] = d.work.load.y[:] = 9.0
     d.step.flight_size, d.step.method = flight, method
     choose_size(d, -1, False)
-    turning = control.in_flight(d, d.step.state_end, d.work.rate_start)
+    turning = control.size_in_flight(d, d.step.state_end, d.work.rate_start)
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
@@ -207,11 +207,15 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d.step.method = method
     choose_size(d, onset, goes_on)
     if onset >= 0:
-        assert d.step.next_size == control.at_onset_beside(d, onset) < control.at_onset(d, onset, EXPLICIT)
+        assert (
+            d.step.next_size
+            == control.size_at_onset_beside(d, onset)
+            < control.size_at_onset(d, onset, EXPLICIT)
+        )
         assert begins_explicit(d)
     else:
         kept = method == IMPLICIT or goes_on
-        assert d.step.next_size == (0.125 if kept else control.at_onset(d, 0, EXPLICIT))
+        assert d.step.next_size == (0.125 if kept else control.size_at_onset(d, 0, EXPLICIT))
         assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
 
 
@@ -219,7 +223,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
     d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
     choose_size(d, C, False)
-    assert d.step.next_size == control.at_onset(d, C, EXPLICIT)
+    assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -229,9 +233,9 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d.inputs.drive_damping[:], d.model.has_springs_or_dampers = 1e12, 1
     d.model.joint_rate_bound = joint_rate_bound(d)
     choose_size(d, C, False)
-    sizes = [control.at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
+    sizes = [control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method
-    beside = control.at_onset_beside(d, C)
+    beside = control.size_at_onset_beside(d, C)
     assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 
@@ -246,7 +250,7 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
     d.touch.event[:] = NONE
     d.touch.event[whose], d.step.regularized = kind, regularized
     smooth = regularized == whose and kind == END
-    assert bends_force(d) == (kind in {END, KINK} and not smooth)
+    assert force_has_kink(d) == (kind in {END, KINK} and not smooth)
 
 
 @pytest.mark.parametrize(

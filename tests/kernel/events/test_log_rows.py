@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import contact_log
-from chain_impact.kernel.forces.contact import latch_onset, list_touching
+from chain_impact.kernel.forces.active_contacts import latch_onset, list_touching
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.geometry import clearance
 from tests.helpers.kernel.plain import make_rigid

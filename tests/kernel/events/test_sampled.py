@@ -19,8 +19,8 @@ from chain_impact.kernel.events.marks import (
     RELATCH,
     RELEASE,
 )
-from chain_impact.kernel.forces.contact import kink_height
-from chain_impact.kernel.forces.contact_force import elastic_force
+from chain_impact.kernel.forces.active_contacts import kink_height
+from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.control import accepted
 from chain_impact.kernel.status import OK
@@ -166,7 +166,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
     d.touch.impact_speed[1], d.touch.event[:] = 0.37, 7
-    assert sampled.slowness(d, 1, 0.369) > 0.0 > sampled.slowness(d, 1, 0.371)
+    assert sampled.relatch_margin(d, 1, 0.369) > 0.0 > sampled.relatch_margin(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
@@ -286,7 +286,7 @@ def test_events_that_no_stage_shows_are_not_searched():
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
-    d.constraints.least_force[d.touch.active_index[0]] = -times * sampled.strongest(d)
+    d.constraints.least_force[d.touch.active_index[0]] = -times * sampled.plausible_pull(d)
     found = sampled.find_release(d, -1.0)
     assert accepted(d) != refused
     if not refused:
@@ -303,7 +303,7 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     d.step.state[7:10], d.work.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
     mass, size = d.model.mass.sum(), d.model.length.max()
     turning = max(1.0, omega**2 + abs(alpha))
-    assert sampled.strongest(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
+    assert sampled.plausible_pull(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
     assert sampled.pull_limit(d) == pytest.approx(sampled.PULL_ROUND_OFF * mass * (gravity + size), rel=1e-12)
 
 

@@ -17,7 +17,7 @@ from chain_impact.kernel.events.marks import (
     STICKING_ENDS,
     pending_changes,
 )
-from chain_impact.kernel.events.sampled import search_for
+from chain_impact.kernel.events.sampled import make_search
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.rows.geometry import tangential_rate
@@ -175,7 +175,7 @@ def changes(monkeypatch):
         return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
     monkeypatch.setattr(sampled, "element_margin", margin)
-    return at, asked, search_for(margin, sampled.has_changed, sampled.mark_changes, sampled.ELEMENTS)
+    return at, asked, make_search(margin, sampled.has_changed, sampled.mark_changes, sampled.ELEMENTS)
 
 
 @pytest.mark.parametrize("found", [-1.0, 0.4])
@@ -257,9 +257,9 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     size, mass = d.model.longest_link, np.mean(d.model.mass)
     d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
     assert sampled.rest_speed(d) == sampled.AT_REST * size
-    assert sampled.excess(d, e) == pytest.approx(
+    assert sampled.friction_round_off(d, e) == pytest.approx(
         sampled.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
     )
     assert sampled.resolution_of(d, e) == sampled.rest_speed(d) + 1e-9
     d.element.mode[e] = STICKS
-    assert sampled.resolution_of(d, e) == sampled.excess(d, e)
+    assert sampled.resolution_of(d, e) == sampled.friction_round_off(d, e)

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.forces import contact, friction
+from chain_impact.kernel.forces import active_contacts, friction
 from chain_impact.kernel.rows import geometry
 from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
@@ -33,7 +33,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
     found, own = elements_of(d), d.friction
     assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
-    assert [friction.joint_or_slider(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
     assert not geometry.any_sticking(d)
     d.element.mode[found[-1]] = friction.STICKS
@@ -51,9 +51,9 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
 def test_only_a_law_with_friction_rubs():
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", 1, False)
     c = int(d.touch.active_index[0])
-    assert friction.may_rub(d, c)
+    assert friction.may_have_friction(d, c)
     d.law.static_friction[:] = 0.0
-    assert not friction.may_rub(d, c)
+    assert not friction.may_have_friction(d, c)
     d.contact.any_friction = 0
     friction.set_friction_used(d)
     assert not d.friction.used
@@ -129,7 +129,7 @@ def test_margins_are_the_least_of_a_step():
     d.element.margin[c] = 7.0
     friction.clear_margins(d)
     assert d.element.margin[c] == 0.0
-    contact.clear_loads(d)
+    active_contacts.clear_loads(d)
     power = friction.slide(d, c, 2.0)
     assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
     assert d.element.margin[c] == -abs(speed)
@@ -168,8 +168,8 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     d.contact.any_friction = 1
     friction.set_friction_used(d)
     assert (d.elements > 0, d.friction.used) == (room, room)
-    contact.begin_force_contact(d, 1)
-    contact.list_touching(d)
+    active_contacts.begin_force_contact(d, 1)
+    active_contacts.list_touching(d)
     assert d.touch.active_count == 1
     assert elements_of(d) == [1] * room
     if room:

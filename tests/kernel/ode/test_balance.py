@@ -8,7 +8,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy
-from chain_impact.kernel.forces import contact_force
+from chain_impact.kernel.forces import force_formula
 from chain_impact.kernel.ode import balance, control, last_step, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.rows import geometry
@@ -260,7 +260,7 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 3e-3, [0.5, 2.0]
     d.touch.effective_mass[touched] = [0.7, 1.9]
     found = balance.scales(d, y)
-    forces = [contact_force.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
+    forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
     scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
     known = sum(force * geometry.coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
     assert min(forces) > 1.0

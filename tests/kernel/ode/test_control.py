@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain.state import omega_at, time_at
-from chain_impact.kernel.forces.contact_force import damping_share
+from chain_impact.kernel.forces.force_formula import damping_share
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
@@ -49,9 +49,9 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     d.solver.tolerance = 1e-6
     for method in (EXPLICIT, IMPLICIT):
         right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
-        assert control.at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+        assert control.size_at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
     # 15 tolerance^(1/3)
-    assert control.at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
+    assert control.size_at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-13])
@@ -90,7 +90,7 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         control.conclude(d, 0.0, 0.7)
         assert 6.0 < control.factor(d) < math.inf
         control.conclude(d, 1e-5, 1.0)
-        control.refuse(d, control.SPOILED)
+        control.reject_step(d, control.SPOILED)
         assert 1 / 8.5 < control.factor(d) < 1 / 7
 
 
@@ -99,14 +99,14 @@ def test_in_flight_the_fastest_turn_decides():
     d.solver.tolerance = 1e-8
     turn = 2.8 * 1e-8 ** (1.0 / 8.0)
     y, rate = np.zeros(len(d.step.state)), np.zeros(len(d.step.state))
-    assert control.in_flight(d, y, rate) == 1.0
+    assert control.size_in_flight(d, y, rate) == 1.0
     y[omega_at(3) + 1] = -5.0
-    assert control.in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
+    assert control.size_in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
     rate[omega_at(3) + 2] = -49.0  # rad/s²
-    assert control.in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
+    assert control.size_in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
     y[omega_at(3)] = 0.5 * turn
     y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
-    assert control.in_flight(d, y, rate) == 1.0
+    assert control.size_in_flight(d, y, rate) == 1.0
 
 
 def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
@@ -131,7 +131,7 @@ def test_a_step_is_accepted_up_to_the_tolerance(error):
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     assert (d.trial.outcome == control.INFINITE) == (not math.isfinite(error))
     control.conclude(d, 0.5, 0.7)
-    control.refuse(d, control.SPOILED)
+    control.reject_step(d, control.SPOILED)
     assert not control.accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
@@ -142,6 +142,6 @@ def test_a_new_run_forgets_the_error_of_the_last_step():
     methods.attempt(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    control.refuse(d, control.SPOILED)
+    control.reject_step(d, control.SPOILED)
     assert initialize(d, 0.0) == OK
     assert control.accepted(d)

@@ -285,7 +285,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
-        place, *n = row = geometry.normal(d, c)
+        place, *n = row = geometry.normal_row(d, c)
         d.candidate.offset[c] = geometry.along(row, d.work.position) - d.contact.radius - gap
         d.work.velocity.x[place], d.work.velocity.y[place] = speed * np.array(n)
     longest = toward_end(d, 1.0)

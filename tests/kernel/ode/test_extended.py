@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics, state
-from chain_impact.kernel.forces import contact, contact_force
+from chain_impact.kernel.forces import active_contacts, force_formula
 from chain_impact.kernel.ode import dense, extended
 from chain_impact.kernel.ode.extended import gap_at, rate_at
 from chain_impact.kernel.rows import geometry
@@ -82,7 +82,9 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     z[gap_at(d, 0)] -= 2e-3
     z[rate_at(d, 1)] -= 0.3
     extended.extended_rate(d, z, 0.0, rate)
-    forces = [contact.contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)]
+    forces = [
+        active_contacts.contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)
+    ]
     assert rate[FIRST + 4 : FIRST + 6] == pytest.approx(forces, rel=1e-12)
     assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
     bends = normal_accelerations(scene, d, z, rate, touched)
@@ -99,7 +101,7 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
     extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
-        right = contact_force.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
+        right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
         assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
     for axis in "xy":
         assert d.implicit.link[axis][:LINKS].tolist() == d.work.link[axis][:LINKS].tolist()

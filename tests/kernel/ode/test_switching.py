@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.chain.joints import largest_joint_rate
-from chain_impact.kernel.forces.contact import contact_slopes
+from chain_impact.kernel.forces.active_contacts import contact_slopes
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF, choose_method, suggests_switch
@@ -200,7 +200,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
     d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
-    stiff, first = number > 1.0 and method == IMPLICIT, control.at_onset(d, tip, IMPLICIT)
+    stiff, first = number > 1.0 and method == IMPLICIT, control.size_at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)
     assert (first < h) == (depth < 1.0)
     assert d.step.next_size == (min(first, h) if stiff else h)

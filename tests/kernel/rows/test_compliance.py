@@ -108,7 +108,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     joints[0] *= d.model.has_base_joint  # a free base is no joint
     geometry.clear_loads_of(d, d.work.load)
     for k in range(active):
-        geometry.add_along(geometry.normal(d, d.touch.active_index[k]), d.work.load, impulse[k])
+        geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.work.load, impulse[k])
     d.work.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
     compliance.solve_space(d, d.work.link, d.work, response.SHIFTED, change)

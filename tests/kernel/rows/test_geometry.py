@@ -19,12 +19,12 @@ from chain_impact.kernel.rows.geometry import (
     gap_acceleration,
     join,
     length_bound,
-    lever,
-    normal,
+    lever_of_candidate,
+    normal_row,
     place_box_wall,
     place_sloped_wall,
     place_walls,
-    tangent,
+    tangent_row,
     tangential_rate,
     to_joints,
 )
@@ -66,11 +66,11 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
     planes = list(scene.half_planes.values())
     for c in range(d.candidates):
         expected = planes[c % len(planes)]
-        np.testing.assert_allclose(normal(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
+        np.testing.assert_allclose(normal_row(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
         assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
         wall = d.candidate.wall[c]
         if wall < len(WALLS):  # walls of the box are exact
-            assert normal(d, c)[1:] == NORMALS[wall]
+            assert normal_row(d, c)[1:] == NORMALS[wall]
             assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
 
 
@@ -97,11 +97,11 @@ def test_a_candidate_can_be_given_any_wall(c):
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
         place_box_wall(d, c, side)
-        assert normal(d, c)[1:] == planes[side].normal
+        assert normal_row(d, c)[1:] == planes[side].normal
         assert d.candidate.offset[c] == planes[side].offset
     for w, (angle, point) in enumerate(SLOPES):
         place_sloped_wall(d, c, w)
-        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c)[1:])
+        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal_row(d, c)[1:])
         assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
         for distance in (0.0, 0.7):
             place = np.array(point) - 3.0 * along + distance * n
@@ -141,13 +141,13 @@ def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
         np.diff(y[2:5], prepend=0.0),
         [1, 2, 3] if d.model.has_base_joint else [2, 3],
     )
-    assert lever(d, 0) == 1.0
+    assert lever_of_candidate(d, 0) == 1.0
     assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
     for c in stops_of(d):
         joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
         limit = (d.drive.min if side > 0 else d.drive.max)[joint]
         assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
-        assert lever(d, c) == size
+        assert lever_of_candidate(d, c) == size
         assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
     rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
     np.testing.assert_allclose(rates, differenced(d, y, y[5:10]), rtol=0, atol=1e-6)
@@ -192,7 +192,7 @@ def any_change(d):
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
     change, bound = any_change(d), length_bound(d, d.work.motion)
-    rows = [normal(d, c) for c in range(d.candidates)]
+    rows = [normal_row(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
     speeds = [along(row, d.work.motion) for row in rows]
     assert np.abs(speeds).max() <= bound
@@ -257,7 +257,7 @@ def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
     scene, d, _ = rubbing
     planes = scene.half_planes
     for c in range(d.candidates):
-        place, *t = tangent(d, c)
+        place, *t = tangent_row(d, c)
         assert place == d.candidate.point[c]
         nx, ny = list(planes.values())[c % len(planes)].normal
         assert t == pytest.approx([ny, -nx], abs=3e-16)
@@ -272,8 +272,8 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
     rates = np.diff(y[n + 4 : 2 * n + 4], prepend=0.0)
     for i in range(n):
         e = d.candidates + i
-        assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
+        assert tangent_row(d, e) == (n + 1 + i, 1.0, 0.0)
         speed = tangential_rate(d, e)
         assert speed == pytest.approx(d.model.longest_link * rates[i], rel=1e-12, abs=1e-14)
     change = any_change(d)
-    assert_adjoint(d, [tangent(d, e) for e in range(d.elements)], change)
+    assert_adjoint(d, [tangent_row(d, e) for e in range(d.elements)], change)

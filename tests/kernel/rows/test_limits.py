@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import STICKS, list_sticking
 from chain_impact.kernel.rows.constraints import LEAST_SHARE
-from chain_impact.kernel.rows.geometry import constraint_rows
+from chain_impact.kernel.rows.geometry import constraint_count
 from chain_impact.kernel.rows.limits import share_within_limits
 from tests.kernel.rubbing import AtRest, Doubled
 
@@ -48,7 +48,7 @@ def solve(d):
 
 def forces(d):
     """Return the forces of all sticking elements [N]."""
-    return d.share.force[d.touch.active_count : constraint_rows(d)]
+    return d.share.force[d.touch.active_count : constraint_count(d)]
 
 
 @pytest.mark.parametrize("case", CASES)

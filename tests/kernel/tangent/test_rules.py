@@ -13,7 +13,7 @@ import pytest
 import chain_impact.kernel
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.forces import contact_force, user_law
+from chain_impact.kernel.forces import force_formula, user_law
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
@@ -48,7 +48,7 @@ def test_the_functions_with_a_rule_are_marked_and_no_others(mark):
 def test_a_power_varies_with_both(depth, exponent, varies):
     """Most exponents are constant: then the rule needs no logarithm."""
     found = rules.power_of_depth(Dual(depth, DEPTH), Dual(exponent, varies))
-    assert found.value == contact_force.power_of_depth(depth, exponent)
+    assert found.value == force_formula.power_of_depth(depth, exponent)
     by_depth = mpmath.diff(lambda x: mpmath.power(x, exponent), depth, h=1e-9 * depth)
     by_exponent = mpmath.diff(lambda n: mpmath.power(depth, n), exponent)
     right = float(by_depth) * np.array(DEPTH) + float(by_exponent) * np.array(varies)

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import handlers
-from chain_impact.kernel.forces import contact, contact_force, contact_law
+from chain_impact.kernel.forces import active_contacts, candidate_laws, force_formula
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
@@ -85,7 +85,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
         for name in PARAMETERS[record]
     }
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
-    assert contact_law.update_laws(d) == OK
+    assert candidate_laws.update_laws(d) == OK
     duals.copy_given(d, t, AT_START)
     starts.take_given(d, t)  # reads the walls, whose material may change during a run
     for (record, name), own in before.items():
@@ -104,10 +104,10 @@ def test_given_values_hold_with_their_derivatives(both):
     d.given.motor[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     d.given.piece.order, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
-    assert contact_law.update_laws(d) == OK
+    assert candidate_laws.update_laws(d) == OK
     starts.take_given(d, t)
     apply_inputs(t)
-    assert contact_law.update_laws(t) == OK
+    assert candidate_laws.update_laws(t) == OK
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact.any_friction == 1
@@ -128,10 +128,10 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     entry, e = CONTACT_LAWS[law], 0.6
     d.given.law, d.given.restitution = entry.number, e
     d.contact.exponent = 1.5
-    assert contact_law.start_laws(d) == OK
+    assert candidate_laws.start_laws(d) == OK
     duals.copy_given(d, t, AT_START)
     starts.take_given(d, t)
-    assert contact_law.start_laws(t) == OK
+    assert candidate_laws.start_laws(t) == OK
     right = slope(entry.damping_factor, e, 1e-6)
     own = t.law
     factor = own.damping_factor[0]
@@ -195,11 +195,11 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     locate_points(t, y)
     touch(t, [4])
     press_in(t, 4, 1e-3)
-    contact.latch_onset(t, 4)
+    active_contacts.latch_onset(t, 4)
     make_rigid(t, law == "newton_impact")
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
-    assert contact_law.update_laws(d) == OK
+    assert candidate_laws.update_laws(d) == OK
     t.work.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
@@ -218,7 +218,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
         mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
         assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
-        energy = contact_force.elastic_energy(t, 4, t.touch.depth_scale[4])
+        energy = force_formula.elastic_energy(t, 4, t.touch.depth_scale[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
         assert t.touch.beyond_kink[4] in {0, 1}
 

@@ -3,11 +3,11 @@ import { motion } from "../../../fmu_src/chain_impact/pages/browser/solver/motio
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { Kernel, rowTimes, runThrough } from "../../../fmu_src/chain_impact/pages/browser/solver/kernel.js";
 
-export const runEach = async ([module, contents, names, grid, stops, outputs]) => {
+export const runEach = async ([module, contents, names, grid, endTimes, outputs]) => {
   const scene = sceneOf(contents);
   const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
   const kernel = await Kernel.load(await compiled(module), scene);
-  const given = [Float64Array.from(grid), Float64Array.from(stops), words];
+  const given = [Float64Array.from(grid), Float64Array.from(endTimes), words];
   const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
   const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
   return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
@@ -32,10 +32,10 @@ export const motionOf = async ([text, contents]) => {
   const scene = sceneOf(contents);
   const kernel = await Kernel.load(await compiled(text), scene);
   const { parts, status } = runThrough(motion(kernel, {}));
-  const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, drawn } = parts;
+  const { time, view, anchor, pin, energies, forces, endTimes, radius, peakForce, drawn } = parts;
   return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
     loads: drawn.loads.map(({ n, columns: { x, y } }) => [n, Math.min(...x), Math.max(...y)]),
-    stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
+    endTimes, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
 };
 
 export const begun = async ([text, contents, changes]) => {

@@ -71,7 +71,7 @@ def coordinates_of_drive(d, y, i):
     return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
 
 
-def lever_arm(d, i):
+def lever_of_drive(d, i):
     """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
     return 1.0 if is_slider(d, i) else d.model.longest_link
 
@@ -222,7 +222,7 @@ def mode_margin(d, y):
             wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
             margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
-            least = min(least, margin * (d.model.longest_link / lever_arm(d, i)))
+            least = min(least, margin * (d.model.longest_link / lever_of_drive(d, i)))
     return least
 
 

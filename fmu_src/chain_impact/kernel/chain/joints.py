@@ -28,7 +28,7 @@ from chain_impact.kernel.chain.drives import (
     drive_stiffness,
     load_drive,
 )
-from chain_impact.kernel.chain.kinematics import clear_joints, link_vectors, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, set_link_vectors, zero
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.sites import clear_link_moments
 
@@ -61,7 +61,7 @@ def largest_joint_rate(d, y):
 
     The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in ``work.link``.
     """
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     work, fastest = d.work, 0.0
     no_impedance(d, work.impedance)
     for i in range(d.links):

@@ -82,7 +82,7 @@ def locate_points(d, y):
 
 def locate_points_now(d, y):
     """Locate the points as ``locate_points`` does, without moving base and walls to the time of y."""
-    link_vectors(d, y)
+    set_link_vectors(d, y)
     place_points(d, y)
 
 
@@ -155,7 +155,7 @@ def clear_joints(values):
         values.joint[i] = 0.0
 
 
-def link_vectors(d, y):
+def set_link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
     note_points_elsewhere(d)
     polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
@@ -171,7 +171,7 @@ def note_points_elsewhere(d):
     d.work.at_end = 0
 
 
-def move_points(d, links, change, response):
+def move_points(d, link_vectors, change, response):
     """Set ``response`` to the motions of all places that a change of the coordinates causes.
 
     The motion Δp of a joint follows from the joint before and the turn Δθ of the link vector L between them:
@@ -181,12 +181,12 @@ def move_points(d, links, change, response):
     x, y = change[0], change[1]
     for i in range(n):
         response.x[i], response.y[i] = x, y
-        x -= change[ANGLES + i] * links.y[i]
-        y += change[ANGLES + i] * links.x[i]
+        x -= change[ANGLES + i] * link_vectors.y[i]
+        y += change[ANGLES + i] * link_vectors.x[i]
     response.x[n], response.y[n] = x, y
     if d.model.has_joint_places:
         place_joints(d, change, ANGLES, response)
-    turn_sites(d, links, change, ANGLES, response)
+    turn_sites(d, link_vectors, change, ANGLES, response)
 
 
 def largest(d, vectors):

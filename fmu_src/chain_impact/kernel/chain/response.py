@@ -100,12 +100,12 @@ def no_impedance(d, impedance):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
 
 
-def factorize(d, links, space, row, coupled):
+def factorize(d, link_vectors, space, row, coupled):
     """Eliminate M + Jᵀ D J + K: the mass matrix, impedances D at points, and resistances K of joints.
 
     Args:
         d: the instance.
-        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        link_vectors: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
             ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
         row: the row of ``factors`` that is set.
@@ -118,7 +118,7 @@ def factorize(d, links, space, row, coupled):
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
         axx, axy, ayy, ex, ey, p = eliminate(
-            d, links, space, row, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
+            d, link_vectors, space, row, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
         )
         if inner >= 0:
             last = inner + 1 == middle
@@ -127,11 +127,11 @@ def factorize(d, links, space, row, coupled):
                 # The vector e couples the motion a of the middle joint, which is the link's inner joint, with
                 # the link's rotation α. `eliminate` takes an e for the motion a' of the outer joint: e·a α =
                 # e·(a' − α L⊥) α. So −2 e·L⊥ adds to p, the inertia of the rotation. The link vector L begins
-                # at the middle joint, and `links` ends there: L = −links.
-                q += p + cross(2.0 * links.x[inner], 2.0 * links.y[inner], ex, ey)
+                # at the middle joint, and its entry in ``link_vectors`` ends there: L is minus this entry.
+                q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
-                d, links, space, row, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
+                d, link_vectors, space, row, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
             )
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
@@ -153,7 +153,7 @@ def take_factors(d, coupled):
     for i in range(d.links):
         factors.gain_x[FREE, i], factors.gain_y[FREE, i] = elimination.gain_x[i], elimination.gain_y[i]
         factors.inverse[FREE, i] = elimination.inverse[i]
-        factors.share[FREE, i], factors.rest[FREE, i] = 0.0, 1.0
+        factors.share[FREE, i], factors.complement[FREE, i] = 0.0, 1.0
 
 
 def set_middle(d, factors, row, axx, axy, ayy):
@@ -173,7 +173,7 @@ def set_middle(d, factors, row, axx, axy, ayy):
 
 
 @inlined
-def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
+def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
     """Eliminate link i. Return its articulated inertia at the inner joint, from that at the outer joint.
 
     The inertia has the parts A, e and p of the module's docstring. ``resistance`` is κ of the inner joint.
@@ -182,14 +182,14 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
     axx += space.impedance.xx[point]
     axy += space.impedance.xy[point]
     ayy += space.impedance.yy[point]
-    link = lx, ly, _, _, _ = arm(d, links, i, outward)
+    link = lx, ly, _, _, _ = arm(d, link_vectors, i, outward)
     hx, hy, about_joint = hinge(link, axx, axy, ayy)
     for s in range(
         d.model.first_site[i] if d.sites > 0 else 0, d.model.first_site[i + 1] if d.sites > 0 else 0
     ):
-        rx, ry = site_arm(d, links, s)
+        rx, ry = site_arm(d, link_vectors, s)
         if not outward:
-            rx, ry = rx - links.x[i], ry - links.y[i]
+            rx, ry = rx - link_vectors.x[i], ry - link_vectors.y[i]
         k = site_place(d, s)
         xx, xy, yy = space.impedance.xx[k], space.impedance.xy[k], space.impedance.yy[k]
         # D r⊥, with the impedance D of the site and its arm r
@@ -200,7 +200,7 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
         hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
         inverse = reciprocal(about_joint + resistance)
         share = resistance * inverse
-        factors.share[row, i], factors.rest[row, i] = share, about_joint * inverse
+        factors.share[row, i], factors.complement[row, i] = share, about_joint * inverse
         # at the inner joint: e = σ h, p = σ H
         ex, ey, p = share * hx, share * hy, share * about_joint
     else:
@@ -211,12 +211,12 @@ def eliminate(d, links, space, row, coupled, i, outward, resistance, axx, axy, a
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
-def solve(d, links, space, row, change):
+def solve(d, link_vectors, space, row, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i for the response Δ to impulses on points and in joints.
 
     Args:
         d: the instance.
-        links: as for ``factorize``.
+        link_vectors: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
             [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is read in a scene
             with sites or centres of mass beside the lines. The load may also consist of forces instead of
@@ -230,12 +230,12 @@ def solve(d, links, space, row, change):
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
-        bx, by, t = gather(d, links, space, row, coupled, i, True, load.joint[i], bx, by, t, change)
+        bx, by, t = gather(d, link_vectors, space, row, coupled, i, True, load.joint[i], bx, by, t, change)
         if inner >= 0:
             last = inner + 1 == middle
             moment = 0.0 if last else -load.joint[inner + 1]
             u = u + t if last else u
-            cx, cy, u = gather(d, links, space, row, coupled, inner, False, moment, cx, cy, u, change)
+            cx, cy, u = gather(d, link_vectors, space, row, coupled, inner, False, moment, cx, cy, u, change)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     mobility = space.factors.middle_mobility
     x = mobility[row, 0] * bx + mobility[row, 1] * by
@@ -244,14 +244,14 @@ def solve(d, links, space, row, change):
     for k in range(n - middle):
         if k < middle:
             i = middle - 1 - k
-            cx, cy, turned = spread(links, space, row, coupled, i, False, cx, cy, turned, change)
+            cx, cy, turned = spread(link_vectors, space, row, coupled, i, False, cx, cy, turned, change)
             before = turned if k == 0 else before
-        x, y, before = spread(links, space, row, coupled, middle + k, True, x, y, before, change)
+        x, y, before = spread(link_vectors, space, row, coupled, middle + k, True, x, y, before, change)
     change[0], change[1] = cx, cy
 
 
 @inlined
-def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change):
+def gather(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, change):
     """Set the change α of ω_i that the loads cause while the inner joint and the inner link are at rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
@@ -260,13 +260,13 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
     by += space.load.y[point]
-    s = cross(sign * links.x[i], sign * links.y[i], bx, by)
+    s = cross(sign * link_vectors.x[i], sign * link_vectors.y[i], bx, by)
     if has_link_moments(d):
         s += space.load.link[i]
     if coupled:
         s += t
         # angular impulse at the inner joint: t = σ s − (1 − σ) μ
-        t = factors.share[row, i] * s - factors.rest[row, i] * moment
+        t = factors.share[row, i] * s - factors.complement[row, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[row, i]
     # impulse at the inner joint: b = b' − h (s + μ)/(H + κ)
@@ -274,7 +274,7 @@ def gather(d, links, space, row, coupled, i, outward, moment, bx, by, t, change)
 
 
 @inlined
-def spread(links, space, row, coupled, i, outward, x, y, before, change):
+def spread(link_vectors, space, row, coupled, i, outward, x, y, before, change):
     """Add to the change of ω_i the effect of the inner joint's motion a and of the inner link's rotation β.
 
     ``x`` and ``y`` are the components of a, and ``before`` is β.
@@ -284,8 +284,8 @@ def spread(links, space, row, coupled, i, outward, x, y, before, change):
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
-    a = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
+    alpha = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
     if coupled:
-        a += factors.share[row, i] * before
-    change[ANGLES + i] = a
-    return x - a * (sign * links.y[i]), y + a * (sign * links.x[i]), a
+        alpha += factors.share[row, i] * before
+    change[ANGLES + i] = alpha
+    return x - alpha * (sign * link_vectors.y[i]), y + alpha * (sign * link_vectors.x[i]), alpha

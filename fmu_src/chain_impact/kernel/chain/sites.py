@@ -38,10 +38,10 @@ def site_of_point(d, point):
 
 
 @inlined
-def site_arm(d, links, s):
-    """Return the arm r [m] of site s from its link's proximal joint, for the link vectors in ``links``."""
+def site_arm(d, link_vectors, s):
+    """Return the arm r [m] of site s from its link's proximal joint, from ``link_vectors``."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
-    lx, ly = links.x[i], links.y[i]
+    lx, ly = link_vectors.x[i], link_vectors.y[i]
     return along * lx - beside * ly, along * ly + beside * lx
 
 
@@ -54,14 +54,14 @@ def place_sites(d, y, first, position, velocity):
     turn_sites(d, d.work.link, y, first, velocity)
 
 
-def turn_sites(d, links, turns, first, vectors):
+def turn_sites(d, link_vectors, turns, first, vectors):
     """Set the motions of the sites from the motions of joints and the turns of links.
 
     The turns of the links begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
-        rx, ry = site_arm(d, links, s)
+        rx, ry = site_arm(d, link_vectors, s)
         vectors.x[k] = vectors.x[i] - turns[first + i] * ry
         vectors.y[k] = vectors.y[i] + turns[first + i] * rx
 
@@ -93,12 +93,12 @@ def clear_link_moments(d, load):
         load.link[i] = 0.0
 
 
-def carry_sites(d, links, load):
+def carry_sites(d, link_vectors, load):
     """Replace forces at sites by equal forces at the links' proximal joints, plus moments on the links."""
     clear_link_moments(d, load)
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
-        rx, ry = site_arm(d, links, s)
+        rx, ry = site_arm(d, link_vectors, s)
         load.x[i] += load.x[k]
         load.y[i] += load.y[k]
         # r⊥·F

@@ -21,7 +21,7 @@ def end_at_base(d):
     reached = d.step.end
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
-            reached = meeting(d, c, reached)
+            reached = time_of_meeting(d, c, reached)
     if reached < d.step.end:
         drop_events(d)
         ensure_dense(d, SOLVER)
@@ -39,42 +39,42 @@ def check_base(d):
     return OK
 
 
-def room_at(d, c, time):
-    """Return the distance [m] of the base from the wall of candidate c at a time [s], plus OVERLAP."""
+def overlap_margin(d, c, time):
+    """Return how far [m] the base is from −OVERLAP in the wall of candidate c, at a time [s]."""
     move(d, time)
     count_other_work(d, 1)
     return base_clearance(d, c) + OVERLAP
 
 
-def meeting(d, c, until):
+def time_of_meeting(d, c, until):
     """Return the time [s] at which the wall of candidate c meets the base, ``until`` if not before."""
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
-    at_a, at_b = room_at(d, c, a), room_at(d, c, b)
+    at_a, at_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
     while at_a >= 0.0 and not work_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
         # in so short an interval the clearance g falls through −OVERLAP at most once, up to round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:
-            return passage(d, c, a, b)
+            return time_of_passage(d, c, a, b)
         if short or min(at_a, at_b) >= sag:
             if b >= until:
                 return until
             a, at_a, b = b, at_b, min(until, b + 2.0 * width)
         else:
             b = a + 0.5 * width
-        at_b = room_at(d, c, b)
+        at_b = overlap_margin(d, c, b)
     return a
 
 
-def passage(d, c, a, b):
+def time_of_passage(d, c, a, b):
     """Return the time [s] between a and b at which the base's clearance falls to −OVERLAP, by bisection."""
     for _ in range(TRIES):
         middle = 0.5 * (a + b)
         if not a < middle < b:
             break
-        if room_at(d, c, middle) < 0.0:
+        if overlap_margin(d, c, middle) < 0.0:
             b = middle
         else:
             a = middle

@@ -6,7 +6,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
-from chain_impact.kernel.forces.contact import (
+from chain_impact.kernel.forces.active_contacts import (
     contact_force,
     contact_slopes,
     deactivate,
@@ -31,7 +31,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever
+from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever_of_candidate
 from chain_impact.kernel.work import count_evaluations, counted_work, uncount_work
 
 HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
@@ -260,7 +260,7 @@ def log_active(d):
 
 def log_with_peaks(d, c, row, end, separation_speed):
     """Log a contact with its peaks so far, and update the peaks over all contacts (``d.peaks``)."""
-    touch, peaks, arm = d.touch, d.peaks, lever(d, c)
+    touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
     if not at_joint(d, c):
@@ -284,7 +284,7 @@ def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, i
         max_penetration: the largest penetration so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].
     """
-    touch, log, arm = d.touch, d.contact_log, lever(d, c)
+    touch, log, arm = d.touch, d.contact_log, lever_of_candidate(d, c)
     entry = row % len(log.point)
     log.number[entry] = touch.number[c]
     log.point[entry] = d.candidate.point[c]

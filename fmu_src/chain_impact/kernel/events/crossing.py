@@ -23,7 +23,7 @@ from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal
+from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal_row
 from chain_impact.kernel.work import count_other_work, work_exceeded
 
 FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
@@ -258,12 +258,12 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, sundman_u_at(n))
     along_x = rate_bounds(d.step, velocity_at(n))
     along_y = rate_bounds(d.step, velocity_at(n) + 1)
-    links = d.work.reach
-    links[0] = 0.0
+    reach = d.work.reach
+    reach[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # the contribution of link i to the bound, in any direction
-        links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
+        reach[i + 1] = reach[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
@@ -282,12 +282,12 @@ def links_part(d, c):
 
     For a site at the distance r from the begin of its link, that link's part is multiplied by r/ℓ.
     """
-    links, point = d.work.reach, d.candidate.point[c]
+    reach, point = d.work.reach, d.candidate.point[c]
     if point <= d.links:
-        return links[point]
+        return reach[point]
     s = site_of_point(d, point)
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
-    return links[i] + math.sqrt(along * along + beside * beside) * (links[i + 1] - links[i])
+    return reach[i] + math.sqrt(along * along + beside * beside) * (reach[i + 1] - reach[i])
 
 
 def motion_bounds(d, c, along_x, along_y):
@@ -305,7 +305,7 @@ def motion_bounds(d, c, along_x, along_y):
         else:
             v, a = rate_bounds_along(d.step, first - 1, -1.0, 1.0)
         return arm * v, arm * a
-    _, nx, ny = normal(d, c)
+    _, nx, ny = normal_row(d, c)
     if nx * ny == 0.0:
         # the normal n is along an axis, so the bounds for one component of the base's velocity suffice
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]

@@ -17,7 +17,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, largest, loc
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
 from chain_impact.kernel.events.onset_modes import begins, decide_onsets
-from chain_impact.kernel.events.sampled import excess, rest_speed
+from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
@@ -217,7 +217,7 @@ def is_inconsistent(d, e):
     if not d.element.undecided[e]:
         return False
     if d.element.mode[e] == STICKS:
-        return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
+        return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * friction_round_off(d, e)
     acceleration = d.element.mode[e] * tangential_acceleration(d, e)
     return acceleration < -unsure_acceleration(d)
 

@@ -28,7 +28,7 @@ from chain_impact.kernel.events.marks import (
     pending_changes,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
-from chain_impact.kernel.forces.contact import (
+from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
     clear_loads,
     cross_kink,
@@ -37,7 +37,7 @@ from chain_impact.kernel.forces.contact import (
     relatch,
     set_kink_sides,
 )
-from chain_impact.kernel.forces.contact_force import may_jump
+from chain_impact.kernel.forces.force_formula import may_jump
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import reset_step
@@ -86,8 +86,11 @@ def apply_events(d):
         Whether a force may have jumped: a contact begins, ends, reaches its kink or gets a new impact speed,
         a rigid wall hits or holds a point, or modes are chosen again.
     """
+    # onset: the last candidate at which a contact with a force begins
     touch, onset, jumped = d.touch, -1, False
+    # the proposed size remains valid after an end of a mode, a kink and a new impact speed
     goes_on = pending_changes(d) + d.drive.event > 0
+    # rigid: a rigid wall holds a point or has an event; rigid_impact: a point hits such a wall
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
@@ -95,8 +98,8 @@ def apply_events(d):
         # another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.work.rate)
         count_evaluations(d, 1)
-    forces = touch.compliant_count > 0
-    if not forces:
+    had_forces = touch.compliant_count > 0
+    if not had_forces:
         control.keep_for_flight(d)
     for c in range(d.candidates):
         kind = touch.event[c]
@@ -104,28 +107,28 @@ def apply_events(d):
             rigid = rigid or kind != NONE
             continue
         if rigid_impact and kind == ONSET:
-            continue
+            continue  # ``handle_impact`` begins this contact after the impact, which changes its speed
         jumped = handle(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         mark(d, c, NONE)
     if rigid:
-        late = handle_impact(d)
-        onset = late if late >= 0 else onset
+        begun = handle_impact(d)
+        onset = begun if begun >= 0 else onset
     list_touching(d)
     choose_saturation(d)
     if d.friction.used:
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
-        if forces:
+        if had_forces:
             control.resume_flight(d)  # the proposed size suits the contact with a force that has just ended
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
-    changed = d.friction.used != 0 or d.model.has_drive_limits != 0
-    if changed:
+    has_modes = d.friction.used != 0 or d.model.has_drive_limits != 0
+    if has_modes:
         expect_peaks(d)
-    return jumped or rigid or changed
+    return jumped or rigid or has_modes
 
 
 def renew_modes(d, jumped):
@@ -161,19 +164,19 @@ def choose_size(d, onset, goes_on):
     if d.touch.active_count == 0:
         clear_loads(d)
         control.resume_flight(d)
-        control.limit(d, control.in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
         begin_flight(d)
     elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
         c = onset if onset >= 0 else d.touch.active_index[0]
-        control.propose(d, control.at_onset(d, c, EXPLICIT))
+        control.propose(d, control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
         if d.step.method == EXPLICIT and d.touch.active_count > 1:
-            control.limit(d, control.at_onset_beside(d, onset))
+            control.limit(d, control.size_at_onset_beside(d, onset))
 
 
-def bends_force(d):
-    """Return whether the force of a contact is not smooth at an event: KINK, or END if not regularized."""
+def force_has_kink(d):
+    """Return whether the force of a contact has a kink at an event: KINK, or END unless it is regularized."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

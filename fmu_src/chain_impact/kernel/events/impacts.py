@@ -31,7 +31,7 @@ from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
-from chain_impact.kernel.forces.contact import (
+from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
     clear_loads,
     deactivate,

@@ -6,11 +6,11 @@ with a ratio that follows from the chain's inertia. The point sticks if this tan
 F; otherwise the point slides against it.
 """
 
-from chain_impact.kernel.forces.contact_force import law_force
+from chain_impact.kernel.forces.force_formula import law_force
 from chain_impact.kernel.forces.friction import STICKS, against, list_sticking, set_mode
 from chain_impact.kernel.forces.holding import start_from_loads
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
-from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal
+from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 from chain_impact.kernel.work import count_other_work
 
 # [s] The time after an onset at which the forces are compared. For several contacts that begin at the same
@@ -35,7 +35,7 @@ def decide_onsets(d):
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         if begins(d, c):
-            add_along(normal(d, c), d.work.load, force_soon(d, c))
+            add_along(normal_row(d, c), d.work.load, force_soon(d, c))
     scale = start_from_loads(d)
     activate_all(d)
     solve_equality(d, scale)

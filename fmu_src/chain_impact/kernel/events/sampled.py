@@ -10,7 +10,7 @@
 δ is the penetration, v₀ the impact speed of the law, s = ±1 the direction of sliding, t·v the tangential
 speed, F_n the normal force, and F_t the friction force with the coefficient µ_s. The stages of a step, and
 its ends, show which of these events to look for. An event that is found late causes only a small error of
-energy. ``search_for`` makes the search for each kind.
+energy. ``make_search`` makes the search for each kind of event.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step is computed with the force of one side, continued
@@ -44,12 +44,12 @@ from chain_impact.kernel.events.marks import (
     mark_change,
     mark_saturation,
 )
-from chain_impact.kernel.forces.contact import kink_height
-from chain_impact.kernel.forces.contact_force import note_crossing
+from chain_impact.kernel.forces.active_contacts import kink_height
+from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
-from chain_impact.kernel.ode.control import SPOILED, accepted, refuse
+from chain_impact.kernel.ode.control import SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
@@ -67,7 +67,7 @@ MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of 
 # The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
 # link length per s²).
 PULL_ROUND_OFF = 1e-11
-# [s] the shortest step that is refused because a wall pulls too strongly in a stage
+# [s] the shortest step that is rejected because a wall pulls too strongly in a stage
 LEAST_REFUSED_STEP = 1e-9
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
@@ -90,7 +90,7 @@ def many_samples(d):
     return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
-def search_for(
+def make_search(
     value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS
 ):
     """Return a search of the last step for one kind of event.
@@ -130,11 +130,16 @@ def search_for(
     return find
 
 
-def search_by_inputs(still, swept):
-    """Return a search that is ``swept`` in a step with a turn above TURN_OF_STAGES, else ``still``."""
+def choose_search(slow, fast):
+    """Return a search that chooses one of two searches.
+
+    Args:
+        slow: the search of a step in which inputs turn by at most TURN_OF_STAGES.
+        fast: the search of another step.
+    """
 
     def find(d, earliest):
-        return swept(d, earliest) if turn_of_inputs(d) > TURN_OF_STAGES else still(d, earliest)
+        return fast(d, earliest) if turn_of_inputs(d) > TURN_OF_STAGES else slow(d, earliest)
 
     return find
 
@@ -174,7 +179,7 @@ def own_side_at(d, c, theta):
     return own_side(d, c)
 
 
-def slowness(d, c, theta):
+def relatch_margin(d, c, theta):
     """Return how far [m/s] the rate δ̇ of candidate c is below RELATCH_RATIO v₀.
 
     θ is the fraction of the last step at which the rate is taken.
@@ -184,10 +189,14 @@ def slowness(d, c, theta):
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
 
 
-find_relatch = search_for(
-    slowness, nearly_fast, lambda d, c, _theta: mark(d, c, RELATCH), CONTACTS, samples=lambda _d: FEW_SAMPLES
+find_relatch = make_search(
+    relatch_margin,
+    nearly_fast,
+    lambda d, c, _theta: mark(d, c, RELATCH),
+    CONTACTS,
+    samples=lambda _d: FEW_SAMPLES,
 )
-find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
+find_kink = make_search(own_side_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
 
 
 # ---- release by rigid walls -------------------------------------------------------------------------------
@@ -196,16 +205,16 @@ find_kink = search_for(own_side_at, has_crossed, mark_kinks, CONTACTS, resolutio
 def may_pull(d, _c):
     """Return whether a stage of the last step has shown that a rigid wall pulls.
 
-    If it pulls more than is plausible (``strongest``), the step is refused, unless it is very short, and the
-    result is false.
+    If it pulls more than ``plausible_pull``, the step is rejected, unless it is very short, and the result is
+    false.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.constraints.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return False
-    if least < -strongest(d) and d.step.size > LEAST_REFUSED_STEP:
-        refuse(d, SPOILED)
+    if least < -plausible_pull(d) and d.step.size > LEAST_REFUSED_STEP:
+        reject_step(d, SPOILED)
         return False
     return True
 
@@ -220,7 +229,7 @@ def pull_limit(d):
     )
 
 
-def strongest(d):
+def plausible_pull(d):
     """Return the largest plausible force [N] for gravity and the motion at the start of the last step.
 
     A stage in which a wall pulls more strongly has passed a toggle position, where forces go to infinity. The
@@ -260,14 +269,14 @@ def may_release(d, c):
     """Return whether to search a last step with a turn above TURN_OF_STAGES for the release of a point.
 
     A wall may pull between the stages, where ``may_pull`` does not look. So every step is searched, except a
-    step that ``may_pull`` has just refused.
+    step that ``may_pull`` has just rejected.
     """
     return may_pull(d, c) or accepted(d)
 
 
-find_release = search_by_inputs(
-    search_for(least_force, may_pull, mark_pulling),
-    search_for(least_force, may_release, mark_pulling, samples=many_samples),
+find_release = choose_search(
+    make_search(least_force, may_pull, mark_pulling),
+    make_search(least_force, may_release, mark_pulling, samples=many_samples),
 )
 
 
@@ -289,7 +298,7 @@ def mark_changes(d, element, theta):
 
 def resolution_of(d, e):
     """Return the error of element e: of its speed [m/s] if it slides, of its force [N] if it sticks."""
-    return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
+    return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
 def rest_speed(d):
@@ -297,7 +306,7 @@ def rest_speed(d):
     return AT_REST * d.model.longest_link
 
 
-def excess(d, e):
+def friction_round_off(d, e):
     """Return the largest excess [N] of the friction of element e above its limit that counts as round-off."""
     return FRICTION_EXCESS * (
         d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.longest_link)
@@ -338,9 +347,9 @@ def may_always_change(_d, _e):
     return True
 
 
-find_mode_change = search_by_inputs(
-    search_for(element_margin, has_changed, mark_changes, ELEMENTS),
-    search_for(element_margin, may_always_change, mark_changes, ELEMENTS, samples=many_samples),
+find_mode_change = choose_search(
+    make_search(element_margin, has_changed, mark_changes, ELEMENTS),
+    make_search(element_margin, may_always_change, mark_changes, ELEMENTS, samples=many_samples),
 )
 
 
@@ -379,7 +388,7 @@ def mark_limit(d, _c, _theta):
     mark_saturation(d, 1)
 
 
-find_saturation = search_by_inputs(
-    search_for(drive_margin, is_past_limit, mark_limit),
-    search_for(drive_margin, may_pass_limit, mark_limit, samples=many_samples),
+find_saturation = choose_search(
+    make_search(drive_margin, is_past_limit, mark_limit),
+    make_search(drive_margin, may_pass_limit, mark_limit, samples=many_samples),
 )

@@ -35,7 +35,7 @@ from chain_impact.kernel.events.sampled import (
     find_saturation,
     has_come_near,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, refuse
+from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import time_rate_now
@@ -49,12 +49,12 @@ DEEP = 1e-9
 # The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can have larger errors.
 EARLY = 1e-3
 # The largest time between an onset and the end of a step that was repeated to end at the onset, relative to
-# the step's size. With a larger time the step is refused.
+# the step's size. With a larger time the step is rejected.
 LANDED = 1e-2
 # The largest clearance at an onset that counts as round-off, relative to a link length plus the coordinates
 # of the point. A slow point may need more than LANDED to move as far; this time then counts as 0.
 ROUND_OFF = 1e-15
-# A step is refused only if it is longer than SIMULTANEOUS plus this part of the time. It is ten times the
+# A step is rejected only if it is longer than SIMULTANEOUS plus this part of the time. It is ten times the
 # resolution of time, because the next try may be a tenth as long.
 RESOLVED = 4e-15
 
@@ -64,7 +64,7 @@ def find_event(d):
 
     Returns:
         The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. The marks (marks.py)
-        tell the kind of event. A step that is too inaccurate to locate the event is refused.
+        tell the kind of event. A step that is too inaccurate to locate the event is rejected.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -81,7 +81,7 @@ def find_event(d):
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
-            refuse(d, SPOILED)
+            reject_step(d, SPOILED)
             return -1.0
         theta = drop_separating(d, theta)
         if theta < 0.0:
@@ -92,7 +92,7 @@ def find_event(d):
     remember_clearances(d, VALUES)
     # the error control does not check that time increases in a regularized step
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
     return theta
 
 
@@ -108,7 +108,7 @@ def find_event_without_crossing(d):
 def find_sampled_event(d, theta):
     """Return θ of the crossing at ``theta`` (−1: none), or of an earlier event of another kind.
 
-    The result is −1 if there is no event, or if the step is refused.
+    The result is −1 if there is no event, or if the step is rejected.
     """
     if any_point_held(d):
         theta = find_release(d, theta)
@@ -131,7 +131,7 @@ def credible(d, theta):
     if theta <= EARLY and starts_clear(d, d.work.y[time_at(d.links)]):
         return False
     if theta == 0.0:
-        # to refuse would not help: a point inside a wall at the start is inside in a shorter step as well
+        # rejection would not help: a point inside a wall at the start is inside in a shorter step as well
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
@@ -166,20 +166,20 @@ def onset_fraction(d):
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
     θ; the result may lie a little beyond the end. It is −1, for the end of the step, if there is no onset, or
-    if the step is not much longer than the resolution of time. The step is refused if points at θ are deep
+    if the step is not much longer than the resolution of time. The step is rejected if points at θ are deep
     inside a wall or far from an onset, or if none of the modes marked to end ``has_come_near``.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
     if pending_changes(d) and not has_come_near(d):
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
         return -1.0
     late, _ = onset_lateness(d, d.step.state_end)
     if late == -math.inf:
         return -1.0
     theta = 1.0 - late
     if not abs(late) <= LANDED:
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
@@ -188,7 +188,7 @@ def onset_fraction(d):
     interpolate(d.step, theta, d.work.y)
     late, deepest = onset_lateness(d, d.work.y)
     if not (abs(late) <= LANDED and deepest <= DEEP * d.model.longest_link):
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
     return theta
 
 

@@ -23,11 +23,11 @@ modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody 
 Contacts.
 """
 
-from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_arm
+from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
 from chain_impact.kernel.rows.geometry import (
     add_along,
     farthest,
-    tangent,
+    tangent_row,
     tangential_position,
     tangential_rate,
 )
@@ -38,25 +38,25 @@ STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for
 NOT_HELD = 1e-13
 
 
-def may_rub(d, c):
+def may_have_friction(d, c):
     """Return whether a contact of candidate c has dry friction."""
     return d.law.static_friction[c] > 0.0
 
 
-def joint_or_slider(d, e):
-    """Return the index of the joint of element e, from 0, or N for the slider; e must be one of these."""
+def drive_of_element(d, e):
+    """Return the drive of element e: the index of its joint, or N for the slider; e must be one of these."""
     return e - d.candidates
 
 
 def joint_number(d, e):
     """Return the number of the joint of element e, 1…N, or 0 for the slider; e must be one of these."""
-    return (joint_or_slider(d, e) + 1) % (d.links + 1)
+    return (drive_of_element(d, e) + 1) % (d.links + 1)
 
 
 def set_friction_used(d):
     """Record whether any wall, joint or slider has dry friction, in a record with room for friction."""
-    rubs = max(d.contact.any_friction, d.model.has_drive_friction)
-    d.friction.used = rubs if d.elements > 0 else 0
+    has_friction = max(d.contact.any_friction, d.model.has_drive_friction)
+    d.friction.used = has_friction if d.elements > 0 else 0
 
 
 def clear_friction(d):
@@ -88,7 +88,7 @@ def list_friction(d):
     friction = d.friction
     friction.count = 0
     for k in range(d.touch.compliant_count):
-        if may_rub(d, d.touch.active_index[k]):
+        if may_have_friction(d, d.touch.active_index[k]):
             d.element.index[friction.count] = d.touch.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
@@ -96,7 +96,7 @@ def list_friction(d):
         if d.drive.friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e
-            d.element.limit[e] = d.drive.friction[i] / lever_arm(d, i)
+            d.element.limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
             friction.count += 1
     list_sticking(d)
 
@@ -172,7 +172,7 @@ def slide(d, e, size):
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
-    add_along(tangent(d, e), d.work.load, d.element.force[e])
+    add_along(tangent_row(d, e), d.work.load, d.element.force[e])
     # −F_t v_t
     return sign * size * speed
 
@@ -216,10 +216,10 @@ def keep_anchors(d):
     A projection misses an anchor only where impulses can hardly move the element (constraints.py). A
     correction in each step would do work, and change the energy of a chain at rest.
     """
-    friction, held = d.friction, NOT_HELD * farthest(d)
+    friction, tolerance = d.friction, NOT_HELD * farthest(d)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
-        if abs(tangential_position(d, e) - d.element.anchor[e]) > held:
+        if abs(tangential_position(d, e) - d.element.anchor[e]) > tolerance:
             set_anchor(d, e)
 
 

@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.kinematics import (
 )
 from chain_impact.kernel.chain.response import FREE, take_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
-from chain_impact.kernel.forces.contact import keep_force
+from chain_impact.kernel.forces.active_contacts import keep_force
 from chain_impact.kernel.forces.friction import NOT_HELD, keep_static_forces
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
@@ -35,13 +35,13 @@ from chain_impact.kernel.rows.geometry import (
     any_sticking,
     at_wall,
     clearance,
-    constraint,
     constraint_acceleration,
-    constraint_rows,
+    constraint_count,
+    constraint_row,
     farthest,
     fastest_of_all,
     largest_acceleration,
-    tangent,
+    tangent_row,
     tangential_position,
     tangential_rate,
 )
@@ -88,8 +88,8 @@ def start_from_loads(d):
     """
     factorize_free(d)
     solve_space(d, d.work.link, d.work, FREE, d.work.change)
-    for k in range(constraint_rows(d)):
-        d.constraints.start[k] = along(constraint(d, k), d.work.motion)
+    for k in range(constraint_count(d)):
+        d.constraints.start[k] = along(constraint_row(d, k), d.work.motion)
     return largest(d, d.work.motion)
 
 
@@ -111,7 +111,7 @@ def start_from_accelerations(d, y, rate):
     Return the largest component of the acceleration of any place or moving wall.
     """
     accelerate_points(d, y, rate)
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         d.constraints.start[k] = constraint_acceleration(d, k)
     return largest_acceleration(d)
 
@@ -172,7 +172,7 @@ def project_state(d, y):
         locate_points_now(d, y)
     if d.channels > 0:
         y[supplied_at(d.links)] += work_of_impulses(d)
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
         y[lost] -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
@@ -201,7 +201,7 @@ def power_of_motion(d, y, rate):
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
     for i in range(d.friction.contact_count):
         e = d.element.index[i]
-        _, tx, ty = tangent(d, e)
+        _, tx, ty = tangent_row(d, e)
         power += d.element.force[e] * d.shift.belt_rate[e]
         fx, fy = fx + d.element.force[e] * tx, fy + d.element.force[e] * ty
     if not d.model.base_moves:
@@ -221,11 +221,11 @@ def power_of_motion(d, y, rate):
 def work_of_impulses(d):
     """Return the work [J] that moving walls, belts and base do by the impulses in a jump of velocities."""
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         sticks = k >= d.touch.active_count
         e = d.element.stuck[k - d.touch.active_count] if sticks else d.touch.active_index[k]
         if e < d.candidates and at_wall(d, e):
-            _, nx, ny = constraint(d, k)
+            _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.touch.compliant_count:
                 impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.start[k])
@@ -272,11 +272,11 @@ def solve_positions(d):
         0.0,
         0.0,
     )
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         asked = max(asked, abs(constraints.target[k] - constraints.start[k]))
     factorize_free(d)
     solve_equality(d, far)
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         left = max(left, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(constraints.change[j]) / (size if j < ANGLES else 1.0))

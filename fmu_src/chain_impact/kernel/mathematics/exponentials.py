@@ -30,7 +30,7 @@ STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of t
 
 def _table():
     """Return the bits of 2^(j/128), and the rounding errors of these powers, relative to the powers."""
-    patterns, rests = [], []
+    patterns, remainders = [], []
     for j in range(POWER_COUNT):
         power, root = 1 << FIXED, 2 << FIXED
         for bit in reversed(range(POWER_COUNT_BITS)):  # a factor √2, √√2, … for each bit of the index j
@@ -38,8 +38,8 @@ def _table():
             power = power * root >> FIXED if j >> bit & 1 else power
         high, low = in_two(power, FRACTION)
         patterns.append(bits(high))
-        rests.append(low / high)
-    return np.array(patterns), np.array(rests)
+        remainders.append(low / high)
+    return np.array(patterns), np.array(remainders)
 
 
 POWER_BITS, REST = _table()

@@ -37,13 +37,13 @@ from chain_impact.kernel.chain.drives import (
     coordinates_of_drive,
     drive_count,
     drive_inertia,
-    lever_arm,
+    lever_of_drive,
     spring_force,
 )
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
-from chain_impact.kernel.forces.contact_force import elastic_force
+from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
@@ -52,7 +52,7 @@ from chain_impact.kernel.ode.control import (
     conclude,
     impact_energy,
     penetration_scale,
-    refuse,
+    reject_step,
 )
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.ode.last_step import (
@@ -172,7 +172,7 @@ def reinit_balance(d):
 
 
 def check_energy(d, theta):
-    """Refuse the last step if it does not keep the energy balance up to θ (−1: up to its end).
+    """Reject the last step if it does not keep the energy balance up to θ (−1: up to its end).
 
     The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds NOTABLE.
 
@@ -195,11 +195,11 @@ def check_energy(d, theta):
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
-            refuse(d, SPOILED)
+            reject_step(d, SPOILED)
             return present, available
         balance.allowed = max(balance.allowed, allowed)
     if change > SLIP * available and present - balance.origin > ENERGY_GAIN * available:
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
         return present, available
     loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > round_off(d, y):
@@ -207,7 +207,7 @@ def check_energy(d, theta):
     if loss > NOTABLE:
         conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
-        refuse(d, SPOILED)
+        reject_step(d, SPOILED)
     return present, available
 
 
@@ -304,7 +304,7 @@ def scales(d, y):
     if d.model.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_force(d, y, i))
-            scale += force * (d.model.longest_link / lever_arm(d, i))
+            scale += force * (d.model.longest_link / lever_of_drive(d, i))
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]

@@ -36,7 +36,7 @@ from chain_impact.kernel.ode.control import (
     largest_errors,
     moment_error,
     raise_scales,
-    refuse,
+    reject_step,
     set_scales,
 )
 from chain_impact.kernel.ode.dense import POWERS, interpolate, take_quadratures
@@ -262,9 +262,9 @@ def attempt(d, h):
             error = max(error, change, apart)
         conclude(d, error, cost_factor(implicit))
     elif not math.isfinite(implicit.correction):
-        refuse(d, INFINITE)
+        reject_step(d, INFINITE)
     else:
-        refuse(d, DIVERGED if implicit.contraction > 1.0 else LATE)
+        reject_step(d, DIVERGED if implicit.contraction > 1.0 else LATE)
 
 
 def cost_factor(implicit):

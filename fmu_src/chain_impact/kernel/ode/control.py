@@ -7,7 +7,7 @@ accurate than its dense output, so the step is repeated to end at an event. Afte
 reduces the size of its first step to resolve a fast motion (collocation.py).
 
 A method tries a step and computes the error of the step, relative to the tolerance. A step with an error ≤ 1
-is accepted, unless the method, the search for events or the energy check refuses the step for another reason.
+is accepted, unless the method, the search for events or the energy check rejects the step for another reason.
 A rejected step costs as much as an accepted step. So the sizes of the first step in flight and of the first
 step of a contact are estimated in advance. The components of an error are divided by scales, to which the
 tolerance refers.
@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.drives import (
     drive_count,
     drive_damping,
     drive_stiffness,
-    lever_arm,
+    lever_of_drive,
 )
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
@@ -31,11 +31,11 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.contact_force import damping_share
+from chain_impact.kernel.forces.force_formula import damping_share
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import along, clearance, farthest, normal
+from chain_impact.kernel.rows.geometry import along, clearance, farthest, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method
@@ -56,7 +56,7 @@ ONSET_ORDER = (8, 3.5)  # implicit: 3/2 + 2, as the force is proportional to δ^
 PAST_END = 1.04
 
 
-def chosen(choice):
+def prescribed_method(choice):
     """Return the number of the method that ``choice``, a `solver.method`, prescribes, or −1 for `auto`."""
     return choice - AUTO - 1
 
@@ -112,8 +112,8 @@ def conclude(d, error, cost_factor):
         d.trial.outcome = INACCURATE if math.isfinite(error) else INFINITE
 
 
-def refuse(d, outcome):
-    """Refuse the tried step for the reason ``outcome``."""
+def reject_step(d, outcome):
+    """Reject the tried step for the reason ``outcome``."""
     d.trial.outcome = outcome
 
 
@@ -156,7 +156,7 @@ def factor(d):
     return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
 
 
-def in_flight(d, y, rate):
+def size_in_flight(d, y, rate):
     """Return a size ≤ 1 s for an explicit step in flight from y, by the links' ω and α in y and ``rate``."""
     n, fastest = d.links, 0.0
     for i in range(n):
@@ -165,12 +165,12 @@ def in_flight(d, y, rate):
     return turn / max(fastest, turn)
 
 
-def at_onset(d, c, method):
+def size_at_onset(d, c, method):
     """Return a size [s] for a method's first step in the contact of candidate c, which began just now."""
     return ONSET_SIZE[method] * time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
-def at_onset_beside(d, c):
+def size_at_onset_beside(d, c):
     """Return the size [s] of the first explicit step for a contact that begins while other contacts last."""
     return BESIDE_SIZE * time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
@@ -311,7 +311,7 @@ def moment_error(d, row):
     for i in range(drive_count(d)):
         force = drive_stiffness(d, i) * abs(along_drive(d, error, 0, i))
         force += drive_damping(d, i) * abs(along_drive(d, error, velocity_at(d.links), i))
-        worst = max(worst, force * (d.model.longest_link / lever_arm(d, i)))
+        worst = max(worst, force * (d.model.longest_link / lever_of_drive(d, i)))
     return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link))
 
 
@@ -336,7 +336,7 @@ def set_gap_errors(d, row):
     if d.touch.active_count > 0:
         move_points(d, d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[row, k] = along(normal(d, d.touch.active_index[k]), d.work.motion)
+        d.touch.gap_error[row, k] = along(normal_row(d, d.touch.active_index[k]), d.work.motion)
 
 
 def penetration_scale(d, c):

@@ -242,18 +242,18 @@ def settle_impulses(d):
             quadrature.state_end[k] = quadrature.state[k]
             # the stops of all joints have the same wall number, but are different walls
             if k >= d.touch.compliant_count and at_wall(d, c):
-                take_impulse(d, d.candidate.wall[c], fallen)
+                reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 
-def take_impulse(d, wall, amount):
-    """Take ``amount`` [N·s], or all, from the held point with the largest impulse of the wall in the step."""
-    quadrature, most, taker = d.quadrature, 0.0, -1
+def reduce_largest_impulse(d, wall, amount):
+    """Reduce the largest impulse of a wall on a held point in the step by ``amount`` [N·s], at most to 0."""
+    quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
         given = quadrature.state_end[k] - quadrature.state[k]
         if d.candidate.wall[quadrature.index[k]] == wall and given > most:
-            most, taker = given, k
-    if taker >= 0:
-        quadrature.state_end[taker] -= min(amount, most)
+            most, largest = given, k
+    if largest >= 0:
+        quadrature.state_end[largest] -= min(amount, most)
 
 
 def quadrature_within(d, theta, k):

@@ -19,7 +19,7 @@ from chain_impact.kernel.ode.control import (
     RUNS_BACK,
     conclude,
     controlled_count,
-    refuse,
+    reject_step,
     scaled_errors,
     set_gap_errors,
 )
@@ -241,7 +241,7 @@ def attempt(d, h):
     make(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.trial.state):
-        refuse(d, RUNS_BACK)
+        reject_step(d, RUNS_BACK)
     else:
         conclude(d, estimate(d, h), 1.0)
 
@@ -284,7 +284,7 @@ def make(d, h):
         _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried[:count])
 
 
-def change_by_rates(d, j):
+def step_increment(d, j):
     """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
     return d.trial.size * _step_sum(d.work.stage, j)
 

@@ -55,8 +55,8 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.equations import free_rate_from_loads
-from chain_impact.kernel.forces.contact import apply_contact, apply_contacts, clear_loads
-from chain_impact.kernel.forces.contact_force import law_slopes
+from chain_impact.kernel.forces.active_contacts import apply_contact, apply_contacts, clear_loads
+from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import set_inputs
@@ -70,11 +70,11 @@ from chain_impact.kernel.rows.geometry import (
     any_sticking,
     clear_loads_of,
     clearance,
-    constraint,
-    constraint_rows,
+    constraint_count,
+    constraint_row,
     gap_acceleration,
     join,
-    normal,
+    normal_row,
 )
 
 
@@ -181,10 +181,10 @@ def factorize_shift(d, s, space, row):
     """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
     no_impedance(d, space.impedance)
     for k in range(compliant(d)):
-        add_impedance(constraint(d, k), space.impedance, contact_impedance(d, k, s))
+        add_impedance(constraint_row(d, k), space.impedance, contact_impedance(d, k, s))
     hold_at_once(d)
-    for k in range(compliant(d), constraint_rows(d)):
-        add_impedance(constraint(d, k), space.impedance, d.constraints.impedance[k])
+    for k in range(compliant(d), constraint_count(d)):
+        add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
     join(d, space.impedance, s)
     factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 
@@ -202,7 +202,7 @@ def solve_shift(d, s, space, row, x):
     for k in range(compliant(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
-        add_along(constraint(d, k), space.load, impulse)
+        add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, row, change)
     if d.slides:
         # the slider's force is removed: in flight no other function clears the loads on the points
@@ -211,7 +211,7 @@ def solve_shift(d, s, space, row, x):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]
     for k in range(compliant(d)):
-        x[rate_at(d, k)] -= along(constraint(d, k), space.motion)
+        x[rate_at(d, k)] -= along(constraint_row(d, k), space.motion)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
     for k in range(min(d.quadrature.count, compliant(d))):
         x[quadrature_at(d, k)] -= s * (
@@ -270,7 +270,7 @@ def project_coordinates(d, y, derivative, change):
         impulse = contact_impedance(d, k, implicit.shift) * (
             implicit.normal[k] - (gap_rate if derivative else gap)
         )
-        add_along(normal(d, c), d.work.load, impulse)
+        add_along(normal_row(d, c), d.work.load, impulse)
     solve_space(d, implicit.link, d.work, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]

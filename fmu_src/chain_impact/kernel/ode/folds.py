@@ -15,7 +15,7 @@ from chain_impact.kernel.forces.holding import add_change, keep_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
-from chain_impact.kernel.rows.geometry import constraint_rows
+from chain_impact.kernel.rows.geometry import constraint_count
 from chain_impact.kernel.work import count_evaluations
 
 # The least and the largest distance of the two nearer places from a row, as a part of the step. The farther
@@ -58,7 +58,7 @@ def find_forces(d, theta, distance, rate):
     Set ``uneven`` to the differences of the forces. Return whether no place is near the fold.
     """
     constraints, y = d.constraints, d.work.nearby
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
     for i in range(len(OFFSETS)):
         interpolate(d.step, theta + OFFSETS[i] * distance, y)
@@ -66,7 +66,7 @@ def find_forces(d, theta, distance, rate):
         count_evaluations(d, 1)
         if constraints.near_fold > 0:
             return False
-        for k in range(constraint_rows(d)):
+        for k in range(constraint_count(d)):
             constraints.refined[k] += VALUE[i] * constraints.impulse[k]
             constraints.uneven[k] += DIFFERENCE[i] * constraints.impulse[k]
     return True
@@ -75,7 +75,7 @@ def find_forces(d, theta, distance, rate):
 def passes_smoothly(d):
     """Return whether the forces of the four places show that the forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))
         uneven = max(uneven, abs(constraints.uneven[k]))
     return uneven <= UNEVEN * largest

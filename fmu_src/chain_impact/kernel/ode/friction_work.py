@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q
-from chain_impact.kernel.rows.geometry import along, any_sticking, tangent
+from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
 
 
 def keep_friction(d, stage):
@@ -55,7 +55,7 @@ def uncounted_work(d):
         if d.step.method == IMPLICIT:
             change[j] = y[j] - z[j]
         else:
-            change[j] = (y[j] - d.step.state_end[j]) - explicit.change_by_rates(d, j)
+            change[j] = (y[j] - d.step.state_end[j]) - explicit.step_increment(d, j)
     if d.step.method != IMPLICIT:
         return work_along(d, change)
     # the work of sticking elements follows from their positions, so the round-off of these cancels here
@@ -69,7 +69,7 @@ def change_in_step(d, j):
     """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
     if d.step.method == IMPLICIT:
         return d.implicit.stages[RADAU_STAGES - 1, j]
-    return explicit.change_by_rates(d, j)
+    return explicit.step_increment(d, j)
 
 
 def work_along(d, change):
@@ -77,7 +77,7 @@ def work_along(d, change):
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
-        work += d.element.force[e] * along(tangent(d, e), d.work.motion)
+        work += d.element.force[e] * along(tangent_row(d, e), d.work.motion)
     return work
 
 
@@ -91,7 +91,7 @@ def work_of_sliding(d, change, force):
     for k in range(d.friction.count):
         e = d.element.index[k]
         if d.element.mode[e] != STICKS:
-            work += force[e] * along(tangent(d, e), d.work.motion)
+            work += force[e] * along(tangent_row(d, e), d.work.motion)
     return work
 
 

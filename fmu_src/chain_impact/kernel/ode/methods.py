@@ -21,17 +21,17 @@ The functions ``prepare`` and ``attempt`` take the size h of a step, in the step
 import math
 
 from chain_impact.kernel.chain.joints import largest_joint_rate
-from chain_impact.kernel.forces.contact import clear_loads, contact_slopes
+from chain_impact.kernel.forces.active_contacts import clear_loads, contact_slopes
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
     AUTO,
     EXPLICIT,
     IMPLICIT,
-    at_onset,
     begin_trial,
-    chosen,
     limit,
+    prescribed_method,
     propose,
+    size_at_onset,
 )
 
 # The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
@@ -66,7 +66,7 @@ def choose_method(d):
     if d.contact.any_rigid and not (d.contact.any_force or d.model.has_springs_or_dampers):
         begin_explicit(d)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
-        step.method = chosen(d.solver.method)
+        step.method = prescribed_method(d.solver.method)
         if touching and step.method == EXPLICIT:
             keep_stable(d)
     elif not (touching or d.model.has_springs_or_dampers):
@@ -125,13 +125,13 @@ def contacts_last(d):
 def begin_impact(d, c):
     """Begin a new phase at the onset of candidate c, with the explicit method and the proposed step size.
 
-    The proposed size is the result of ``at_onset`` for the explicit method. If the last steps were implicit,
-    and joints make the steps of the impact stiff, too, the implicit method is kept.
+    The proposed size is the result of ``size_at_onset`` for the explicit method. If the last steps were
+    implicit, and joints make the steps of the impact stiff, too, the implicit method is kept.
     """
     if joints_over(d, IMPACT_PART * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
     elif d.step.method != EXPLICIT:
-        limit(d, at_onset(d, c, d.step.method))
+        limit(d, size_at_onset(d, c, d.step.method))
     reset_stiff_count(d)
 
 

@@ -39,7 +39,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("forces/contact_law.py")
+@written_by("forces/candidate_laws.py")
 def law_dtype(candidates: int) -> np.dtype:
     """Return the layout of the contact law of each candidate.
 
@@ -66,16 +66,16 @@ def law_dtype(candidates: int) -> np.dtype:
     )
 
 
-def constraint_count(candidates: int, elements: int) -> int:
+def most_constraints(candidates: int, elements: int) -> int:
     """Return the largest number of constraints that can be active at one moment."""
     return candidates + elements
 
 
 @written_by(
-    "forces/contact.py",
+    "forces/active_contacts.py",
     event="events/marks.py",
     gap_error="ode/control.py",
-    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/contact_force.py"),
+    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/force_formula.py"),
 )
 def touch_dtype(candidates: int) -> np.dtype:
     """Return the layout of each candidate's data.
@@ -110,7 +110,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # N/s, rate of the contact force at the start of the step; the search for peaks uses only its sign
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
-        # side of the kink (forces/contact_force.py) whose force a step continues smoothly: 1 beyond the kink,
+        # side of the kink (forces/force_formula.py) whose force a step continues smoothly: 1 beyond the kink,
         # else 0
         ("beyond_kink", INTEGER, (candidates,)),
         # m/s, how far the rate of the penetration may be on the wrong side of the kink before this counts as
@@ -129,7 +129,7 @@ def touch_dtype(candidates: int) -> np.dtype:
     )
 
 
-@written_by("forces/contact.py")
+@written_by("forces/active_contacts.py")
 def impact_dtype() -> np.dtype:
     """Return the layout of the counts of impacts and of the data of the latest onset."""
     return record(
@@ -183,7 +183,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     - speeds [m/s], with impulses in N·s: apply_impulses, and project_state in its second pass
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
-    rows = constraint_count(candidates, elements)
+    rows = most_constraints(candidates, elements)
     return record(
         # change of the coordinates by the impulses; of an angle in rad, rad/s or rad/s²
         ("change", REAL, (coordinate_count(links),)),
@@ -277,7 +277,7 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-@written_by("ode/dense.py", impulse_at_onset="forces/contact.py")
+@written_by("ode/dense.py", impulse_at_onset="forces/active_contacts.py")
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 

@@ -28,15 +28,15 @@ def bounded(least: int, most: int) -> np.dtype:
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
 
 
-OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
+WRITERS: dict[str, dict[str, tuple[str, ...]]] = {}
 """Part of the record → field → modules that write the field; "" stands for the fields that are not named."""
 
 
-def written_by(*owners, **fields):
+def written_by(*writers, **fields):
     """Declare which modules of the kernel write a part of the record, and which write single fields.
 
-    A field that is used after a step has one owner, and other modules call the owner's functions; there are
-    few exceptions, which tests/repository/test_owners.py lists. This test compares the declarations with the
+    A field that is used after a step has one writer, and other modules call the writer's functions; there are
+    few exceptions, which tests/repository/test_writers.py lists. This test compares the declarations with the
     code. Modules in kernel/tangent/ also set fields of tangent instances.
     """
 
@@ -44,7 +44,7 @@ def written_by(*owners, **fields):
         of_fields = {
             name: (modules,) if isinstance(modules, str) else modules for name, modules in fields.items()
         }
-        OWNERS[layout.__name__.removesuffix("_dtype")] = {"": owners, **of_fields}
+        WRITERS[layout.__name__.removesuffix("_dtype")] = {"": writers, **of_fields}
         return layout
 
     return declare

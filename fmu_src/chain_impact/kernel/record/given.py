@@ -37,10 +37,9 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("gravity", REAL, (2,)),  # m/s²
         ("length", POSITIVE, (links,)),  # m
         ("mass", POSITIVE, (links,)),  # kg
-        # given_center_of_mass: m, from the proximal joint; given_inertia: kg·m², about the centre of mass;
-        # DERIVED (chain/inertia.py) if not given
+        # m, from the proximal joint; DERIVED (chain/inertia.py) if not given
         ("given_center_of_mass", REAL, (links,)),
-        ("given_inertia", REAL, (links,)),
+        ("given_inertia", REAL, (links,)),  # kg·m², about the centre of mass; DERIVED if not given
         ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
         # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
         ("center_of_mass_offset", FINITE, (links,)),
@@ -84,7 +83,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("forces/contact_law.py")
+@written_by("forces/candidate_laws.py")
 def contact_dtype() -> np.dtype:
     """Return the layout of the contact data that all walls share; the rest of the law is in `given`."""
     return record(
@@ -99,7 +98,7 @@ def contact_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("initialize.py", restitution="forces/contact_law.py")
+@written_by("initialize.py", restitution="forces/candidate_laws.py")
 def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints.
 
@@ -216,7 +215,7 @@ def given_dtype(links: int) -> np.dtype:
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent
-        ("restitution", REAL),
+        ("restitution", REAL),  # restitution of walls
         ("friction", REAL),  # coefficient of sliding friction
         # coefficient of static friction; 0: equal to the coefficient of sliding friction
         ("static_friction", REAL),
@@ -337,13 +336,12 @@ def walls_dtype(candidates: int) -> np.dtype:
     """
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
-        ("y", FINITE, (candidates,)),
+        ("y", FINITE, (candidates,)),  # m, y of this point
         ("angle", FINITE, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
-        # N/m^exponent; 0: `given.stiffness`. The walls of the box come first.
-        ("stiffness", REAL, (len(WALLS) + candidates,)),
-        # −1: `given.restitution`. Likewise, −1 as friction stands for `given.friction`; as static friction
-        # for `given.static_friction` or, if the wall has its own friction, for this friction.
-        ("restitution", REAL, (len(WALLS) + candidates,)),
-        ("friction", REAL, (len(WALLS) + candidates,)),
+        # of all walls, the walls of the box first
+        ("stiffness", REAL, (len(WALLS) + candidates,)),  # N/m^exponent; 0: `given.stiffness`
+        ("restitution", REAL, (len(WALLS) + candidates,)),  # −1: `given.restitution`
+        ("friction", REAL, (len(WALLS) + candidates,)),  # coefficient of sliding; −1: `given.friction`
+        # coefficient of static friction; −1: the wall's own friction or, without it, `given.static_friction`
         ("static_friction", REAL, (len(WALLS) + candidates,)),
     )

@@ -131,8 +131,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks
         # entries 0…N−1: N·m on the outer link of each joint; entry N: N on the slider; later entries: 0
-        ("joint_or_slider_friction", REAL, (elements,)),
-        ("joint_or_slider_sticking", REAL, (elements,)),  # 1: this joint or slider sticks
+        ("drive_friction", REAL, (elements,)),
+        ("drive_sticking", REAL, (elements,)),  # 1: this joint or slider sticks
         ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `output.dissipated`
     )
 

@@ -149,9 +149,11 @@ def balance_dtype() -> np.dtype:
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
     """Return the layout of the factors of ``rows`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``share`` κ/(H + κ), ``rest`` H/(H + κ)
-        *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "rest")),
-        ("coupled", INTEGER, (rows,)),  # 1: joints transmit moments; 0: ``share`` and ``rest`` are not used
+        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``share`` σ = κ/(H + κ) and
+        # ``complement`` 1 − σ = H/(H + κ)
+        *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "complement")),
+        # 1: joints transmit moments; 0: ``share`` and ``complement`` are not used
+        ("coupled", INTEGER, (rows,)),
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
         ("middle_mobility", scalar, (rows, 3)),
     )
@@ -170,7 +172,7 @@ def elimination_dtype(links: int) -> np.dtype:
     y="events/crossing.py",
     rate_start="advance.py",
     error="ode/collocation.py",
-    load=("forces/contact.py", "rows/compliance.py"),
+    load=("forces/active_contacts.py", "rows/compliance.py"),
     motion="rows/compliance.py",
     impedance="chain/joints.py",
     factors="chain/response.py",

@@ -21,10 +21,10 @@ from chain_impact.kernel.rows.geometry import (
     along,
     at_joint,
     clear_loads_of,
-    constraint,
-    constraint_rows,
+    constraint_count,
+    constraint_row,
     join,
-    normal,
+    normal_row,
     to_joints,
 )
 
@@ -72,8 +72,8 @@ def factorize_contacts(d, row, impedance):
     ``impedance`` holds D_k [kg] of each constraint, packed.
     """
     no_impedance(d, d.work.impedance)
-    for k in range(constraint_rows(d)):
-        add_impedance(constraint(d, k), d.work.impedance, impedance[k])
+    for k in range(constraint_count(d)):
+        add_impedance(constraint_row(d, k), d.work.impedance, impedance[k])
     join(d, d.work.impedance, 0.0)
     factorize(d, d.work.link, d.work, row, joints_loaded(d))
 
@@ -102,8 +102,8 @@ def solve_space(d, links, space, row, change):
 def solve_contacts(d, row, impulse, change):
     """Find the response Δ to the impulses p_k [N·s] of the constraints in ``impulse``, packed."""
     clear_loads_of(d, d.work.load)
-    for k in range(constraint_rows(d)):
-        add_along(constraint(d, k), d.work.load, impulse[k])
+    for k in range(constraint_count(d)):
+        add_along(constraint_row(d, k), d.work.load, impulse[k])
     solve_space(d, d.work.link, d.work, row, change)
 
 
@@ -159,7 +159,7 @@ def geared_accelerations(d, y, rate):
 
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
-    work, row = d.work, normal(d, c)
+    work, row = d.work, normal_row(d, c)
     no_impedance(d, work.impedance)
     join(d, work.impedance, 0.0)
     factorize(d, work.link, work, FREE, d.model.has_armatures != 0 or at_joint(d, c))

@@ -44,8 +44,8 @@ from chain_impact.kernel.rows.geometry import (
     along,
     any_sticking,
     clear_loads_of,
-    constraint,
-    constraint_rows,
+    constraint_count,
+    constraint_row,
 )
 from chain_impact.kernel.work import count_other_work, work_exceeded
 
@@ -98,7 +98,7 @@ def set_impedance(d, amount):
     Sticking elements get a part of ``amount``, in proportion to their limits of friction.
     """
     constraints = d.constraints
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.resistance[k]
     if amount > 0.0 and any_sticking(d):
         share_impedance(d)
@@ -116,7 +116,7 @@ def share_impedance(d):
 
 def hold_at_once(d):
     """Set the impedances with which one solution acts on the motion about as SWEEPS iterations do."""
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         times = AT_ONCE if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
     if any_sticking(d):
@@ -199,7 +199,7 @@ def leave_free(d, share, noise):
     motion, and its impulse stays.
     """
     constraints = d.constraints
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         residual = constraints.residual[k]
         above = residual * residual / (residual * residual + noise * noise)
         constraints.impulse[k] -= share * above * SWEEPS * constraints.impedance[k] * residual
@@ -209,7 +209,7 @@ def leave_free(d, share, noise):
 def only_active(d):
     """Return the index of the only constraint in the active set, or −1 if the set has none or several."""
     only = -1
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         if d.constraints.in_active_set[k]:
             if only >= 0:
                 return -1
@@ -221,9 +221,9 @@ def solve_single(d, row):
     """Solve the problem of ``solve_equality`` for one constraint: p = m/W. Return if W is large enough."""
     constraints = d.constraints
     clear_loads_of(d, d.work.load)
-    add_along(constraint(d, row), d.work.load, 1.0)
+    add_along(constraint_row(d, row), d.work.load, 1.0)
     solve_space(d, d.work.link, d.work, FREE, constraints.change)
-    mobility = along(constraint(d, row), d.work.motion)
+    mobility = along(constraint_row(d, row), d.work.motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
@@ -231,9 +231,9 @@ def solve_single(d, row):
     impulse = (constraints.target[row] - constraints.start[row]) / mobility
     for j in range(len(constraints.change)):
         constraints.change[j] *= impulse
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse if k == row else 0.0
-        constraints.reached[k] = constraints.start[k] + impulse * along(constraint(d, k), d.work.motion)
+        constraints.reached[k] = constraints.start[k] + impulse * along(constraint_row(d, k), d.work.motion)
     count_other_work(d, 1)
     return True
 
@@ -249,14 +249,14 @@ def clear_impulses(d):
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.impulse[k], constraints.reached[k] = 0.0, constraints.start[k]
 
 
 def find_residual(d):
     """Set the residual target − motion of each constraint in the active set; return the largest size."""
     constraints, worst = d.constraints, 0.0
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         left = constraints.target[k] - constraints.reached[k]
         constraints.residual[k] = left if constraints.in_active_set[k] else 0.0
         worst = max(worst, abs(constraints.residual[k]))
@@ -268,12 +268,12 @@ def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
     constraints, motion = d.constraints, d.work.motion
     # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.residual[k] *= constraints.impedance[k]
     solve_contacts(d, HELD, constraints.residual, constraints.change)
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         if constraints.in_active_set[k]:
-            back = constraints.impedance[k] * along(constraint(d, k), motion)
+            back = constraints.impedance[k] * along(constraint_row(d, k), motion)
             constraints.impulse[k] += constraints.residual[k] - back
     move_by_impulses(d)
     count_other_work(d, 1)
@@ -283,18 +283,18 @@ def move_by_impulses(d):
     """Find the change of the coordinates, and the motions along all constraints, that the impulses cause."""
     constraints = d.constraints
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
-    for k in range(constraint_rows(d)):
-        constraints.reached[k] = constraints.start[k] + along(constraint(d, k), d.work.motion)
+    for k in range(constraint_count(d)):
+        constraints.reached[k] = constraints.start[k] + along(constraint_row(d, k), d.work.motion)
     count_other_work(d, 1)
 
 
 def replace_impulses(d, impulse):
     """Replace the impulses by those in ``impulse``, and find the change of the coordinates that follows."""
     constraints = d.constraints
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
     move_by_impulses(d)
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k]
 
 
@@ -326,7 +326,7 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Forget unsolved problems; a tried step with an unsolved problem is refused."""
+    """Forget unsolved problems; a tried step with an unsolved problem is rejected."""
     d.constraints.unsolved = SOLVED
 
 
@@ -384,7 +384,7 @@ def activate_all(d):
     """Let the active set be the contacts without a force law and the sticking elements, with target 0."""
     for k in range(d.touch.compliant_count):
         release(d, k)
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         require(d, k, 0.0)
 
 

@@ -28,7 +28,7 @@ from chain_impact.kernel.chain.drives import (
     drive_resistance,
     is_slider,
     joints_resist,
-    lever_arm,
+    lever_of_drive,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
 from chain_impact.kernel.chain.motion import fastest_wall
@@ -97,7 +97,7 @@ def place_stop(d, c):
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would show
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
-    limit = lever(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
+    limit = lever_of_candidate(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
     if not at_joint(d, c):
         limit += slide_along(d, d.initial.position[0], d.initial.position[1])
     candidate.offset[c], candidate.radius[c] = sign * limit, 0.0
@@ -128,7 +128,7 @@ def stop_moment(d, c, force):
 
     It is positive at the lower limit, and negative at the upper limit.
     """
-    return side(d, c) * lever(d, c) * force
+    return side(d, c) * lever_of_candidate(d, c) * force
 
 
 def first_stop(d, c):
@@ -158,12 +158,12 @@ def candidate_within_bounds(d, c):
     )
 
 
-def normal(d, c):
+def normal_row(d, c):
     """Return the row of candidate c in the direction of the normal n."""
     return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
-def tangent(d, e):
+def tangent_row(d, e):
     """Return the row of element e in the direction t, along which dry friction acts.
 
     At a wall t = (n_y, −n_x). The elements after the candidates are the joints and the slider.
@@ -184,7 +184,7 @@ def row_of_drive(d, i):
     return joint_place(d, i), 1.0, 0.0
 
 
-def constraint_rows(d):
+def constraint_count(d):
     """Return the number of constraints: active contacts, then sticking elements."""
     return d.touch.active_count + d.friction.stuck_count
 
@@ -194,11 +194,11 @@ def any_sticking(d):
     return d.friction.stuck_count > 0
 
 
-def constraint(d, k):
+def constraint_row(d, k):
     """Return the row of constraint k: the active contacts come first, packed, then the sticking elements."""
     if k < d.touch.active_count:
-        return normal(d, d.touch.active_index[k])
-    return tangent(d, d.element.stuck[k - d.touch.active_count])
+        return normal_row(d, d.touch.active_index[k])
+    return tangent_row(d, d.element.stuck[k - d.touch.active_count])
 
 
 def along(row, vectors):
@@ -224,7 +224,7 @@ def add_impedance(row, impedance, amount):
 
 def clearance(d, c):
     """Return the clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    row = normal(d, c)
+    row = normal_row(d, c)
     gap = along(row, d.work.position) - d.candidate.offset[c] - d.candidate.radius[c]
     gap_rate = along(row, d.work.velocity)
     if d.channels > 0:
@@ -234,7 +234,7 @@ def clearance(d, c):
 
 def gap_acceleration(d, c):
     """Return g̈ [m/s²] of candidate c, from the accelerated points."""
-    acceleration = along(normal(d, c), d.work.acceleration)
+    acceleration = along(normal_row(d, c), d.work.acceleration)
     if d.channels > 0:
         acceleration -= d.shift.acceleration[c]
     return acceleration
@@ -242,19 +242,19 @@ def gap_acceleration(d, c):
 
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t relative to the wall's belt, for the located points."""
-    coordinate = along(tangent(d, e), d.work.position)
+    coordinate = along(tangent_row(d, e), d.work.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t relative to the wall's belt, for the located points."""
-    speed = along(tangent(d, e), d.work.velocity)
+    speed = along(tangent_row(d, e), d.work.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of element e along t relative to the belt, at accelerated points."""
-    acceleration = along(tangent(d, e), d.work.acceleration)
+    acceleration = along(tangent_row(d, e), d.work.acceleration)
     return (
         acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
     )
@@ -353,9 +353,9 @@ def link_of(d, c):
     return max(point, 1) - 1 if point <= d.links else d.site.link[site_of_point(d, point)]
 
 
-def lever(d, c):
+def lever_of_candidate(d, c):
     """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
-    return lever_arm(d, d.candidate.point[c] - 1) if at_joint(d, c) else 1.0
+    return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint(d, c) else 1.0
 
 
 def faces_base(d, c):

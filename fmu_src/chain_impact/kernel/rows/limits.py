@@ -5,7 +5,7 @@ with the least Σ p²/D, may exceed a limit of friction although other forces sa
 within all limits. With W the inverse of the mass matrix along the rows, the forces p within the limits that
 satisfy the constraints as well as possible are the solution of
 
-    ½ pᵀ W p − pᵀ (target − start) = min,    least ≤ p ≤ most,
+    ½ pᵀ W p − pᵀ (target − start) = min,    lower limit ≤ p ≤ upper limit,
 
 with the limits ∓ µ F_n for a sticking element, and 0 and ∞ for a point at a rigid wall. This is the dual form
 of Gauss' principle of least constraint with Coulomb's law for given normal forces (Moreau 1966, SIAM J
@@ -31,7 +31,7 @@ import math
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
 from chain_impact.kernel.rows.constraints import ROUNDS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
-from chain_impact.kernel.rows.geometry import along, constraint, constraint_rows
+from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
 from chain_impact.kernel.work import count_other_work, work_exceeded
 
 
@@ -43,7 +43,7 @@ def share_within_limits(d):
     """
     share, scale = d.share, largest_start(d)
     set_impedance(d, holding_impedance(d))
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         share.center[k], share.force[k], share.inside[k] = 0.0, 0.0, 1
         share.residual[k] = d.constraints.target[k] - d.constraints.start[k]
     for _ in range(SWEEPS):
@@ -62,7 +62,7 @@ def largest_start(d):
     forces act. Contacts with a force law do not count.
     """
     scale = 0.0
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         scale = max(scale, abs(d.constraints.start[k]))
     return scale
 
@@ -72,18 +72,18 @@ def sign_at_limit(d, k):
 
     If the limit is 0, the sign is that of the residual.
     """
-    share, limit = d.share, most(d, k)
+    share, limit = d.share, upper_limit(d, k)
     if limit == 0.0:
         return 1 if share.residual[k] > 0.0 else -1
     return 1 if share.force[k] >= limit else (-1 if share.force[k] <= -limit else 0)
 
 
-def least(d, k):
+def lower_limit(d, k):
     """Return the lower limit [N] of the force of row k, a point at a rigid wall or a sticking element."""
-    return 0.0 if k < d.touch.active_count else -most(d, k)
+    return 0.0 if k < d.touch.active_count else -upper_limit(d, k)
 
 
-def most(d, k):
+def upper_limit(d, k):
     """Return the upper limit [N] of the force of row k.
 
     It is µ F_n for an element, because an element at its limit slides; infinite for a point at a rigid wall.
@@ -98,7 +98,7 @@ def most(d, k):
 
 def clipped(d, k, force):
     """Return the force [N] nearest to ``force`` within the limits of row k."""
-    return min(most(d, k), max(least(d, k), force))
+    return min(upper_limit(d, k), max(lower_limit(d, k), force))
 
 
 def minimize(d, scale):
@@ -109,7 +109,7 @@ def minimize(d, scale):
     most is released. The minimized function decreases with each change, so no set of rows occurs twice, and
     the search ends.
     """
-    share, end = d.share, constraint_rows(d)
+    share, end = d.share, constraint_count(d)
     for _ in range(ROUNDS + 4 * end):
         solve_inside(d)
         row, part = first_at_limit(d)
@@ -131,7 +131,7 @@ def first_at_limit(d):
     Also return the part of the way at which this force reaches its limit, or 1.
     """
     share, first, part = d.share, -1, 1.0
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         limit = clipped(d, k, share.wanted[k])
         if share.inside[k] and limit != share.wanted[k]:
             reached = (limit - share.force[k]) / (share.wanted[k] - share.force[k])
@@ -143,9 +143,9 @@ def first_at_limit(d):
 def most_inside(d, scale):
     """Return the row at a limit whose force tends inward most, or −1 if none exceeds round-off."""
     share, row, largest, most_of_all = d.share, -1, 0.0, 0.0
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         largest = max(largest, abs(share.force[k]))
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         inward = abs(clipped(d, k, share.wanted[k]) - share.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not share.inside[k] and inward > max(round_off, most_of_all):
@@ -159,7 +159,7 @@ def solve_inside(d):
     The residuals m⁺ are those with the forces of the rows not inside fixed at their limits.
     """
     share, motion = d.share, d.work.motion
-    for k in range(constraint_rows(d)):
+    for k in range(constraint_count(d)):
         moves = k < d.touch.compliant_count
         share.impedance[k] = 0.0 if moves or not share.inside[k] else d.constraints.impedance[k]
         share.correction[k] = share.impedance[k] * share.residual[k]
@@ -167,8 +167,8 @@ def solve_inside(d):
             share.correction[k] = share.force[k] - share.center[k]
     factorize_contacts(d, HELD, share.impedance)
     solve_contacts(d, HELD, share.correction, share.change)
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
-        left = share.residual[k] - along(constraint(d, k), motion)
+    for k in range(d.touch.compliant_count, constraint_count(d)):
+        left = share.residual[k] - along(constraint_row(d, k), motion)
         share.wanted[k] = share.center[k] + d.constraints.impedance[k] * left
     count_other_work(d, 1)
 
@@ -177,8 +177,8 @@ def find_left(d):
     """Set the forces p and the residuals with which the next iteration begins, from the present forces."""
     share = d.share
     solve_contacts(d, FREE, share.force, share.change)
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
+    for k in range(d.touch.compliant_count, constraint_count(d)):
         share.center[k] = share.force[k]
-        reached = d.constraints.start[k] + along(constraint(d, k), d.work.motion)
+        reached = d.constraints.start[k] + along(constraint_row(d, k), d.work.motion)
         share.residual[k] = d.constraints.target[k] - reached
     count_other_work(d, 1)

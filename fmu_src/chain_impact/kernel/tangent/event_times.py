@@ -14,7 +14,7 @@ from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.marks import KINK, RELATCH
 from chain_impact.kernel.events.segments import has_ended
-from chain_impact.kernel.forces.contact import kink_height
+from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import carried, reciprocal, value

@@ -21,7 +21,7 @@ from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.onset_modes import begins
-from chain_impact.kernel.events.sampled import excess, rest_speed
+from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.forces.holding import RESISTANCE, solve_stopping_impulses, start_from_state
 from chain_impact.kernel.rows.compliance import mean_mass
@@ -106,7 +106,7 @@ delay_of_margin = delay_along_motion(margin_after)
 def delay_of_sliding(t, e):
     """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.longest_link)
-    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPS * value(excess(t, e)):
+    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPS * value(friction_round_off(t, e)):
         end_at(t, FROM_REST, e)
     rate = margin_rate(t, e)
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
@@ -332,7 +332,7 @@ def is_open(t, e):
     If the effect of the choice is negligible, the result is false.
     """
     limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
-    if limit <= value(excess(t, e)):
+    if limit <= value(friction_round_off(t, e)):
         return False
     mass, time = value(mean_mass(t)), settling_time(t)
     if t.element.mode[e] == STICKS:

@@ -7,7 +7,7 @@ jumps, which may be larger than the values on both sides.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.forces.contact import contact_force, set_extremes, set_joint_square
+from chain_impact.kernel.forces.active_contacts import contact_force, set_extremes, set_joint_square
 from chain_impact.kernel.loads import set_load_peak, square_of_force
 from chain_impact.kernel.ode.last_step import delay_start
 from chain_impact.kernel.rows.geometry import clearance

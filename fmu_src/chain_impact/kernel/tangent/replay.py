@@ -34,8 +34,8 @@ from chain_impact.kernel.chain.signals import derive_signals
 from chain_impact.kernel.chain.state import dissipated_at, velocity_at
 from chain_impact.kernel.events.marks import END, copy_marks
 from chain_impact.kernel.events.segments import begin_segments
-from chain_impact.kernel.forces.contact import clear_loads
-from chain_impact.kernel.forces.contact_law import start_laws
+from chain_impact.kernel.forces.active_contacts import clear_loads
+from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_start
 from chain_impact.kernel.ode import explicit

@@ -7,7 +7,7 @@ derivatives. The returned value is the same up to round-off.
 from chain_impact.kernel.chain import drives, kinematics
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
-from chain_impact.kernel.forces import contact_force, holding, user_law
+from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.ode.last_step import evaluate_start
@@ -61,7 +61,7 @@ def power_of_depth(depth, exponent):
     the derivatives are set to 0 if n ≠ 1, although for n < 1 they are infinite.
     """
     base, n = value(depth), value(exponent)
-    result = contact_force.power_of_depth(base, n)
+    result = force_formula.power_of_depth(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
     slope = n * result / base if base > 0.0 else (1.0 if n == 1.0 else 0.0)
     total = carried(result, slope, depth)
@@ -198,14 +198,14 @@ def moved(argument, by, at):
 RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
-    contact_force.power_of_depth: power_of_depth,
+    force_formula.power_of_depth: power_of_depth,
     exponentials.exp: exp,
     exponentials.expm1: expm1,
     logarithms.log: log,
     logarithms.log1p: log1p,
     powers.power: power,
     friction_modes.choose_modes: choose_modes,
-    contact_force.user_force: user_force,
+    force_formula.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
     dense.fraction: fraction,
     dense.event_fraction: event_fraction,

@@ -10,8 +10,8 @@ import math
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.forces import user_law
-from chain_impact.kernel.forces.contact_force import uncut_force
-from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.candidate_laws import USER_LAW
+from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import value, varies

@@ -58,17 +58,17 @@ enum { REINITIALIZE = 1 };
 /* compilation/signatures.py: the functions of the kernel */
 typedef union { double real; int64_t integer; } Word;
 extern int32_t initialize(Word *d, double time);
-extern int32_t advance(Word *d, double time);
+extern int32_t advance_to(Word *d, double time);
 extern int32_t advance_awhile(Word *d, double time);
 extern int32_t advance_to_onset(Word *d, double time);
 extern int32_t event_update(Word *d);
-extern int32_t observe(Word *d);
+extern int32_t observe_now(Word *d);
 extern int32_t is_sound(Word *d);
 extern int32_t log_contacts(Word *d);
 extern int64_t record_words(Word *d);
 extern int64_t trajectory(Word *d, double *times, int64_t count, int64_t *spans, int64_t span_count, double
     *rows, int64_t columns, int32_t of_state);
-extern int64_t run_each(Word *d, int64_t *indices, int64_t parameters, double *values, double *stops, int64_t
-    runs, int64_t *output_indices, int64_t columns, double *rows, int32_t continuing);
+extern int64_t run_each(Word *d, int64_t *indices, int64_t parameters, double *values, double *end_times,
+    int64_t runs, int64_t *output_indices, int64_t columns, double *rows, int32_t continuing);
 
 #endif

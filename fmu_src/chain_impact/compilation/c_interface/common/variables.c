@@ -48,7 +48,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
             return say(instance, ERROR, "%s: no memory to try the values that are set", call), NULL;
         seen = memcpy(instance->other, instance->record, size);
     }
-    int fault = observe(seen);
+    int fault = observe_now(seen);
     if (fault && IN(instance->phase) & (IN(STEPPING) | IN(EVENT)))
         *status = say(instance, WARNING, "%s: the values that are set cannot take effect: %s", call,
                       reason(instance->table, seen, fault).text);

@@ -33,7 +33,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     Instance draft = {.interface = &FMI2, .logger = (void (*)(void))functions->logger,
                       .environment = functions->componentEnvironment, .allocate = functions->allocateMemory,
                       .release = functions->freeMemory, .name = name ? name : "", .categories = ALL_CATEGORIES,
-                      .advance = advance};
+                      .advance = advance_to};
     if (!draft.allocate || !draft.release)
         return say(&draft, ERROR, "%s: the callbacks allocateMemory and freeMemory are needed", __func__), NULL;
     if (type != fmi2CoSimulation)

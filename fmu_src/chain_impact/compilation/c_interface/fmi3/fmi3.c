@@ -43,7 +43,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     if (intermediates > 0)
         return say(&draft, ERROR, "%s: no variable can be had or set during a step", __func__), NULL;
     draft.event_mode = event_mode;
-    draft.advance = event_mode && early_return ? advance_to_onset : advance;
+    draft.advance = event_mode && early_return ? advance_to_onset : advance_to;
     Instance *instance = new_instance(draft, __func__, token, resources);
     if (instance) instance->categories = logging ? ALL_CATEGORIES : REFUSALS;
     return instance;

@@ -161,18 +161,18 @@ export class Kernel {
    * Run once for each row of values of some real parameters, until the stop time of the row, and return words of the record at
    * the end of each run. The generator yields the finished fraction.
    */
-  *runEach(values, names, each, stops, words) {
-    const [runs, width] = [stops.length, words.length];
-    const [indices, rows, ends, outputs, results] = this.#allocate([names.length, each.length, runs, width, runs * width]);
+  *runEach(values, names, each, endTimes, words) {
+    const [runs, width] = [endTimes.length, words.length];
+    const [indices, rows, endTimesAt, outputs, results] = this.#allocate([names.length, each.length, runs, width, runs * width]);
     const { buffer } = this.exports.memory;
     this.#write(values);
     new BigInt64Array(buffer, indices, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
     new Float64Array(buffer, rows, each.length).set(each);
-    new Float64Array(buffer, ends, runs).set(stops);
+    new Float64Array(buffer, endTimesAt, runs).set(endTimes);
     new BigInt64Array(buffer, outputs, words.length).set(words.map(BigInt));
     for (let done = 0, continuing = 0; done < runs;) {
       const most = Math.min(RUNS, runs - done);
-      const [valuesAt, endsAt, resultsAt] = [rows + done * names.length * WORD, ends + done * WORD, results + done * width * WORD];
+      const [valuesAt, endsAt, resultsAt] = [rows + done * names.length * WORD, endTimesAt + done * WORD, results + done * width * WORD];
       const counts = [names.length, most, words.length].map(BigInt);
       const complete = Number(this.exports.run_each(
         this.record, indices, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], resultsAt, continuing,

@@ -30,9 +30,9 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
 
 /** Run once for each row of values of some parameters, and return some words of the record at the end of each run. */
 function* study(kernel, values, { names, each, words }) {
-  const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
-  const stops = new Float64Array(each.length / names.length).fill(stop);
-  return { rows: yield* kernel.runEach(values, names, each, stops, words) };
+  const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
+  const endTimes = new Float64Array(each.length / names.length).fill(endTime);
+  return { rows: yield* kernel.runEach(values, names, each, endTimes, words) };
 }
 
 /** Return the memory of the columns of a result, which is transferred and not copied. */

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import equations
-from chain_impact.kernel.forces import contact
-from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, law_slopes
+from chain_impact.kernel.forces import active_contacts
+from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, law_slopes
 from chain_impact.kernel.rows import constraints, geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import mass_matrix, point_jacobian
@@ -29,10 +29,10 @@ def in_contact(law="zhang_sharf", touching=3):
     candidates = [1, 6, 15][:touching]
     y = struck(rng, d, candidates)
     for c in candidates:
-        contact.latch_onset(d, c)
+        active_contacts.latch_onset(d, c)
     for k, c in enumerate(candidates):
         press_in(d, c, DEPTH * (k + 1))
-    contact.set_kink_sides(d)
+    active_contacts.set_kink_sides(d)
     return scene, d, y, candidates, gradients(scene, d, y[2:5], candidates)
 
 
@@ -43,8 +43,8 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     scene, d, y, candidates, jacobian = in_contact(law, touching)
     d.work.load.x[:] = d.work.load.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
-    forces = np.array([contact.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
-    lost = contact.apply_contacts(d)
+    forces = np.array([active_contacts.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
+    lost = active_contacts.apply_contacts(d)
     found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.work.load)))
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
     if touching:
@@ -59,7 +59,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     )
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
-    contact.clear_loads(d)
+    active_contacts.clear_loads(d)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
 
 
@@ -70,9 +70,9 @@ def test_slopes_at_the_points_are_those_of_the_law(law):
     for k, c in enumerate(candidates):
         gap, rate = geometry.clearance(d, c)
         assert -gap == pytest.approx(DEPTH * (k + 1), rel=1e-9)
-        assert contact.contact_slopes(d, c) == law_slopes(d, c, -gap, -rate)
-    assert contact.apply_contact(d, c, 1e-16, 0.0) == 0.0
-    assert contact.contact_force(d, c, 1e-16, -0.7) == law_force(d, c, 0.0, 0.7)[0]
+        assert active_contacts.contact_slopes(d, c) == law_slopes(d, c, -gap, -rate)
+    assert active_contacts.apply_contact(d, c, 1e-16, 0.0) == 0.0
+    assert active_contacts.contact_force(d, c, 1e-16, -0.7) == law_force(d, c, 0.0, 0.7)[0]
 
 
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
@@ -91,7 +91,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     for field in ("peak_force", "max_penetration", "force_rate"):
         d.touch[field][c] = 7.0
     d.step.end, d.quadrature.total[c], d.impact.count = 1.25, 3.5, 4
-    contact.latch_onset(d, c)
+    active_contacts.latch_onset(d, c)
     touched = d.touch
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
@@ -113,7 +113,9 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     else:
         energy = 0.5 * mass * first**2
         assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
-        lost = contact.contact_force(d, c, -1e-3, -first) - contact.contact_force(d, c, -1e-3, 0.0)
+        lost = active_contacts.contact_force(d, c, -1e-3, -first) - active_contacts.contact_force(
+            d, c, -1e-3, 0.0
+        )
         assert lost > 0.0
 
 
@@ -126,17 +128,17 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
     for c, rate in zip(candidates, (-3.0, 0.0, 1e3), strict=True):
         d.work.velocity.x[point[c]], d.work.velocity.y[point[c]] = rate * n[0][c], rate * n[1][c]
         sides.append(int(rate > 0.0))
-        assert (contact.kink_height(d, c) < 0.0) == (rate > 0.0)
+        assert (active_contacts.kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
     d.touch.beyond_kink[:] = [*[5] * d.candidates]
     make_rigid(d, law == "newton_impact")
-    contact.set_kink_sides(d)
+    active_contacts.set_kink_sides(d)
     if d.contact.any_rigid:  # a rigid wall has no contact force law
         assert (d.touch.beyond_kink == 5).all()
         return
     assert d.touch.beyond_kink[candidates].tolist() == sides
     assert (np.delete(d.touch.beyond_kink, candidates) == 5).all()
-    contact.set_kink_side(d, candidates[2])
+    active_contacts.set_kink_side(d, candidates[2])
     assert d.touch.beyond_kink[candidates[2]] == 1
 
 
@@ -161,7 +163,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.touch.active_count = d.touch.compliant_count = 5
     d.touch.active_index[:], listings = 11, int(d.touch.listings)
-    contact.list_touching(d)
+    active_contacts.list_touching(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
     assert d.touch.compliant_count == len(forces)
@@ -178,11 +180,11 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     touch(d, others)
-    lost, loads = contact.apply_contacts(d), vectors(d.work.load)
+    lost, loads = active_contacts.apply_contacts(d), vectors(d.work.load)
     touch(d, candidates)
     d.touch.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
-    assert contact.apply_contacts(d) == lost
+    assert active_contacts.apply_contacts(d) == lost
     np.testing.assert_array_equal(vectors(d.work.load), loads)
     assert d.touch.force[rigid] == -5.0
 
@@ -193,6 +195,6 @@ def test_the_stops_among_the_contacts_are_counted():
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
         d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
         d.touch.stop_count = 9
-        contact.list_touching(d)
+        active_contacts.list_touching(d)
         assert d.touch.active_count == len(touching)
         assert d.touch.stop_count == len(set(touching) & set(stops))

@@ -13,11 +13,11 @@ Outputs and peaks use the true force.
 import math
 
 from chain_impact.kernel.forces import user_law
-from chain_impact.kernel.forces.contact_law import USER_LAW
+from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint, lever
+from chain_impact.kernel.rows.geometry import at_joint, lever_of_candidate
 
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
 # cube root of round-off: the errors of truncation and of round-off are then equal.
@@ -107,7 +107,7 @@ def unit_of_damping(d, c, mass_power):
         return 1.0
     law = d.law
     lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
-    return power(lever(d, c), lengths)
+    return power(lever_of_candidate(d, c), lengths)
 
 
 def turning_margin(d, c):
@@ -202,7 +202,7 @@ def user_contact_force(d, c, depth, rate):
 
     The law of a joint's stop takes the angle beyond the stop and returns a moment; both are converted.
     """
-    law, arm = d.law, lever(d, c)
+    law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if at_joint(d, c):

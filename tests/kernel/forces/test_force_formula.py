@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.kernel.forces import contact_force as forces, contact_law, laws, user_law
+from chain_impact.kernel.forces import candidate_laws, force_formula as forces, laws, user_law
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
@@ -25,14 +25,14 @@ DEPTHS, RATES = np.geomspace(1e-18, 1.0, 10), np.array([-1e9, -30.0, -1.0, -1e-9
 
 @pytest.fixture(autouse=True)
 def _factors_once(monkeypatch):
-    monkeypatch.setattr(contact_law, "damping_factor", FACTOR)
+    monkeypatch.setattr(candidate_laws, "damping_factor", FACTOR)
 
 
 def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     """Return an instance in which the contact of candidate 0 has begun."""
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = record_of(ball(**changes))
-    assert contact_law.start_laws(d) == OK
+    assert candidate_laws.start_laws(d) == OK
     d["touch"]["impact_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
     forces.set_damping(d, 0)
     return d
@@ -79,7 +79,7 @@ def test_the_force_begins_at_zero_if_the_registry_says_so(law):
     assert forces.law_force(d, 0, 0.0, SPEED)[0] == pytest.approx(first, abs=1e-6 * largest)
     assert (first < 1e-6 * largest) == law.continuous != forces.may_jump(d, 0)
     assert forces.law_force(d, 0, 0.0, -SPEED)[0] == 0.0  # the force of a separating contact does not jump
-    d.law.number[0] = contact_law.USER_LAW
+    d.law.number[0] = candidate_laws.USER_LAW
     assert forces.may_jump(d, 0)
 
 
@@ -255,7 +255,7 @@ def own_force(*arguments):
 def own(monkeypatch):
     """Return a contact under this law."""
     d = contact_of()
-    d.law.number[0] = contact_law.USER_LAW
+    d.law.number[0] = candidate_laws.USER_LAW
     monkeypatch.setattr(user_law, "is_present", lambda: 1)
     monkeypatch.setattr(user_law, "force", own_force)
     return d

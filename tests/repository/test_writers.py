@@ -1,4 +1,4 @@
-"""The declared owners of the record's fields, against the kernel modules that write the fields.
+"""The declared writers of the record's fields, against the kernel modules that write the fields.
 
 A write is an assignment to a field of the instance ``d`` or ``t``, or of a named part of the instance. If a
 function fills an argument, its caller is the writer.
@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import chain_impact.kernel
-from chain_impact.kernel.record.fields import OWNERS
+from chain_impact.kernel.record.fields import WRITERS
 from chain_impact.kernel.record.instance import instance_dtype
 
 KERNEL = Path(chain_impact.kernel.__file__).parent
@@ -88,17 +88,17 @@ def writers():
 
 def declared(name):
     part, field = name.split(".")
-    return OWNERS[part].get(field, OWNERS[part][""])
+    return WRITERS[part].get(field, WRITERS[part][""])
 
 
-def test_every_part_declares_its_owners():
-    assert set(OWNERS) >= PARTS
+def test_every_part_declares_its_writers():
+    assert set(WRITERS) >= PARTS
     for part in PARTS:
         fields = set(LAYOUT[part].base.names)
-        assert set(OWNERS[part]) - {""} <= fields, part
+        assert set(WRITERS[part]) - {""} <= fields, part
 
 
-def test_each_field_is_written_by_its_owners_only(writers):
+def test_each_field_is_written_by_its_declared_writers_only(writers):
     found, _ = writers
     strangers = {
         name: sorted({module for _, module in modules} - set(declared(name)))
@@ -109,19 +109,19 @@ def test_each_field_is_written_by_its_owners_only(writers):
     assert len(found) > 200
 
 
-def test_a_field_has_one_owner_but_for_work_space_and_what_methods_return():
+def test_a_field_has_one_writer_but_for_work_space_and_what_methods_return():
     names = {f"{part}.{field}" for part in PARTS for field in LAYOUT[part].base.names}
     assert {name for name in names if len(declared(name)) > 1} == SHARED
 
 
-def test_every_owner_writes_its_fields(writers):
+def test_every_declared_writer_writes_its_fields(writers):
     found, _ = writers
     for part in PARTS:
-        for field, owners in OWNERS[part].items():
+        for field, declared in WRITERS[part].items():
             others = LAYOUT[part].base.names
-            names = {f"{part}.{one}" for one in ([field] if field else set(others) - set(OWNERS[part]))}
+            names = {f"{part}.{one}" for one in ([field] if field else set(others) - set(WRITERS[part]))}
             own = [modules for name, modules in found.items() if name in names]
-            assert set(owners) <= {module for modules in own for _, module in modules}, (part, field)
+            assert set(declared) <= {module for modules in own for _, module in modules}, (part, field)
 
 
 def test_derivatives_change_nothing_in_the_run_itself(writers):

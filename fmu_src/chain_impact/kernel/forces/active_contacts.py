@@ -4,7 +4,7 @@ A candidate is a stop, or a point paired with a wall. The clearance g of a candi
 and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
 """
 
-from chain_impact.kernel.forces.contact_force import (
+from chain_impact.kernel.forces.force_formula import (
     continued_force,
     cut_off,
     force_on_side,
@@ -13,10 +13,22 @@ from chain_impact.kernel.forces.contact_force import (
     set_damping,
     set_expected_depth,
 )
-from chain_impact.kernel.forces.friction import apply_friction, begin_friction, list_friction, may_rub
+from chain_impact.kernel.forces.friction import (
+    apply_friction,
+    begin_friction,
+    list_friction,
+    may_have_friction,
+)
 from chain_impact.kernel.functions import clear
 from chain_impact.kernel.rows.compliance import effective_mass
-from chain_impact.kernel.rows.geometry import add_along, at_joint, clear_loads_of, clearance, lever, normal
+from chain_impact.kernel.rows.geometry import (
+    add_along,
+    at_joint,
+    clear_loads_of,
+    clearance,
+    lever_of_candidate,
+    normal_row,
+)
 
 
 def clear_impacts(d, time):
@@ -42,7 +54,7 @@ def apply_contact(d, c, gap, gap_rate):
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
-    add_along(normal(d, c), d.work.load, force)
+    add_along(normal_row(d, c), d.work.load, force)
     # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇ ≥ 0;
     # δ is the penetration
     return (elastic - force) * gap_rate
@@ -82,7 +94,7 @@ def apply_true_contacts(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         keep_force(d, c, contact_force(d, c, gap, gap_rate))
-        add_along(normal(d, c), d.work.load, d.touch.force[c])
+        add_along(normal_row(d, c), d.work.load, d.touch.force[c])
     if d.friction.count > 0:
         apply_friction(d)
 
@@ -118,7 +130,7 @@ def latch_onset(d, c):
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
-    d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
+    d.impact.last_speed = touch.onset_speed[c] / lever_of_candidate(d, c)
     d.quadrature.impulse_at_onset[c] = d.quadrature.total[c]
 
 
@@ -126,7 +138,7 @@ def begin_force_contact(d, c):
     """Begin the contact of candidate c with a force law: latch the onset, set kink side and friction mode."""
     latch_onset(d, c)
     set_kink_side(d, c)
-    if d.friction.used and may_rub(d, c):
+    if d.friction.used and may_have_friction(d, c):
         begin_friction(d, c)
 
 

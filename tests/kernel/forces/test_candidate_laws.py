@@ -8,9 +8,9 @@ import pytest
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import status
 from chain_impact.kernel.advance import latch_again
-from chain_impact.kernel.forces import contact_law as own_law, laws, user_law
-from chain_impact.kernel.forces.contact_force import elastic_energy, law_force, set_damping
-from chain_impact.kernel.forces.contact_law import USER_LAW, start_laws, update_laws
+from chain_impact.kernel.forces import candidate_laws as own_law, laws, user_law
+from chain_impact.kernel.forces.candidate_laws import USER_LAW, start_laws, update_laws
+from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, set_damping
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.status import OK
 from tests.helpers.kernel.plain import make_rigid
