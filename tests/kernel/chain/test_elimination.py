@@ -121,7 +121,7 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     work.factors.share[FREE] = work.factors.complement[FREE] = 7.0
     accelerations(d, y, np.zeros(len(y)))
     take_factors(d, True)
-    for name in ("gain_x", "gain_y", "inverse", "share", "rest", "middle_mobility", "coupled"):
+    for name in ("gain_x", "gain_y", "inverse", "share", "complement", "middle_mobility", "coupled"):
         found = getattr(work.factors, name)
         np.testing.assert_allclose(found[FREE], found[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
 

@@ -238,7 +238,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     """The limit is reached within 100 tolerances of the holding force, or of the acceleration 9 N/3 kg."""
     mode, known = found
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
-    monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
+    monkeypatch.setattr(friction, "friction_round_off", lambda _t, _e: dual(1e-9))
     monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
     monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
     for name in ("list_sticking", "rate_from_points", "accelerate_points", "stop_speeds"):
