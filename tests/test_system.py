@@ -46,6 +46,16 @@ def test_a_wheel_needs_the_same_system_as_the_code_in_it():
         assert re.findall(r"\d+", oldest) == re.findall(r"\d+", least)
 
 
+def test_a_file_of_the_repository_is_found_inside_an_installed_package(monkeypatch, tmp_path):
+    assert system.included("fmu/slave.py", "fmu_src/slave.py").name == "slave.py"
+    assert (system.included("models", "models") / "rod_drop").is_dir()
+    monkeypatch.setattr(system, "__file__", str(tmp_path / "a" / "package" / "system.py"))
+    assert system.included("fmu/slave.py", "src/slave.py") == tmp_path / "src" / "slave.py"
+    (tmp_path / "a" / "package" / "fmu").mkdir(parents=True)
+    (tmp_path / "a" / "package" / "fmu" / "slave.py").touch()
+    assert system.included("fmu/slave.py", "x") == tmp_path / "a" / "package" / "fmu" / "slave.py"
+
+
 def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):
     with pytest.raises(BuildError, match=r"^chain-impact runs on Linux .*, not on .*: use such a "):
         library.kernel_library(4, "")

@@ -9,7 +9,7 @@ from pathlib import Path
 from playwright.sync_api import ViewportSize, sync_playwright
 
 from chain_impact import explore, load_scene
-from chain_impact.results.animate import animate
+from chain_impact.results.animate import write_animation
 from chain_impact.studies.animate import record_slowly
 from docs.tools import DOCS
 
@@ -25,7 +25,7 @@ def main() -> None:
     """Open the pages of the default scene, go to an impact, and save screenshots."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         animation, exploring = Path(folder, "animation.html"), Path(folder, "explore.html")
-        animate(record_slowly(load_scene("four_link_box")), animation)
+        write_animation(record_slowly(load_scene("four_link_box")), animation)
         explore("four_link_box", exploring)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         for address, size, name in (

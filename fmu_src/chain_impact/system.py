@@ -151,6 +151,12 @@ def cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("chain-impact", appauthor=False))
 
 
+def included(in_package: str, in_repository: str) -> Path:
+    """Return the path of a file or folder that a wheel has in the package, and the repository elsewhere."""
+    installed = Path(__file__).parent / in_package
+    return installed if installed.exists() else Path(__file__).parents[2] / in_repository
+
+
 def others_can_write(status: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can put files into a folder.
 

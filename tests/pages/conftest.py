@@ -6,7 +6,7 @@ import pytest
 from chain_impact import explore, load_scene
 from chain_impact.pages.assembly import program, text_of
 from chain_impact.pages.explore import TOML
-from chain_impact.results.animate import animate
+from chain_impact.results.animate import write_animation
 from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import DESK, TEXTS, bits, packed_module, page_contents
 from tests.pages.javascript import Script, function_of
@@ -187,7 +187,7 @@ def recording():
 @pytest.fixture(scope="session")
 def recorded_address(recording, tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "box.html"
-    animate(recording, path)
+    write_animation(recording, path)
     return path.as_uri()
 
 
@@ -197,7 +197,7 @@ def show_recording(open_page, recorded_address, tmp_path):
 
     def show(recording=None, address=recorded_address, **options):
         if recording is not None:
-            animate(recording, tmp_path / "page.html")
+            write_animation(recording, tmp_path / "page.html")
             address = (tmp_path / "page.html").as_uri()
         return open_page(address, **options)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.results.animate import animate
+from chain_impact.results.animate import write_animation
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
@@ -38,7 +38,7 @@ WEIGHT = 1.2 * 9.81  # N
 @pytest.fixture(scope="module")
 def pinned_arm(tmp_path_factory):
     path = tmp_path_factory.mktemp("arm") / "arm.html"
-    animate(record_slowly("pinned_arm"), path)
+    write_animation(record_slowly("pinned_arm"), path)
     return path.as_uri()
 
 

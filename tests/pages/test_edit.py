@@ -44,7 +44,7 @@ def assert_as_python(found, scene):
     inputs = [driven for driven in prepared.inputs if driven.record_path[0] != "motion"]
     assert found["still"] == [driven.name for driven in prepared.inputs if driven not in inputs]
     known = [
-        [one.name, prepared.table_row(one)[-1], float(prepared.start_text(one))]
+        [one.name, prepared.table_row(one).set_word, float(prepared.start_text(one))]
         for one in (*prepared.parameters, *inputs)
     ]
     times = [[name, -1, scene.values[name]] for name in ("simulation.stop_time", "simulation.step_size")]

@@ -1,7 +1,5 @@
 """Results as tables of pandas and datasets of xarray."""
 
-# Tests: recording/impact_units.py
-
 import sys
 
 import numpy as np
@@ -9,8 +7,8 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.extras import MissingExtraError
-from chain_impact.recording.impact_units import IMPACT_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.variables.impact_units import IMPACT_UNITS
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.problems import default_scene
 from tests.tiers import needs_interop

@@ -1,4 +1,4 @@
-"""The function animate(): the file suffix selects the kind; refused arguments."""
+"""The function write_animation(): the file suffix selects the kind; refused arguments."""
 
 import sys
 
@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.extras import MissingExtraError
 from chain_impact.recording.recording import Recording
-from chain_impact.results.animate import AnimationError, animate
+from chain_impact.results.animate import AnimationError, write_animation
 
 BEGINNINGS = {".html": b"<!doctype html>", ".gif": b"GIF89a"}
 
@@ -23,7 +23,7 @@ def swing(rows=20):
 @pytest.mark.parametrize("suffix", BEGINNINGS)
 def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
     path, done = tmp_path / f"swing{suffix}", []
-    animate(swing(), path, size=(320, 180), progress=done.append)
+    write_animation(swing(), path, size=(320, 180), progress=done.append)
     assert path.read_bytes().startswith(BEGINNINGS[suffix])
     assert list(tmp_path.iterdir()) == [path]
     assert done[-1] == 1.0
@@ -43,12 +43,12 @@ def test_wrong_arguments_of_animate_are_refused(tmp_path, arguments, pattern):
     arguments = {"recording": swing(), **arguments}
     arguments["path"] = tmp_path / arguments.get("path", "swing.html")
     with pytest.raises(AnimationError, match=pattern):
-        animate(**arguments)
+        write_animation(**arguments)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_mp4_without_pyav_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(MissingExtraError, match=r"pip install .*\[video\]'"):
-        animate(swing(), tmp_path / "swing.mp4", size=(320, 180))
+        write_animation(swing(), tmp_path / "swing.mp4", size=(320, 180))
     assert list(tmp_path.iterdir()) == []

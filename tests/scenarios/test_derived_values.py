@@ -182,7 +182,7 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
         here, there = prepared.new_instance(), PreparedScene(wanted).new_instance()
         for variable in prepared.parameters:
             if variable.name in changes:
-                here.view(np.float64)[prepared.table_row(variable)[-1]] = changes[variable.name]
+                here.view(np.float64)[prepared.table_row(variable).set_word] = changes[variable.name]
         kernel = kernel_for(before, derivatives=False)
         assert kernel.initialize(here.ctypes.data, 0.0) == kernel.initialize(there.ctypes.data, 0.0)
         assert here.tobytes() == there.tobytes()

@@ -1,6 +1,6 @@
 """The outputs of a scene and their descriptions, group by group."""
 
-# Tests: variables/variable.py
+# Tests: variables/impact_units.py, variables/variable.py
 
 import numpy as np
 import pytest
@@ -10,6 +10,8 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
+from chain_impact.variables.impact_units import IMPACT_UNITS
+from chain_impact.variables.indices import PEAKS
 from chain_impact.variables.listing import all_outputs
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
@@ -171,3 +173,18 @@ def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     assert limits["solver.status"] == (0, max(STATUS_TEXT))
     rubbing = all_outputs(BOX.with_values({"contact.friction": 0.1}))
     assert rubbing["solver.status"].maximum == max(STATUS_TEXT)
+
+
+def test_the_latest_impacts_and_the_peaks_have_the_units_of_impacts():
+    quantities = {"time": "onset", "speed": "impact_speed"}
+    units = {
+        one.name: one.unit
+        for one in PreparedScene(BOX).outputs
+        if one.name.startswith("impact[1].") and one.unit
+    }
+    ends = {name.removeprefix("impact[1]."): unit for name, unit in units.items()}
+    found = {quantities.get(name, name): unit for name, unit in ends.items()}
+    assert found == {name: IMPACT_UNITS[name] for name in found}
+    assert len(found) >= 7
+    assert [PEAKS[name].unit for name in ("peak_force", "max_penetration")] == ["N", "m"]
+    assert [PEAKS[name].fmi_unit for name in ("stop.peak_moment", "stop.max_penetration")] == ["N.m", "rad"]

@@ -20,6 +20,7 @@ from chain_impact.cli.options import (
     inputs_of,
     scene_of_options,
     settings_of,
+    sides_of,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
@@ -27,7 +28,7 @@ from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import plural
-from chain_impact.results.animate import FILM_SIZE, FORMATS, animate
+from chain_impact.results.animate import FILM_SIZE, FORMATS, write_animation
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -82,12 +83,12 @@ def add(verbs: Verbs) -> None:
 def size(text: str) -> tuple[int, int]:
     """Return width and height in pixels from the text of an argument."""
     least, most = 160, 4096
-    width, cross, height = text.lower().partition("x")
-    if not (cross and width.isdecimal() and height.isdecimal()):
-        raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
-    if not all(least <= int(length) <= most for length in (width, height)):
-        raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
-    return int(width), int(height)
+    match sides_of(text):
+        case [width, height] if width.is_integer() and height.is_integer():
+            if not all(least <= length <= most for length in (width, height)):
+                raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
+            return int(width), int(height)
+    raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -107,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
         recording, fault = error.recording, error
     path = options.output or Path(f"{recording.name}.html")
     with progress("drawing") as advance:
-        animate(
+        write_animation(
             recording,
             path,
             speed=options.speed,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from chain_impact.fmu.model_description import array_variables, model_description
 from chain_impact.fmu.table import described
@@ -14,6 +13,7 @@ from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.variable import TableRow
 
 
 def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
@@ -25,16 +25,24 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         fmi: the version of FMI, 2 or 3.
     """
     # not at the top of the module: the package has no version yet while its wheel is built
-    tool, further = f"chain-impact {version('chain-impact')}", list[tuple[list[Any], int]]()
+    tool, further = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
         description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")
     else:
         description = model_description(prepared, tool, fmi)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
         time_index = word_index(prepared.start.dtype, ("step", "time"))
-        further = [
-            (["time", "real", time_index, "independent", -LARGEST_NUMBER, LARGEST_NUMBER, "", time_index], 1)
-        ]
+        time = TableRow(
+            name="time",
+            type="real",
+            word=time_index,
+            kind="independent",
+            low=-LARGEST_NUMBER,
+            high=LARGEST_NUMBER,
+            allowed="",
+            set_word=time_index,
+        )
+        further = [(time, 1)]
         further += [(prepared.table_row(array.variable), array.length) for array in array_variables(prepared)]
     files = {
         f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()

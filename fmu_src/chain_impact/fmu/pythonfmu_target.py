@@ -9,7 +9,7 @@ from pathlib import Path
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import described
 from chain_impact.fmu.versions import FMI_2
-from chain_impact.system import PLATFORMS
+from chain_impact.system import PLATFORMS, included
 from chain_impact.variables.prepared import PreparedScene
 
 SCRIPT = """\
@@ -56,8 +56,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
 
 def slave_source() -> bytes:
     """Return the source of the slave, from the installed package or from the repository."""
-    packaged = Path(__file__).with_name("slave.py")
-    return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
+    return included("fmu/slave.py", "fmu_src/slave.py").read_bytes()
 
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:

@@ -19,6 +19,7 @@ from chain_impact.scene.names import DataPath
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.variable import TableRow
 
 MAGIC = b"chaintab"
 TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
@@ -45,7 +46,7 @@ HEAD = {
 }
 """Field of the head of the table → format. packaging/c_header.py writes VARIABLE and HEAD for C."""
 CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
-Rows = Sequence[tuple[list[Any], int]]
+Rows = Sequence[tuple[TableRow, int]]
 """For each variable: its row of the table, and the number of its values."""
 
 
@@ -90,11 +91,10 @@ def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
         texts.extend(content.encode() + b"\0")
         return len(texts) - len(content.encode()) - 1
 
-    def row(variable: list[Any], length: int) -> dict[str, float]:
-        name, type_, word, kind, low, high, allowed, set_word = variable
-        numbers = {"low": low, "high": high, "word": word, "set_word": set_word, "length": length}
-        numbers |= {"type": TABLE_TYPES.index(type_), "kind": TABLE_KINDS.index(kind)}
-        return numbers | {"name": text(name), "allowed": text(allowed)}
+    def row(variable: TableRow, length: int) -> dict[str, float]:
+        numbers = {name: getattr(variable, name) for name in ("low", "high", "word", "set_word")}
+        numbers |= {"type": TABLE_TYPES.index(variable.type), "kind": TABLE_KINDS.index(variable.kind)}
+        return numbers | {"length": length, "name": text(variable.name), "allowed": text(variable.allowed)}
 
     parts_of_scene = parts_in_words(prepared.scene)
     codes = range(max(STATUS_TEXT) + 1)

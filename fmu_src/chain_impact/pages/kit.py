@@ -203,14 +203,14 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
     """Return the data of a parameter or an input: its words, its range and its meaning."""
     items, rule = choices.get(kind.choices, ()), kind.derived
     variable = Variable.of(kind, Owner(), IN_TEMPLATES, items=tuple(items))
-    _, _, _, _, low, high, _, _ = variable_row(variable, 0, 0)
+    row = variable_row(variable, 0, 0)
     table = kind.name.rpartition(".")[0]
     return _name_and_condition(kind) | {
         "unit": kind.unit,
         "path": kind.path or (),
         "type": variable.type,
-        "low": low,
-        "high": high,
+        "low": row.low,
+        "high": row.high,
         "allowed": f"one of {', '.join(item.name for item in items)}" if items else variable.allowed,
         "text": variable.description,
         "items": [[item.name, _sentence(item)] for item in items],

@@ -26,7 +26,6 @@ from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.pages.drawn import GROUPS, OF_IMPACT
 from chain_impact.recording import curves, joint_stops, map_colours, pacing, view
-from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import angles, bodies, chain_tables, names, reading, similar_names, unit_text
 from chain_impact.scene.contents import PARALLEL
@@ -37,6 +36,7 @@ from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import NUMBERS
 from chain_impact.scene.signals import TARGET_RATE
 from chain_impact.variables import indices
+from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 
 FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
 
@@ -77,6 +77,9 @@ def shared() -> dict[str, Any]:
         },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
+        "peaks": {
+            name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in indices.PEAKS.items()
+        },
         "refusals": SENTENCES,
         "rules": {"FILE": [*map(_parsed, RULES)], "SIGNAL": [*map(_parsed, SIGNAL_RULES)]},
         "laws": {name: {key: getattr(law, key) for key in LAW_FACTS} for name, law in CONTACT_LAWS.items()},

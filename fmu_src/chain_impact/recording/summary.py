@@ -8,7 +8,6 @@ import numpy as np
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
@@ -17,6 +16,7 @@ from chain_impact.recording.stick_slip import element_label
 from chain_impact.recording.text import TextTable, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
+from chain_impact.variables.impact_units import unit_at
 
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10  # the largest number of impacts in a list, and in a short text
 JOINTS = 8  # the largest number of joints whose forces the text lists

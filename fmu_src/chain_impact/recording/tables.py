@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.system import written_whole
+from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
 SUFFIXES = (".csv", ".json", ".parquet")

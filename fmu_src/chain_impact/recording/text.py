@@ -9,8 +9,8 @@ from html import escape
 from itertools import groupby, zip_longest
 from typing import NamedTuple
 
-from chain_impact.recording.impact_units import unit_at
 from chain_impact.scene.names import SLIDER_STOPS, point_label
+from chain_impact.variables.impact_units import unit_at
 
 
 def plural(count: int, what: str) -> str:

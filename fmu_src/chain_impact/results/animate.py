@@ -21,7 +21,7 @@ class AnimationError(ValueError):
     """Raised when an animation cannot be made; the message is one line."""
 
 
-def animate(
+def write_animation(
     recording: Recording,
     path: str | os.PathLike[str] | None = None,
     *,

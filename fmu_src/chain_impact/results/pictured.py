@@ -235,9 +235,9 @@ class Pictured(Recording):
             UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
             AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
         """
-        from chain_impact.results.animate import animate
+        from chain_impact.results.animate import write_animation
 
-        return animate(self, path, **options)
+        return write_animation(self, path, **options)
 
     @property
     def _derivatives(self) -> Sensitivities:

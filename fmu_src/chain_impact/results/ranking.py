@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.recording.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
@@ -18,6 +17,7 @@ from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text,
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
@@ -326,7 +326,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         value, slope = impact["end"] - impact["onset"], slopes["end"] - slopes["onset"]
     else:
         value, slope = impact[field], slopes[field]
-    units = STOP_UNITS if recording.is_stop(impact["wall"]) else IMPACT_UNITS
+    units = impact_units(stop=recording.is_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
     return float(value), units.get(field, "s"), where, slope[number - 1], abs(float(value))

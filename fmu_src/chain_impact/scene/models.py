@@ -3,13 +3,14 @@
 import os
 from pathlib import Path
 
+from chain_impact.system import included
+
 SCENE_FILE = "scene.toml"
 
 
 def models_folder() -> Path:
     """Return the folder of the models: in the installed package, or in the repository."""
-    packaged = Path(__file__).parents[1] / "models"
-    return packaged if packaged.is_dir() else Path(__file__).parents[3] / "models"
+    return included("models", "models")
 
 
 def model_names() -> list[str]:

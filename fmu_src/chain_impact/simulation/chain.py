@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from chain_impact.simulation.instance import Instance, SimulationError, fault_te
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.variable import Variable
+from chain_impact.variables.variable import TableRow, Variable
 
 # layout of a saved state's head: magic number, CRC-32 of what follows, digest of the scene, whether the chain
 # has made a step, numbers of contacts and of changes between sticking and sliding
@@ -36,21 +36,11 @@ CHECKED_FROM = 16
 MAGIC = b"chainsv2"
 
 
-@dataclass(frozen=True, slots=True)
-class _Access:
-    """Where a variable is stored in the record, and which values it may have.
+class _Access(NamedTuple):
+    """Where a variable is stored in the record, and which values it may have."""
 
-    ``word`` is the index of the value in use, ``set_word`` that of the value that was set; a new value is
-    written to both.
-    """
-
-    word: int
-    set_word: int
+    row: TableRow
     whole: bool
-    kind: str
-    low: float
-    high: float
-    allowed: str
     choices: tuple[str, ...]
     unit: str
 
@@ -224,8 +214,8 @@ class Chain:
         checked = [self._checked(name, value) for name, value in given.items()]
         for access, number in checked:
             memory = self._integers if access.whole else self._reals
-            if memory[access.set_word] != number:
-                memory[access.word] = memory[access.set_word] = number
+            if memory[access.row.set_word] != number:
+                memory[access.row.word] = memory[access.row.set_word] = number
                 self._observed = False
                 if self._stepped:
                     self._integers[self._changed_word] = REINITIALIZE
@@ -312,10 +302,11 @@ class Chain:
             for match in names_matching(self.scene.name, name, self._accesses, "no variable", self._hint)
         ]
         accesses = [self._accesses[name] for name in selected]
+        rows = [access.row for access in accesses]
         selection = _Selection(
-            words=np.array([access.word for access in accesses], int),
+            words=np.array([row.word for row in rows], int),
             whole=np.flatnonzero([access.whole for access in accesses]),
-            observed=any(access.kind == "output" or access.word != access.set_word for access in accesses),
+            observed=any(row.kind == "output" or row.word != row.set_word for row in rows),
         )
         self._selections[key] = selection
         return selection
@@ -325,18 +316,18 @@ class Chain:
         access = self._accesses.get(name)
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "no variable", self._hint(name))
-        if access.kind == "output" or (access.kind == "fixed" and self._stepped):
-            what = "an output" if access.kind == "output" else "a fixed parameter"
-            late = "" if access.kind == "output" else " after the first step"
+        if access.row.kind == "output" or (access.row.kind == "fixed" and self._stepped):
+            what = "an output" if access.row.kind == "output" else "a fixed parameter"
+            late = "" if access.row.kind == "output" else " after the first step"
             raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
         try:
             number = access.choices.index(value) + 1 if value in access.choices else value
             number = in_radians(number, access.unit)
-            kept = access.low <= number <= access.high and (not access.whole or number == int(number))
+            kept = access.row.low <= number <= access.row.high and (not access.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False
         if not kept or isinstance(value, bool):
-            allowed = f"{access.allowed}{or_degrees(access.unit)}"
+            allowed = f"{access.row.allowed}{or_degrees(access.unit)}"
             raise SceneError(f"{self.scene.name}: {name} = {value_text(value)} must be {allowed}")
         return access, number
 
@@ -361,7 +352,6 @@ def _restored(scene: Scene, state: bytes) -> Chain:
     return chain
 
 
-def _access(variable: Variable, row: list[Any]) -> _Access:
-    _, _, word, kind, low, high, allowed, set_word = row
+def _access(variable: Variable, row: TableRow) -> _Access:
     choices = tuple(item.name for item in variable.items)
-    return _Access(word, set_word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)
+    return _Access(row, variable.type != "real", choices, variable.unit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, cast
@@ -21,6 +21,7 @@ from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
     Channel,
+    Motion,
     contradictions,
     joined,
     jumps,
@@ -147,51 +148,19 @@ def input_course(
     if not inputs:
         asked = np.ones(len(run), bool) if begins else np.isin(run, times)
         return InputCourse(run, asked, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
-    paths = {variable.name: variable.record_path for variable in prepared.inputs}
-    for name in inputs:
-        if name not in paths:
-            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {_hint(prepared, name)}")
-    signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
-    channels = channels_of(prepared) if interpolation != "hold" and run[-1] > 0.0 else []
+    signals, stop = _signals_of(prepared, inputs), float(run[-1])
+    channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
-    functions_of = {
+    functions = {
         name: partial(_called, f"{scene.name}: {name}", signal) for name, signal in (signals | given).items()
     }
 
     def called(name: str, time: float) -> float:
-        return functions_of[name](time)
+        return functions[name](time)
 
     lines = interpolation == "linear"
-    motions = [motion_of(channel, given, float(run[-1]), called, lines=lines) for channel in channels]
-    breaks = np.concatenate([np.zeros(0), *(motion.breaks for motion in motions)])
-    sampled = [breaks, *(signal[0] for signal in signals.values() if isinstance(signal, tuple))]
-    same = SAME_TIME * run[-1]
-    grid = _with_samples(run, np.concatenate(sampled), same) if len(sampled) > 1 or len(breaks) else run
-    follows = interpolation == "follow" and run[-1] > 0.0
-    functions = [callable(signal) and follows for signal in signals.values()]
-    points = [
-        np.zeros(len(grid))
-        if followed
-        else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
-        for (name, signal), followed in zip(signals.items(), functions, strict=True)
-    ]
-    values = np.stack([*points, *(np.zeros(len(grid)) for _ in motions)], axis=1)
-    pieces = joined_points(grid, values, lines=lines, breaks=_on_grid(grid, breaks))
-    moving = len(signals) + np.arange(len(motions))
-    columns = np.append(np.flatnonzero(functions), moving)
-    if len(columns):
-        values_of: dict[str, Callable[[Any], Any]] = {
-            name: partial(_each, called, name)
-            for name, function in zip(signals, functions, strict=True)
-            if function
-        }
-        values_of |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
-        forces = columns < len(signals)
-        accuracy = np.where(forces, FINER * scene.solver.tolerance, ACCURACY)
-        resolved = np.where(forces, RESOLVED, FINELY_RESOLVED)
-        pieces = _with_functions(scene.name, values_of, columns, pieces, (accuracy, resolved))
-        pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions; ``refuse_jumps`` checks them
+    motions = [motion_of(channel, given, stop, called, lines=lines) for channel in channels]
+    pieces, moving = _pieces_of(prepared, signals, motions, called, interpolation=interpolation, run=run)
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
@@ -201,6 +170,7 @@ def input_course(
     together = np.union1d(run, begin)
     slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
     bends = jumps(pieces, moving, 2).any(axis=1)
+    paths = {variable.name: variable.record_path for variable in prepared.inputs}
     return InputCourse(
         times=together,
         asked=np.isin(together, times),
@@ -210,6 +180,60 @@ def input_course(
         restarts=pieces.jumps | slips | bends,
         slips=slips,
     )
+
+
+def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return name → signal, checked: a number, a function, or a pair of arrays (times, values)."""
+    source, names = prepared.scene.name, {variable.name for variable in prepared.inputs}
+    for name in inputs:
+        if name not in names:
+            raise SceneError(f"{source}: {name!r} is no input of this scene; {_hint(prepared, name)}")
+    return {name: _checked(f"{source}: {name}", signal) for name, signal in inputs.items()}
+
+
+def _pieces_of(
+    prepared: PreparedScene,
+    signals: Mapping[str, Any],
+    motions: Sequence[Motion],
+    called: Callable[[str, float], float],
+    *,
+    interpolation: str,
+    run: np.ndarray,
+) -> tuple[Pieces, np.ndarray]:
+    """Return the signals and, after them, the motions as polynomials; and the columns of the motions.
+
+    Polynomials follow motions and, with the interpolation ``follow``, functions. All other signals are held
+    or joined by lines between the points of a grid: the communication points ``run`` and the samples.
+    """
+    scene, same = prepared.scene, SAME_TIME * run[-1]
+    breaks = np.concatenate([np.zeros(0), *(motion.breaks for motion in motions)])
+    samples = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
+    grid = run
+    if samples or len(breaks):
+        grid = _with_samples(run, np.concatenate([breaks, *samples]), same)
+    follows = interpolation == "follow" and run[-1] > 0.0
+    followed = [name for name, signal in signals.items() if callable(signal) and follows]
+    values = [
+        np.zeros(len(grid))
+        if name in followed
+        else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
+        for name, signal in signals.items()
+    ]
+    values += [np.zeros(len(grid)) for _ in motions]
+    lines, starts = interpolation == "linear", _on_grid(grid, breaks)
+    pieces = joined_points(grid, np.stack(values, axis=1), lines=lines, breaks=starts)
+    moving = len(signals) + np.arange(len(motions))
+    columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
+    if len(columns):
+        functions: dict[str, Callable[[Any], Any]] = {name: partial(_each, called, name) for name in followed}
+        functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
+        is_force = columns < len(signals)
+        accuracy = np.where(is_force, FINER * scene.solver.tolerance, ACCURACY)
+        resolved = np.where(is_force, RESOLVED, FINELY_RESOLVED)
+        pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
+        pieces = replace(pieces, moving=moving)
+    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions; ``refuse_jumps`` checks them
+    return pieces, moving
 
 
 def _columns(table: TableSource, stop: float) -> Mapping[str, InputSource]:

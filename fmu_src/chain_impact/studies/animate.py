@@ -19,7 +19,7 @@ from chain_impact.recording.pacing import (
     slow_spans,
 )
 from chain_impact.recording.recording import Recording
-from chain_impact.results import animate as results
+from chain_impact.results.animate import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import InputSource, input_course
@@ -35,7 +35,7 @@ def animate(
     *,
     speed: float | None = None,
     impact_time: float = IMPACT_TIME,
-    size: tuple[int, int] = results.FILM_SIZE,
+    size: tuple[int, int] = FILM_SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
     """Write an animation, or show it in a notebook.
@@ -67,7 +67,7 @@ def animate(
     if not isinstance(recording, Recording):
         recording = record_slowly(recording, impact_time)
     options: dict[str, Any] = {"speed": speed, "impact_time": impact_time, "size": size}
-    return results.animate(recording, path, **options, progress=progress)
+    return write_animation(recording, path, **options, progress=progress)
 
 
 def record_slowly(

@@ -33,11 +33,11 @@ from chain_impact.pictures.style import (
     raised,
     styled,
 )
-from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.unit_text import of_power
 from chain_impact.studies.law_change import LOSSLESS, first_place
 from chain_impact.studies.law_runs import LawRuns
+from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
 BAND_POINTS = 400  # number of penetrations at which the band of the grey loops is computed

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.impact_units import unit_at
 from chain_impact.recording.text import TextTable, prefixed
 from chain_impact.studies.law_change import EXACT_LAW, first_place
 from chain_impact.studies.law_runs import LawRun, LawRuns
+from chain_impact.variables.impact_units import unit_at
 
 # a law realises the prescribed restitution if its restitution differs by at most this, relative to the
 # prescribed one

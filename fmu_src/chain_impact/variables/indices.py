@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.names import DataPath
+from chain_impact.variables.impact_units import impact_units, unit_at
 from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
 from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
@@ -26,16 +27,24 @@ class Peak(NamedTuple):
     Attributes:
         path: the path in the record.
         words: the words for the value.
-        unit: the unit.
         field: the field of ``Result.impacts`` with the value of one contact.
         at_stops: whether the contacts are at stops of joints; else at walls and at stops of a slider.
     """
 
     path: DataPath
     words: str
-    unit: str
     field: str
     at_stops: bool = False
+
+    @property
+    def fmi_unit(self) -> str:
+        """The unit, as an FMU writes it."""
+        return impact_units(stop=self.at_stops)[self.field]
+
+    @property
+    def unit(self) -> str:
+        """The unit as a text."""
+        return unit_at(self.field, stop=self.at_stops)
 
     @property
     def is_load(self) -> bool:
@@ -44,11 +53,11 @@ class Peak(NamedTuple):
 
 
 PEAKS = {
-    "peak_force": Peak(("peaks", "force"), "peak force", "N", "peak_force"),
-    "max_penetration": Peak(("peaks", "penetration"), "largest penetration", "m", "max_penetration"),
-    "stop.peak_moment": Peak(("peaks", "moment"), "peak moment of stops", "N·m", "peak_force", at_stops=True),
+    "peak_force": Peak(("peaks", "force"), "peak force", "peak_force"),
+    "max_penetration": Peak(("peaks", "penetration"), "largest penetration", "max_penetration"),
+    "stop.peak_moment": Peak(("peaks", "moment"), "peak moment of stops", "peak_force", at_stops=True),
     "stop.max_penetration": Peak(
-        ("peaks", "rotation"), "largest rotation beyond a stop", "rad", "max_penetration", at_stops=True
+        ("peaks", "rotation"), "largest rotation beyond a stop", "max_penetration", at_stops=True
     ),
 }
 """Name in a sweep and in a ranking → peak. Only scenes with stops of joints have the peaks ``at_stops``."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -36,7 +35,7 @@ from chain_impact.variables.listing import (
 )
 from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
-from chain_impact.variables.variable import Variable, variable_row
+from chain_impact.variables.variable import TableRow, Variable, variable_row
 
 KEPT_SELECTIONS = 64  # the largest number of selections of outputs whose indices are kept
 
@@ -171,8 +170,8 @@ class PreparedScene:
         """Return the index of a variable in an instance of the FMU, counted in words of 8 bytes."""
         return word_index(self.start.dtype, variable.record_path)
 
-    def table_row(self, variable: Variable) -> list[Any]:
-        """Return the data on a variable that an importer needs: see ``variable_row``."""
+    def table_row(self, variable: Variable) -> TableRow:
+        """Return the data on a variable that an importer needs."""
         words = (word_index(self.start.dtype, path) for path in (variable.record_path, variable.set_path))
         return variable_row(variable, *words)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.scene.key_rules import Derived, allowed
@@ -156,15 +156,34 @@ class Variable:
         return allowed(float, {"choices": None, "unit": self.unit, **limits})
 
 
-def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
-    """Return name, type, word, kind, lowest and highest value, allowed values as text, and set_word.
+class TableRow(NamedTuple):
+    """The data on a variable that an importer needs.
 
-    The type is real or integer; the kind is the variability of a parameter, else the causality.
-
-    ``word`` is the index of the value in use, and ``set_word`` the index of the value that was set. An
-    importer reads at ``word``, and writes a new value at both.
+    Attributes:
+        name: the name.
+        type: real or integer.
+        word: index in the record of the value in use, which an importer reads.
+        kind: the variability of a parameter, else the causality.
+        low: the lowest value that can be set.
+        high: the highest value that can be set.
+        allowed: the values that can be set, as text.
+        set_word: index of the value that was set. An importer writes a new value at both indices.
     """
+
+    name: str
+    type: str
+    word: int
+    kind: str
+    low: float
+    high: float
+    allowed: str
+    set_word: int
+
+
+def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
+    """Return the row of a variable; see ``TableRow`` for the two indices."""
     kind = variable.variability if variable.causality == "parameter" else variable.causality
+    low: float
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER
     if variable.items:
         low, high = 1, len(variable.items)
@@ -175,4 +194,4 @@ def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
     if variable.maximum is not None:
         high = variable.maximum
     type_ = "real" if variable.type == "real" else "integer"
-    return [variable.name, type_, word, kind, low, high, variable.allowed, set_word]
+    return TableRow(variable.name, type_, word, kind, low, high, variable.allowed, set_word)

@@ -8,14 +8,15 @@ from typing import Any
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
 from chain_impact.scene.signal import unit_of
+from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.structure import Structure
 
 OF_STOPS = {
     "its_joint": "; at a stop its joint",
-    "in_rad_s": "; at a stop in rad/s",
-    "in_n_m": "; at a stop the moment in N·m",
-    "in_rad": "; at a stop the angle in rad",
-    "in_n_m_s": "; at a stop in N·m·s",
+    "in_rad_s": f"; at a stop in {unit_at('impact_speed', stop=True)}",
+    "in_n_m": f"; at a stop the moment in {unit_at('peak_force', stop=True)}",
+    "in_rad": f"; at a stop the angle in {unit_at('max_penetration', stop=True)}",
+    "in_n_m_s": f"; at a stop in {unit_at('impulse', stop=True)}",
 }
 """Words on the quantities of an impact at a stop of a joint; "" in a scene without such stops."""
 

@@ -32,7 +32,6 @@ from chain_impact.pictures.style import (
     is_narrow,
     styled,
 )
-from chain_impact.recording.impact_units import IMPACT_UNITS
 from chain_impact.recording.text import number
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets
@@ -41,6 +40,7 @@ from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import heading, rounded
 from chain_impact.studies.fit.unknown import size_of
+from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel

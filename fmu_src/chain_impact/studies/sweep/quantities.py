@@ -13,6 +13,7 @@ from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
+from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
 
@@ -62,7 +63,7 @@ class Quantity:
 COUNT = "impact.count"
 QUANTITIES = (
     *(Quantity(name, peak.words, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
-    Quantity(JOINT_FORCE, "largest force in a joint", "N"),
+    Quantity(JOINT_FORCE, "largest force in a joint", unit_at(JOINT_FORCE, stop=False)),
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )

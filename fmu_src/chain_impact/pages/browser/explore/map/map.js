@@ -36,11 +36,12 @@ function outputsLike({ columns }, name) {
 
 /** Return the outputs for the largest values of a run, named as in a sweep: at walls, at stops of joints, and in joints. */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
-  const atWalls = contactPoints.length || sliderStops.length ? { peak_force: "N", max_penetration: "m" } : {};
-  const atStops = stops.length ? { "stop.peak_moment": "N.m", "stop.max_penetration": "rad" } : {};
-  const largest = Object.entries({ ...atWalls, ...atStops }).map(([name, unit]) => ({ name, unit, integer: false, words: [peaks[name]] }));
+  const touch = contactPoints.length + sliderStops.length;
+  const largest = Object.entries(SHARED.peaks)
+    .filter(([, { atStops }]) => (atStops ? stops.length : touch))
+    .map(([name, { unit }]) => ({ name, unit, integer: false, words: [peaks[name]] }));
   const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
-  return loads.length ? [...largest, { name: "joint_force", unit: "N", integer: false, words: loads }] : largest;
+  return loads.length ? [...largest, { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads }] : largest;
 }
 
 export class GridMap {

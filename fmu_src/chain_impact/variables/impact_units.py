@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from chain_impact.scene.unit_text import unit_text
 
 IMPACT_UNITS = {
@@ -25,6 +27,11 @@ STOP_UNITS = IMPACT_UNITS | {
 }
 
 
+def impact_units(*, stop: bool) -> Mapping[str, str]:
+    """Return the units of all quantities of an impact; ``stop``: at a stop of a joint."""
+    return STOP_UNITS if stop else IMPACT_UNITS
+
+
 def unit_at(quantity: str, *, stop: bool) -> str:
     """Return the unit of a quantity of an impact as a text; ``stop``: at a stop of a joint."""
-    return unit_text((STOP_UNITS if stop else IMPACT_UNITS)[quantity])
+    return unit_text(impact_units(stop=stop)[quantity])
