@@ -19,14 +19,19 @@ SETTINGS = {
     RELEASE: "1",
 }
 
+
+def programs() -> dict[str, str]:
+    """Return the name of each benchmark → the first line of its text."""
+    files = sorted(Path(__file__).parent.glob("[!_]*.py"))
+    texts = {file.stem: file.read_text(encoding="utf-8") for file in files if not file.stem.endswith("_side")}
+    return {name: text.splitlines()[0].strip('"') for name, text in texts.items() if "__main__" in text}
+
+
 if __name__ == "__main__":
-    programs = sorted(
-        file.stem for file in Path(__file__).parent.glob("[!_]*.py") if "__main__" in file.read_text("utf-8")
-    )
     name, *arguments = sys.argv[1:] or [""]
-    if name not in programs:
-        given = repr(name) if name else "missing"
-        print(f"NAME is {given}; must be one of {', '.join(programs)}", file=sys.stderr)
+    if name not in programs():
+        print(f"NAME is {name!r}; must be one of:" if name else "NAME is missing; must be one of:")
+        print("\n".join(f"{program:16} {text}" for program, text in programs().items()))
         sys.exit(2)
     command = [sys.executable, "-m", f"benchmarks.{name}", *arguments]
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))

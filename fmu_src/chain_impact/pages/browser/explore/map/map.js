@@ -41,7 +41,8 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
     .filter(([, { atStops }]) => (atStops ? stops.length : touch))
     .map(([name, { unit }]) => ({ name, unit, integer: false, words: [peaks[name]] }));
   const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
-  return loads.length ? [...largest, { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads }] : largest;
+  const ofJoints = { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads };
+  return loads.length ? [...largest, ofJoints] : largest;
 }
 
 export class GridMap {
