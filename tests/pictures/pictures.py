@@ -18,7 +18,7 @@ from chain_impact.scene.scene import model_names
 from tests.helpers.scenes.model_files import inputs_of
 
 WITHOUT_IMPACTS = {"shaken_pendulum", "simple_pendulum", "triple_pendulum"}
-_PAGES = {}
+_PAGES, _MOTIONS = {}, {}
 OVER_TIME = {"bouncing_ball", "bouncing_table", "elastic_ball", "elastic_floor", "golf_ball"}
 MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 PLANAR = [name for name in MODELS if name not in OVER_TIME]  # whose motion is drawn in the plane
@@ -103,6 +103,16 @@ def drawn(recording):
         _PAGES[id(recording)] = recording, page
     page = _PAGES[id(recording)][1]
     return page, *page.axes
+
+
+def motion_of(recording):
+    """Return the axes of the motion, drawn without other panels; they are drawn once and cached."""
+    if id(recording) not in _MOTIONS:
+        parts = functools.partial(fill, recording=recording, panels=["motion"], title=None)
+        page = figures.draw_figure(parts, usual=usual_size(recording))
+        page.draw_without_rendering()
+        _MOTIONS[id(recording)] = recording, page
+    return next(axes for axes in _MOTIONS[id(recording)][1].axes if axes.get_label() == "motion")
 
 
 def texts(axes):

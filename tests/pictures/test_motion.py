@@ -10,7 +10,7 @@ from matplotlib.quiver import Quiver
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
 from chain_impact.pictures.motion import MOST_STRONG_POSES, ball_of, by_speed, part_in_view, strongest
-from tests.pictures.pictures import boxes, crowd, drawn, hit, recorded, swing, texts
+from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
 
 def poses(axes):
@@ -26,7 +26,7 @@ def ring_places(axes):
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
 def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model):
     recording = recorded(model)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     *at_impacts, start, end = poses(motion)
     np.testing.assert_array_equal(start, recording.points[0])
     np.testing.assert_array_equal(end, recording.points[-1])
@@ -53,7 +53,7 @@ def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
 
 def test_paths_of_all_points_are_drawn_that_of_the_tip_strongest():
     recording = recorded("four_link_box")
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     _, others, tip = motion.collections
     for point, path in enumerate(others.get_segments()):
         np.testing.assert_array_equal(path, recording.points[:, point])
@@ -78,7 +78,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     s = np.sqrt(0.5)
     # walls of the second model, a point with a radius of 0.1 m
     walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
-    _, motion, *_ = drawn(swing(impacts, walls, rows=2001))
+    motion = motion_of(swing(impacts, walls, rows=2001))
     np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
     assert texts(motion) == ["1", "2", "3"]
 
@@ -86,16 +86,16 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
 def test_impacts_at_one_place_share_a_ring():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
-    _, motion, *_ = drawn(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
+    motion = motion_of(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
     assert [" ".join(text.split()) for text in texts(motion)] == ["3", "1, 2"]
-    _, motion, *_ = drawn(swing(floor, walls))
+    motion = motion_of(swing(floor, walls))
     assert texts(motion) == ["1–4"]
     apart = [
         row
         for k in range(4)
         for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
     ]
-    _, motion, *_ = drawn(swing(apart, walls))
+    motion = motion_of(swing(apart, walls))
     assert texts(motion)[-1] == "5, 7 + 2 more"
 
 
@@ -111,7 +111,7 @@ def test_numbers_stand_off_the_rings(model):
 
 def test_a_joints_largest_force_is_an_arrow_at_its_place():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))
     peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (1, 2)]
     assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
@@ -130,7 +130,7 @@ def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
 
 def test_the_hardest_impact_is_numbered():
     for recording in (recorded("four_link_box"), crowd()):
-        _, motion, *_ = drawn(recording)
+        motion = motion_of(recording)
         number = str(by_speed(recording)[0] + 1)
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
 
@@ -139,7 +139,7 @@ def test_the_hardest_impact_is_numbered():
 def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
     recording = recorded(model)
     assert ball_of(recording) == 0
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
     assert end.get_markevery() == [0]
     assert end.get_linewidth() < 1.0

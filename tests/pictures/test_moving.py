@@ -11,7 +11,7 @@ from chain_impact import simulate
 from chain_impact.pictures.motion import colour_of_time
 from chain_impact.pictures.room import AT_TIMES_COLOUR
 from chain_impact.scene.scene import scene_from_dict
-from tests.pictures.pictures import drawn
+from tests.pictures.pictures import drawn, motion_of
 
 START, SPEED = 0.45, 0.3  # m, m/s: the wall moves from right to left
 
@@ -46,7 +46,7 @@ def upright_lines(axes, x):
 @pytest.mark.parametrize("row", [0, -1])
 def test_a_moving_wall_has_the_colours_of_start_and_end(row):
     recording = ram()
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     at = START - recording["wall.x_max.position"][row]
     assert to_hex(colour_of_time(recording)(recording.time[row])) in upright_lines(motion, at)
     left, right = motion.get_xlim()
@@ -54,14 +54,14 @@ def test_a_moving_wall_has_the_colours_of_start_and_end(row):
 
 
 def test_the_legend_has_the_moving_wall():
-    _, motion, *_ = drawn(ram())
+    motion = motion_of(ram())
     assert [text.get_text() for text in motion.get_legend().get_texts()].count("moving wall") == 1
 
 
 def test_the_wall_that_was_hit_is_there():
     recording = ram(way=lambda t: 0.2 * (1.0 - np.cos(3.0 * np.pi * t)))
     (onset,) = recording.impacts["onset"]
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     at = START - np.interp(onset, recording.time, recording["wall.x_max.position"])
     assert START - 0.4 < at < START
     assert to_hex(colour_of_time(recording)(onset)) in upright_lines(motion, at)
@@ -70,7 +70,7 @@ def test_the_wall_that_was_hit_is_there():
 def test_the_chain_stands_in_what_is_free_at_its_time():
     """White is always free, and pale is free at times: no pose lies in the grey area."""
     recording = ram()
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     at_times, always = (
         next(patch for patch in motion.patches if to_hex(patch.get_facecolor()) == to_hex(colour))
         for colour in (AT_TIMES_COLOUR, "white")
@@ -84,7 +84,7 @@ def test_the_chain_stands_in_what_is_free_at_its_time():
 
 def test_a_wall_has_a_trace_from_its_start_to_its_end():
     recording = ram()
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     traces = [
         pieces
         for lines in motion.collections
@@ -119,7 +119,7 @@ def test_a_base_that_moves_has_its_mark_at_the_start_and_at_the_end():
     way = {"base.x": lambda t: 0.3 * t, "base.y": lambda t: -0.1 * t}
     recording = simulate(scene, inputs=way, output_step=2e-3)
     assert recording.pinned
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     shade = colour_of_time(recording)
     places = {(*line[0].round(9).tolist(), colour) for line, colour in marks(motion)}
     assert (0.0, 0.0, to_hex(shade(0.0))) in places

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
-from tests.pictures.pictures import PLANAR, drawn, recorded, swing
+from tests.pictures.pictures import PLANAR, drawn, motion_of, recorded, swing
 
 
 def wall_lines(axes):
@@ -18,7 +18,7 @@ def wall_lines(axes):
 @pytest.mark.parametrize("model", PLANAR)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     (low, high) = np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert np.all(recording.points > low)
     assert np.all(recording.points < high)
@@ -35,7 +35,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
 @pytest.mark.parametrize("model", PLANAR)
 def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     ends = wall_lines(motion)
     # test_moving.py tests moving walls; the ends of a slider's line belong to the line
     others = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
@@ -68,7 +68,7 @@ def test_the_room_is_white_and_all_beyond_it_grey():
     walls = {"y_min": -0.2, "x_max": 1.1}
     slopes = {"slope": (-0.9, 0.0, -1.0), "hidden": (-2.4, 0.0, -1.0)}
     recording = swing(walls=walls, slopes=slopes)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     assert len(wall_lines(motion)) == 3
     (room,) = motion.patches
     assert mpl.colors.to_hex(room.get_facecolor()) == "#ffffff"
@@ -83,7 +83,7 @@ def test_the_room_is_white_and_all_beyond_it_grey():
 
 def test_points_that_move_beyond_a_wall_are_in_view():
     """Points that are not candidates pass through walls."""
-    _, motion, *_ = drawn(swing(walls={"y_max": 0.4}))
+    motion = motion_of(swing(walls={"y_max": 0.4}))
     assert motion.get_ylim()[1] > 1.0
     np.testing.assert_allclose(wall_lines(motion)[0][:, 1], 0.4, rtol=0, atol=1e-12)
 
@@ -94,7 +94,7 @@ def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
     """A strip behind the wall is in view."""
     foot = np.array([0.0, 0.5]) + 0.8 * np.array([np.sin(angle), -np.cos(angle)])
     recording = swing(slopes={"slope": (*foot, angle)})
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     (line,) = wall_lines(motion)
     view = [(x, y) for x in motion.get_xlim() for y in motion.get_ylim()]
     gaps = [recording.walls["slope"].clearance(*corner) for corner in view]
@@ -104,7 +104,7 @@ def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
 
 def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
     def marks(model):
-        _, motion, *_ = drawn(recorded(model))
+        motion = motion_of(recorded(model))
         found = [lines for lines in motion.collections if lines.get_zorder() == 3]
         return motion, [line for lines in found for line in lines.get_segments()]
 
@@ -119,7 +119,7 @@ def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
 @pytest.mark.parametrize("model", ["sphere_on_wall", "ramp"])
 def test_a_disc_at_a_point_is_in_view_as_a_whole(model):
     recording = recorded(model)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     ((point, radius),) = recording.touching.items()
     places, (low, high) = recording.all_points[:, point], np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert (places - radius > low).all()
