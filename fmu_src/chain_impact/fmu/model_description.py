@@ -255,17 +255,19 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     """Return the usual magnitudes of the outputs, by the names in the table of variables.
 
     Magnitudes of the motion are the absolute scales of the solver, ``longest_link`` and ``energy_scale``.
-    With the length L of the longest link, the whole mass M and the speed v = L / 1 s, they are L, v and M v².
-    Magnitudes of contacts follow from a collision of the whole mass at v without damping. The penetration δ
-    obeys K δⁿ⁺¹/(n+1) = M v²/2, with stiffness K and exponent n; the momentum is M v. Magnitudes of stops
-    follow in the same way from the whole mass at the end of the longest link, at 1 rad/s.
+    With the length L of the longest link, the whole mass M and the speed v = L / 1 s, they are L, v, M v²,
+    the momentum M v, the angular momentum M v L, the inertial force M v / 1 s and the inertial moment M v L /
+    1 s. Magnitudes of contacts follow from a collision of the whole mass at v without damping. The
+    penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2, with stiffness K and exponent n. Magnitudes of stops follow in
+    the same way from the whole mass at the end of the longest link, at 1 rad/s.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
     energy = mass * size * size
     depth = lossless_depth(0.5 * energy, contact.stiffness, contact.exponent)
     force = contact.stiffness * depth**contact.exponent
-    scales = {"size": size, "energy": energy, "momentum": mass * size, "depth": depth, "force": force}
+    scales = {"size": size, "energy": energy, "momentum": mass * size, "angular_momentum": energy}
+    scales |= {"inertial_force": mass * size, "inertial_moment": energy, "depth": depth, "force": force}
     if stops.stiffness is not None and stops.exponent is not None:
         depth = lossless_depth(0.5 * energy, stops.stiffness, stops.exponent)
         scales |= {"stop_depth": depth, "stop_moment": stops.stiffness * depth**stops.exponent}

@@ -21,6 +21,7 @@ from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.model_description import nominal_values
 from chain_impact.progress import log
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError
@@ -99,7 +100,7 @@ def reference(prepared: PreparedScene) -> Reference:
     stop, shortest = prepared.scene.simulation.stop_time, prepared.scene.simulation.step_size
     while True:
         step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
-        count = max(1, math.floor(stop / step * (1 + 1e-12)))
+        count = max(1, math.floor(stop / step * (1 + STEP_ROUND_OFF)))
         solution = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
         if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTER or step == shortest:
             return solution
@@ -181,7 +182,7 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
     # each joint gets an equal part, so that the torques move chains of few and of many links about equally
-    torque = SWING * nominal["energy"] / prepared.sizes.links
+    torque = SWING * nominal["inertial_moment"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared.inputs):

@@ -35,6 +35,7 @@ from chain_impact.scene.signal import FORMS, SHAPES
 from chain_impact.scene.signal_checks import AT_REST
 from chain_impact.scene.signal_values import NUMBERS
 from chain_impact.scene.signals import TARGET_RATE
+from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 
@@ -86,6 +87,7 @@ def shared() -> dict[str, Any]:
         "file": {
             "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.CORNERS + 1)],
             "SHOWN": reading.SHOWN,
+            "STEP_ROUND_OFF": STEP_ROUND_OFF,
         },
         "signals": {
             "AT_REST": AT_REST,

@@ -208,6 +208,10 @@ class Solver:
     )
 
 
+STEP_ROUND_OFF = 1e-12
+"""The relative round-off of stop_time/step_size: a ratio so near to a whole number is this number."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Simulation:
     """The default experiment."""

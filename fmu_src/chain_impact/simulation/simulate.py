@@ -21,6 +21,7 @@ from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
+from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import Given, InputCourse, Interpolation, input_course
@@ -224,7 +225,7 @@ def _too_large(what: str, count: float, columns: int) -> SceneError:
 
 def _times(stop: float, step: float) -> np.ndarray:
     """Return the times of rows [s]: multiples of the step below the stop time, and the stop time."""
-    times = np.arange(np.ceil(stop / step * (1 - 1e-12)) + 1.0)
+    times = np.arange(np.ceil(stop / step * (1 - STEP_ROUND_OFF)) + 1.0)
     times *= step
     times[-1] = stop
     return times

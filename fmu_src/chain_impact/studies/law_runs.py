@@ -14,7 +14,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-FREE = 0.05  # an impact is free if its restitution differs by at most this number from that of a free impact
+FREE_TOLERANCE = 0.05  # largest deviation of a free impact's restitution from its expected value
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class LawRuns:
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
-        return not any(deviation > FREE for deviation in off)
+        return not any(deviation > FREE_TOLERANCE for deviation in off)
 
     @property
     def at_stop(self) -> bool:

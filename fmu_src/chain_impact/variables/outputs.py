@@ -264,7 +264,7 @@ OUTPUTS = (
         rows="""
         stop_moment      | N.m   | moment of its stops, positive at joint_min                  | field=force nominal=stop_moment feedthrough
         stop_penetration | rad   | angle beyond a stop, 0 when apart                           | field=penetration nominal=stop_depth minimum=0
-        stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | field=impulse nominal=energy
+        stop_impulse     | N.m.s | impulse of its stops since the start, positive at joint_min | field=impulse nominal=angular_momentum
         """,
         heading=JOINT,
         when=("outputs.contacts",),
@@ -274,7 +274,7 @@ OUTPUTS = (
         owner_kind="joint with friction",
         prefix="joint[{n}]",
         rows="""
-        friction_moment | N.m | moment of dry friction on link {n}        | field=friction.drive_friction nominal=energy feedthrough
+        friction_moment | N.m | moment of dry friction on link {n}        | field=friction.drive_friction nominal=inertial_moment feedthrough
         sticking        | 1   | 1 while it sticks by dry friction, else 0 | field=friction.drive_sticking feedthrough minimum=0 maximum=1
         """,
         heading=JOINT,
@@ -301,10 +301,10 @@ OUTPUTS = (
         owner_kind="joint",
         prefix="joint[{n}]",
         rows="""
-        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | field=load.{axis} nominal=momentum feedthrough
-        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | field=load.moment nominal=energy feedthrough
+        force.{axis}   | N   | {axis} of the force of {parent} on link {n}                               | field=load.{axis} nominal=inertial_force feedthrough
+        moment         | N.m | moment of {parent} on link {n}: drive, spring, damper, friction and stops | field=load.moment nominal=inertial_moment feedthrough
         impulse.{axis} | N.s | {axis} of the impulse of {parent} on link {n} since the start             | field=load.impulse_{axis} nominal=momentum
-        peak_force     | N   | largest force of {parent} on link {n} since the start                     | field=load.peak nominal=momentum minimum=0
+        peak_force     | N   | largest force of {parent} on link {n} since the start                     | field=load.peak nominal=inertial_force minimum=0
         """,
         heading=JOINT,
         when=("outputs.loads",),
@@ -314,8 +314,8 @@ OUTPUTS = (
         owner_kind="slider",
         prefix="slider",
         rows="""
-        reaction | N   | force of the line on the carriage, along its left normal | field=slider_reaction nominal=momentum feedthrough
-        moment   | N.m | moment of the line on the carriage                       | field=slider_moment nominal=energy feedthrough
+        reaction | N   | force of the line on the carriage, along its left normal | field=slider_reaction nominal=inertial_force feedthrough
+        moment   | N.m | moment of the line on the carriage                       | field=slider_moment nominal=inertial_moment feedthrough
         """,
         heading=SLIDER,
         when=("outputs.loads",),
@@ -325,8 +325,8 @@ OUTPUTS = (
         owner_kind="touched wall",
         prefix="wall.{name}",
         rows="""
-        load.{axis} | N   | {axis} of the force of the chain on the wall   | field=load.{axis} nominal=momentum feedthrough
-        load_moment | N.m | moment of the chain on the wall, about {about} | field=load.moment nominal=energy feedthrough
+        load.{axis} | N   | {axis} of the force of the chain on the wall   | field=load.{axis} nominal=inertial_force feedthrough
+        load_moment | N.m | moment of the chain on the wall, about {about} | field=load.moment nominal=inertial_moment feedthrough
         """,
         heading=WALL,
         when=("outputs.loads",),

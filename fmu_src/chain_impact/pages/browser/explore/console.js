@@ -2,6 +2,16 @@
 
 import { Changes } from "../scene/changes.js";
 
+/** Return words for the fault of a run, with the part of the scene that is the reason, if there is one. */
+export function faultText({ status, part }, scene) {
+  return [SHARED.kernel.STATUS_TEXT[status], scene.partsInWords[part - 1]].filter(Boolean).join(": ");
+}
+
+/** Return when and why a run has stopped. */
+export function stopText(run, scene) {
+  return `stopped at t = ${+run.reached.toPrecision(9)} s: ${faultText(run, scene)}`;
+}
+
 /** Return the interface; `ask` sends a request to the worker. */
 export function consoleInterface(changes, ask) {
   return {
@@ -28,8 +38,7 @@ export function consoleInterface(changes, ask) {
       const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
       const run = { time, columns, impacts: named, statistics };
       if (status !== 0) {
-        const fault = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${SHARED.kernel.STATUS_TEXT[status]}`;
-        throw Object.assign(new Error(fault), { status, time: reached, result: run });
+        throw Object.assign(new Error(`the simulation ${stopText(result, scene)}`), { status, time: reached, result: run });
       }
       return run;
     },

@@ -13,7 +13,7 @@ import { asWritten, complete, contentsIn } from "../scene/scene_file.js";
 import { inputText } from "../scene/words.js";
 import { Engine } from "../solver/engine.js";
 import { ComparedMotions } from "./compared_motions.js";
-import { consoleInterface } from "./console.js";
+import { consoleInterface, faultText, stopText } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
 import { editedScene } from "./edited_scene.js";
 import { Editor } from "./editor.js";
@@ -68,10 +68,9 @@ function withSteadyView(next) {
 }
 
 /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
-function sentenceOf({ status, part, reached }, hasMotion) {
-  if (status === 0) return "";
-  const text = [SHARED.kernel.STATUS_TEXT[status], changes.scene.partsInWords[part - 1]].filter(Boolean).join(": ");
-  return hasMotion ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
+function sentenceOf(run, hasMotion) {
+  if (run.status === 0) return "";
+  return hasMotion ? `The simulation ${stopText(run, changes.scene)}.` : `The simulation cannot start: ${faultText(run, changes.scene)}.`;
 }
 
 let addressTimer; // the timer of `updateAddressSoon`

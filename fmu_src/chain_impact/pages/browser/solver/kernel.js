@@ -13,7 +13,7 @@ function aligned(address) {
 
 /** Return the times [s] of the rows of a result: multiples of the step, and the end. */
 export function rowTimes(stop, step) {
-  const count = Math.ceil((stop / step) * (1 - 1e-12)) + 1;
+  const count = Math.ceil((stop / step) * (1 - SHARED.file.STEP_ROUND_OFF)) + 1;
   const times = Float64Array.from({ length: count }, (_, row) => row * step);
   times[count - 1] = stop;
   return times;
