@@ -9,7 +9,15 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
-from chain_impact.pictures.motion import MOST_STRONG_POSES, ball_of, by_speed, part_in_view, strongest
+from chain_impact.pictures.motion import (
+    MOST_STRONG_POSES,
+    apart,
+    ball_of,
+    by_speed,
+    part_in_view,
+    strong_times,
+)
+from chain_impact.recording.view import size_of
 from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
 
@@ -23,27 +31,40 @@ def ring_places(axes):
 
 
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
-def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model):
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "hopper"])
+def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
     recording = recorded(model)
     motion = motion_of(recording)
     *at_impacts, start, end = poses(motion)
     np.testing.assert_array_equal(start, recording.points[0])
     np.testing.assert_array_equal(end, recording.points[-1])
-    assert len(at_impacts) == min(MOST_STRONG_POSES, len(recording.impacts))
-    hardest = np.sort(
-        recording.impacts[np.argsort(-recording.impacts["impact_speed"])[:MOST_STRONG_POSES]], order="onset"
-    )
-    for pose, impact in zip(at_impacts, hardest, strict=True):
-        place = pose[impact["point"]]
+    times = strong_times(recording)
+    assert 0 < len(at_impacts) == len(times) <= MOST_STRONG_POSES
+    fastest = recording.impacts["onset"][by_speed(recording)[0]]
+    assert fastest in times
+    for time, pose in zip(times, at_impacts, strict=True):
+        np.testing.assert_array_equal(pose, recording.pose_at(time))
+        impact = recording.impacts[recording.impacts["onset"] == time][0]
+        place = recording.all_points[recording.row_at(time)][impact["point"]]
         # the point touches the wall within its radius and its motion between two communication points
-        gap = recording.wall_of(impact).clearance(*place) - recording.parameters["contact.radius"]
+        gap = recording.wall_of(impact).clearance(*place) - recording.touching[impact["point"]]
         assert abs(gap) < 1.1e-3 * impact["impact_speed"]
+    for time in set(times) - {fastest}:
+        known = [start, end, *(recording.pose_at(other) for other in times if other != time)]
+        gaps = [np.hypot(*(recording.pose_at(time) - pose).T).mean() for pose in known]
+        assert min(gaps) >= 0.1 * size_of(recording)
+
+
+def test_poses_that_look_alike_are_left_out():
+    places = np.array([0.0, 0.04, 0.1, 0.13, 0.25, 0.01])
+    rods = np.stack([np.stack([places, places + 1.0], axis=1), np.zeros((6, 2))], axis=-1)
+    assert apart(rods, 0.1) == [0, 2, 4]
+    assert apart(rods, 0.1, always=2) == [0, 1, 4]
 
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():
     recording = recorded("pinned_arm")
-    assert len(strongest(recording, MOST_STRONG_POSES)) == len(recording.impacts) == 1
+    assert strong_times(recording) == recording.impacts["onset"].tolist()
 
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():

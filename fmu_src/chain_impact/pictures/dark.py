@@ -36,7 +36,7 @@ UMBER, PLUM = "#6b4c00", "#5c1a6e"
 ORANGE, SKY = "#e69f00", "#56b4e9"  # for curves on a dark ground; too pale for lines on white
 # colours too dark for a dark ground → replacements; mixed with white, the colours would look alike
 REPLACED = {UMBER: ORANGE, PLUM: SKY}
-COLOURED = 0.15  # a colour with less saturation counts as a grey
+COLOURED = 0.3  # a colour with less saturation counts as a grey
 # on a dark ground, the distance of a grey from the ground, 0…1, is raised to this power: it becomes larger,
 # because greys near black are hard to see
 SPREAD = 0.8

@@ -32,8 +32,12 @@ from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.view import size_of
 
-MOST_STRONG_POSES = 6  # strong poses show the fastest impacts, at most this number of them
-FAINT_POSES = 80  # the number of faint poses, in evenly spaced rows
+MOST_STRONG_POSES = 6  # besides start and end, strong poses show the fastest impacts, at most this number
+CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
+FAINT_POSES = 80  # the largest number of faint poses, of evenly spaced rows
+# A pose is left out that is nearer than this to another one, relative to the size of the motion.
+# FAINT_APART is for faint poses; STRONG_APART for strong ones, except that of the fastest impact.
+FAINT_APART, STRONG_APART = 0.01, 0.1
 PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
 MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
 MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more points the paths are fainter
@@ -72,7 +76,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     thick, ball = 1.0, ball_of(recording)
     if ball is not None:  # a thin line from the centre to a mark on the ball
         thick, marks = BALL_LINE, marks | {"markevery": [ball]}
-    strong = sorted(strongest(recording, MOST_STRONG_POSES)["onset"])
+    strong = strong_times(recording)
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
     for time in strong:
@@ -148,10 +152,33 @@ def colour_of_time(recording: Recording) -> Any:
     return lambda time: TIME_COLOURS(norm(time))
 
 
-def strongest(recording: Recording, count: int) -> np.ndarray:
-    """Return the ``count`` fastest impacts, rows of ``recording.impacts``, the fastest first."""
-    fastest: np.ndarray = recording.impacts[by_speed(recording)[:count]]
-    return fastest
+def strong_times(recording: Recording) -> list[float]:
+    """Return the times [s] of the strong poses between start and end, in order.
+
+    These are the fastest impacts whose poses are apart from start, end, and each other.
+    """
+    onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
+    if not onsets:
+        return []
+    ends = [recording.points[0], recording.points[-1]]
+    poses = np.array([recording.pose_at(onsets[0]), *ends, *map(recording.pose_at, onsets[1:])])
+    kept = apart(poses, STRONG_APART * size_of(recording), always=3)
+    times = [onsets[0], *(onsets[k - 2] for k in kept if k > 2)]  # noqa: PLR2004 - start and end
+    return sorted(times[:MOST_STRONG_POSES])
+
+
+def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
+    """Return the indices of poses, shape (P, N+1, 2) [m], that are apart from each earlier one.
+
+    Two poses are apart if the mean distance of their points is at least ``least`` [m]. The first ``always``
+    poses are kept.
+    """
+    kept: list[int] = []
+    for k, pose in enumerate(poses):
+        ways = np.hypot(*np.moveaxis(poses[kept] - pose, -1, 0)).mean(axis=-1)
+        if k < always or ways.min() >= least:
+            kept.append(k)
+    return kept
 
 
 def by_speed(recording: Recording) -> np.ndarray:
@@ -160,9 +187,11 @@ def by_speed(recording: Recording) -> np.ndarray:
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
-    """Draw the chain in evenly spaced rows of the recording."""
+    """Draw the chain in evenly spaced rows of the recording, without poses that look alike."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
-    axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
+    poses = recording.points[rows]
+    poses = poses[apart(poses, FAINT_APART * size_of(recording))]
+    axes.add_collection(LineCollection(list(poses), colors=INK, linewidths=0.6, alpha=0.13))
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
@@ -264,14 +293,8 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     for spot, hits in hits_at.items():
         numbers = [hit + 1 for hit in hits]
         position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
-        labels.append(
-            Label(
-                numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY),
-                position,
-                outward,
-                numbers_text(numbers, 1, 1),
-            )
-        )
+        whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
+        labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
     return listed(hit + 1 for hits in missing for hit in hits)

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +50,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
-    "figure.titlesize": 12,
+    "figure.titlesize": 11,
     "figure.titleweight": "bold",
     "grid.color": PALE,
     "grid.linewidth": 0.6,
@@ -88,9 +87,6 @@ MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to t
 # the largest height of the texts at the foot, relative to the height of the figure. MOST_FOOT: if the height
 # of the figure is given; FREE_FOOT: if the contents determine it
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
-# font sizes, relative to the usual one, that are tried for a headline until it fits into one line, else into
-# two lines
-SMALLER = (1.0, 0.92, 0.84, 0.76)
 LEAST_TICKS = 3  # the least number of ticks on an axis
 TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
 
@@ -186,17 +182,13 @@ def give_ticks(*axes: Axes) -> None:
 def headline(figure: Figure, message: str, conditions: str = "") -> None:
     """Write a message above the picture and, in a smaller font below it, the conditions.
 
-    Lines are broken at the edge of the figure, after the font of the message was made smaller. In a narrow
-    figure the conditions are at the foot. A figure that is too low has no conditions.
+    Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
+    the conditions are at the foot. A figure that is too low has no conditions.
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
-    size, inside = float(title.get_fontsize()), (width - 2.0 * LEFT) * figure.dpi
-    for lines, smaller in product((1, 2), SMALLER):
-        title.set(text=message, fontsize=smaller * size)
-        if in_lines(title, inside) <= lines:
-            break
+    in_lines(title, (width - 2.0 * LEFT) * figure.dpi)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
