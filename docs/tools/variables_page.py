@@ -14,7 +14,7 @@ from chain_impact.variables.kind import ALWAYS, LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.words import OF_STOPS
+from chain_impact.variables.words import GENERAL, LOSSES, OF_STOPS
 from docs.tools.markdown_text import code, short_description
 
 
@@ -44,14 +44,12 @@ def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
 
 
 SCENE_KEY = "scene key"  # meaning of parameters that the page of the scene file explains
-IN_GENERAL = OF_STOPS | {
+IN_GENERAL = {
+    **OF_STOPS,
+    **GENERAL,
     "axis": "x and y",
     "n": "i",
-    "before": "link i − 1, or the base",
-    "parent": "the link before",
-    "from_x": "",
-    "about": "the origin, of a wall at any angle about its point",
-    "losses": "contacts, joint damping and dry friction",
+    "losses": LOSSES,
     "wall_numbers": "its [code](#codes)",
     "wall_numbers_if_any": "its [code](#codes)",
     "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",

@@ -2,6 +2,7 @@
 
 # Tests: variables/owners.py
 
+import re
 from dataclasses import fields
 
 import pytest
@@ -12,6 +13,8 @@ from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.rules import names_in, tree
 from chain_impact.scene.scene import scene_keys
 from chain_impact.scene.tables import Inputs, Material, Outputs
+from chain_impact.variables import outputs
+from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import (
     COUNTS_OF,
     FACTS,
@@ -20,6 +23,7 @@ from chain_impact.variables.owners import (
     OWNER_KINDS,
     RECORD,
 )
+from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.variables.everything import CART, EVERYTHING
@@ -68,6 +72,22 @@ def test_names_in_the_tables_are_known():
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for written in RECORD.values():
         assert names_of(written.number, written.over, written.at) <= known
+
+
+def test_the_conditions_of_variables_are_known():
+    known = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS} | OWN_CONDITIONS.keys()
+    kinds = [kind for table in (PARAMETERS, INPUTS, OUTPUTS) for of_owner in table for kind in of_owner.kinds]
+    for kind in kinds:
+        conditions = {*kind.when, kind.tunable, kind.given_if} - {""}
+        assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].over), kind.name
+
+
+@pytest.mark.parametrize(
+    "row", ["depth | m", "depth | m | its depth | fild=way", "depth | m | it | minimum=1e"]
+)
+def test_a_wrong_row_of_outputs_is_named(row):
+    with pytest.raises(ValueError, match=re.escape(row)):
+        outputs._block(part="output", owner_kind="joint", prefix="joint[{n}]", rows=row)
 
 
 def test_no_owner_changes_what_holds_for_its_scene():

@@ -13,7 +13,6 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, is_dataclass
 from functools import cache, partial
-from types import SimpleNamespace
 from typing import Any, get_args, get_origin
 
 import numpy as np
@@ -25,7 +24,6 @@ from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene.default_rules import FROM_JOINTS
 from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
@@ -41,8 +39,6 @@ from chain_impact.variables.owners import COUNTS_OF, FACTS, LISTS, OWNER_KINDS, 
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
-WITH_STOPS = SimpleNamespace(stops=True, links=())
-"""A stand-in for a chain with stops, to evaluate defaults that depend on whether the chain has stops."""
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
 LONGEST_TIME = 1e9
@@ -146,14 +142,10 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
             "orOne": rule["or_one"],
         }
     default = rule["default"]
-    if default is FROM_JOINTS:
-        return value | {"orKey": "joint_angles"}  # not needed in a file that has this other key
     if isinstance(default, Derived):
-        # a derived default is 0 for each link, which the page does not need, or a constant of scenes with
-        # stops: ofStops
-        given = default.value({"chain": WITH_STOPS}) if default.constant else None
-        return value | ({"ofStops": given} if isinstance(given, float) else {})
-    # a file must have the key, and the refusal of a file without it tells its meaning
+        # the page derives the value itself, or leaves it to the kernel
+        or_key = {"orKey": default.or_key} if default.or_key else {}
+        return value | or_key | ({} if default.with_stops is None else {"ofStops": default.with_stops})
     meaning = {"isNeeded": True, "meaning": rule["description"]}
     return value | (meaning if default is MISSING else {"default": default})
 
@@ -183,7 +175,9 @@ def _name_and_condition(kind: Kind) -> dict[str, Any]:
 def _driven_row(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
     drives = {"family": family(kind.name), "alone": driven_alone(kind.name)}
-    return _name_and_condition(kind) | drives | {"unit": kind.unit, "acts": acting(kind.record_path)}
+    displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
+    of_row = {"unit": kind.unit, "acts": acting(kind.record_path), "displaces": displaces}
+    return _name_and_condition(kind) | drives | of_row
 
 
 def _input_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:

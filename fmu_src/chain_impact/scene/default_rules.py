@@ -31,6 +31,7 @@ MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_po
 FROM_JOINTS = Derived(
     "the sums of joint_angles",
     lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
+    or_key="joint_angles",
 )
 ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
@@ -46,7 +47,12 @@ def as_in_contact(key: str) -> Derived:
 
 def with_stops(value: float) -> Derived:
     """Return the rule for a default that is ``value``, or None in a scene without stops of joints."""
-    return Derived(f"{value:g}", lambda tables: value if tables["chain"].stops else None, constant=True)
+    return Derived(
+        f"{value:g}",
+        lambda tables: value if tables["chain"].stops else None,
+        constant=True,
+        with_stops=value,
+    )
 
 
 # This rule returns no value, because contact.radius is read later; ``completion.py`` fills in the value when

@@ -58,6 +58,8 @@ class Derived:
         constant: whether the default always has the same content; other values only decide its length, or if
             there is a default.
         of_box: the other rule for a link that is a box, if there is one.
+        or_key: the key of the same table that can be given in place of this key, if there is one.
+        with_stops: the constant default in a scene with stops of joints, if there is one.
     """
 
     text: str
@@ -66,6 +68,8 @@ class Derived:
     divisor: int = 1
     constant: bool = False
     of_box: Derived | None = None
+    or_key: str = ""
+    with_stops: float | None = None
 
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")

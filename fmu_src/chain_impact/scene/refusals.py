@@ -29,8 +29,8 @@ SENTENCES = {
     "no_wall": "{value}is no wall of the scene; must be one of {walls}",
     "no_walls": "must be left out: the scene has no walls",
     "wall_name": "= {value} must be none of {others}",
-    "out_of_reach": "= {value} must be left out with its wall: no point can reach it: all points that may "
-    "touch slide parallel to it",
+    "out_of_reach": "= {value} must be left out with its wall: no point can reach it, because all "
+    "points that may touch slide parallel to it",
     "box_width": "= {value} must be > {least} [m], which is {bound}",
     "joint_range": "= {value} must be > {least} [rad], which is joint_min",
     "static_friction": "= {value} must be >= {least}, the coefficient of sliding friction, or 0, which means "
@@ -43,7 +43,7 @@ SENTENCES = {
     "point_names": "has two points with the name {name}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
     "no_joint": "= {value} must be left out: a free base has no joint 1"
-    "; of equal links, link 1 needs an entry of its own",
+    "; if link 1 comes from a `count`, write it as an entry of its own",
     "no_slider": 'must be left out: only a base on a slider has it: chain.base = "slider"',
     "no_slider_velocity": '= {value} must be 0: only a base on a slider has it: chain.base = "slider"',
     "no_slider_force": 'must be false: only a base on a slider has it: chain.base = "slider"',

@@ -8,7 +8,7 @@ axis, 0 or 1. The value references follow the order of the rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -51,18 +51,27 @@ def _block(
         array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
-    kinds, head = [], f"{prefix}."
+    kinds, head = list[Kind](), f"{prefix}."
     given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
     for number, (axis, cells) in enumerate(_rows(rows)):
-        name, unit, text, *more = (*given[number], *cells) if given else cells
-        attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
-        attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
-        name, place = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
-        steps = [int(step) if step.isdecimal() else step for step in place.split(".")]
-        index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
-        path = (part, *steps, *index)
-        kinds.append(Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes))
+        whole = (*given[number], *cells) if given else cells
+        try:
+            kinds.append(_kind(part, owner_kind, axis, array, whole))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"the row {' | '.join(whole)!r} of {prefix or part} is wrong: {error}") from None
     return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | other)
+
+
+def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[str]) -> Kind:
+    """Return the kind of one row; see ``_block``. A wrong row raises TypeError or ValueError."""
+    name, unit, text, *more = cells
+    attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
+    attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
+    name, place = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
+    steps = [int(step) if step.isdecimal() else step for step in place.split(".")]
+    index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
+    path = (part, *steps, *index)
+    return Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes)
 
 
 def _rows(text: str) -> Iterator[tuple[str, list[str]]]:

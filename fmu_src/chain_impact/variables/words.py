@@ -20,6 +20,15 @@ OF_STOPS = {
 }
 """Words on the quantities of an impact at a stop of a joint; "" in a scene without such stops."""
 
+GENERAL = {
+    "before": "link i − 1, or the base",
+    "parent": "the link before",
+    "from_x": "",
+    "about": "the origin, of a wall at any angle about its point",
+}
+"""Words of an owner that stand for any owner."""
+LOSSES = "contacts, joint damping and dry friction"
+
 
 def scene_words(structure: Structure) -> dict[str, Any]:
     """Return the words and the limits of variables that a scene has, by their names in templates.
@@ -39,15 +48,12 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
-        "losses": "contacts, joint damping and dry friction"
-        if known["friction"]
-        else "contacts and joint damping",
+        "losses": LOSSES if known["friction"] else "contacts and joint damping",
         **(OF_STOPS if known["stops"] else dict.fromkeys(OF_STOPS, "")),
         "general": {
-            "before": "link i − 1, or the base",
-            "parent": "the link before" if known["free"] else f"the link before, or {_ground(structure)}",
-            "from_x": "",
-            "about": "the origin, of a wall at any angle about its point" if known["lines"] else "the origin",
+            **GENERAL,
+            **({} if known["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
+            **({} if known["lines"] else {"about": "the origin"}),
         },
     }
 

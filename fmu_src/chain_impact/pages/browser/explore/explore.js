@@ -90,7 +90,8 @@ function showStatus(next = sentence) {
 /** Return a button that sets all friction of walls to zero, for a law that does not allow friction. */
 function withoutFriction() {
   const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });
-  const names = [...changes.parameters.keys()].filter((name) => /^(contact|wall\..*)\.(static_)?friction$/.test(name));
+  const ofWalls = ({ filePath }) => filePath?.[0] === "contact" && filePath.at(-1).endsWith("friction");
+  const names = [...changes.parameters.values()].filter(ofWalls).map(({ name }) => name);
   button.addEventListener("click", () => changes.set(Object.fromEntries(names.map((name) => [name, 0]))));
   return button;
 }

@@ -124,7 +124,7 @@ export function describe(kit, file, command) {
     inputs: inputs.map(({ name }) => name),
     still: motions.filter(isFree).map(({ name }) => name),
     driven: driven.filter(({ name }) => named.has(name)),
-    moved: driven.filter(({ name }) => /^wall\..*\.displacement$/.test(name)),
+    moved: driven.filter(({ name }) => byName.get(name).displaces),
     parameters: parametersOf(rows, [...inputs, ...times], values, structure, byName),
     columns,
     drawn: drawnOf(kit, known, outputs),

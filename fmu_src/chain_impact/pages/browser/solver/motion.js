@@ -175,7 +175,7 @@ function withImpacts(times, contacts) {
 
 /** Return the number of frames per second on the screen, enough to show the sines that drive inputs. */
 function frameRateOf({ parameters }, valueOf, stop) {
-  const sines = parameters.filter(({ name }) => /^signal\.\w+\.frequency$/.test(name)).flatMap(({ name }) => {
+  const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {
     const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
     if (lasting <= 0 || valueOf(name.replace(/frequency$/, "amplitude")) === 0) return [];
     return [valueOf(name), valueOf(name) + lasting * valueOf(`${name}_rate`)].map(Math.abs);
