@@ -192,7 +192,7 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
         d.work.load.x[place], d.work.load.y[place] = load
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
-    join(d, d.work.impedance, 0.0)
+    join(d, d.work.impedance)
     factorize(d, d.work.link, d.work, HELD, True)
     d.work.load.joint[:] = 0.0
     change = np.zeros(n + 2)

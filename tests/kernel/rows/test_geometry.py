@@ -176,7 +176,7 @@ def assert_adjoint(d, rows, change):
         add_impedance(row, own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-        join(d, own, 0.0)
+        join(d, own)
         if row[0] > d.links:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
 

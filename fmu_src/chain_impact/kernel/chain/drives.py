@@ -122,19 +122,22 @@ def rotor_energy(d, y):
     return energy
 
 
-def drive_damping(d, i):
-    """Return the damping c of drive i [N·m·s/rad or N·s/m]; 0 at a limit, and without a joint."""
-    return d.inputs.drive_damping[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
+def follows(d, i):
+    """Return whether the force of drive i follows its motion: there is a joint, and no limit is reached."""
+    return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
-def drive_stiffness(d, i):
-    """Return the stiffness k of drive i [N·m/rad or N/m]; 0 at a limit, and without a joint."""
-    return d.inputs.drive_stiffness[i] if i >= first_joint(d) and d.drive.mode[i] == 0 else 0.0
+def drive_slopes(d, _y, i):
+    """Return the slopes −∂F/∂q̇ [N·m·s/rad or N·s/m] and −∂F/∂q [N·m/rad or N/m] of drive i in state y.
+
+    They are c and k; at a limit, and without a joint, they are 0.
+    """
+    return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if follows(d, i) else (0.0, 0.0)
 
 
-def drive_resistance(d, i, time):
-    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i; ``time`` is s [s]."""
-    return time * (drive_damping(d, i) + time * drive_stiffness(d, i))
+def largest_slopes(d, i):
+    """Return the largest slopes of drive i in any state below its limit, in the units of ``drive_slopes``."""
+    return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
 
 def is_active(d, i):
@@ -146,9 +149,14 @@ def is_active(d, i):
     return d.model.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
+def own_spring_force(d, y, i):
+    """Return the force k (q − q_t) [N·m or N] of the spring of drive i, without a limit of the drive."""
+    return d.inputs.drive_stiffness[i] * stretch(d, y, i)
+
+
 def spring_force(d, y, i):
-    """Return the force k (q − q_t) [N·m or N] of the spring of drive i; 0 at a limit, and without a joint."""
-    return drive_stiffness(d, i) * stretch(d, y, i)
+    """Return the force [N·m or N] of the spring of drive i; 0 at a limit, and without a joint."""
+    return own_spring_force(d, y, i) if follows(d, i) else 0.0
 
 
 def stored_force(d, y, i):
@@ -159,9 +167,10 @@ def stored_force(d, y, i):
 def spring_energy(d, y):
     """Return the energy [J] stored in the springs of all passive drives."""
     energy = 0.0
-    for i in range(drive_count(d)):
-        bent = stretch(d, y, i)
-        energy += 0.0 if is_active(d, i) else 0.5 * drive_stiffness(d, i) * bent * bent
+    for i in range(first_joint(d), drive_count(d)):
+        if not is_active(d, i):
+            bent = stretch(d, y, i)
+            energy += 0.5 * d.inputs.drive_stiffness[i] * bent * bent
     return energy
 
 
@@ -169,9 +178,8 @@ def wanted_force(d, y, i):
     """Return the force or torque F of drive i without its limit [N·m or N]; 0 without a joint."""
     if i < first_joint(d):
         return 0.0
-    inputs = d.inputs
-    rate = along_drive(d, y, velocity_at(d.links), i) - inputs.target_velocity[i]
-    return inputs.motor[i] - inputs.drive_damping[i] * rate - inputs.drive_stiffness[i] * stretch(d, y, i)
+    rate = along_drive(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
+    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - own_spring_force(d, y, i)
 
 
 def drive_force(d, y, i):

@@ -23,9 +23,9 @@ import math
 from chain_impact.kernel.chain.drives import (
     along_drive,
     drive_count,
-    drive_damping,
     drive_inertia,
-    drive_stiffness,
+    drive_slopes,
+    largest_slopes,
     load_drive,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, set_link_vectors, zero
@@ -37,15 +37,16 @@ def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
-        c, k = drive_damping(d, i), drive_stiffness(d, i)
+        c, k = largest_slopes(d, i)
         if i + 1 < d.links:
-            c += drive_damping(d, i + 1)
-            k += drive_stiffness(d, i + 1)
+            outer = largest_slopes(d, i + 1)
+            c, k = c + outer[0], k + outer[1]
         damping = max(damping, rate_of(2.0 * c, d.model.inertia[i]))
         stiffness = max(stiffness, rate_of(2.0 * k, d.model.inertia[i]))
     if d.slides:
-        damping = max(damping, rate_of(drive_damping(d, d.links), d.slider.mass))
-        stiffness = max(stiffness, rate_of(drive_stiffness(d, d.links), d.slider.mass))
+        c, k = largest_slopes(d, d.links)
+        damping = max(damping, rate_of(c, d.slider.mass))
+        stiffness = max(stiffness, rate_of(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
 
 
@@ -71,7 +72,7 @@ def largest_joint_rate(d, y):
     clear_joints(work.load)
     clear_link_moments(d, work.load)
     for i in range(drive_count(d)):
-        c, k = drive_damping(d, i), drive_stiffness(d, i)
+        c, k = drive_slopes(d, y, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, work.load, i, 1.0)
             solve(d, work.link, work, FREE, work.change)

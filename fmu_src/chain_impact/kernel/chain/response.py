@@ -37,6 +37,7 @@ pivoting is needed: the argument of every s is below 61°, so all quadratic form
 122°, and no pivot vanishes.
 """
 
+from chain_impact.kernel.chain.drives import joints_resist
 from chain_impact.kernel.chain.elimination import arm, hinge, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
 from chain_impact.kernel.chain.state import ANGLES
@@ -89,7 +90,7 @@ COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: co
 
 
 def no_impedance(d, impedance):
-    """Set the impedances at all places to zero."""
+    """Set the impedances at all places and in all joints to zero."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.model.has_joint_places:
@@ -98,6 +99,8 @@ def no_impedance(d, impedance):
     for s in range(d.sites):
         k = site_place(d, s)
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+    for i in range(d.links if joints_resist(d) else 0):
+        impedance.joint[i] = 0.0
 
 
 def factorize(d, link_vectors, space, row, coupled):

@@ -18,8 +18,7 @@ import math
 from chain_impact.kernel.chain.drives import (
     along_drive,
     drive_count,
-    drive_damping,
-    drive_stiffness,
+    drive_slopes,
     lever_of_drive,
 )
 from chain_impact.kernel.chain.kinematics import move_points
@@ -309,8 +308,8 @@ def moment_error(d, row):
     """
     error, worst = d.work.error[row], 0.0
     for i in range(drive_count(d)):
-        force = drive_stiffness(d, i) * abs(along_drive(d, error, 0, i))
-        force += drive_damping(d, i) * abs(along_drive(d, error, velocity_at(d.links), i))
+        c, k = drive_slopes(d, d.trial.state, i)
+        force = k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
         worst = max(worst, force * (d.model.longest_link / lever_of_drive(d, i)))
     return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link))
 

@@ -42,8 +42,7 @@ of the step.
 from chain_impact.kernel.chain.drives import (
     along_drive,
     drive_count,
-    drive_resistance,
-    drive_stiffness,
+    drive_slopes,
     load_drive,
 )
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
@@ -75,6 +74,7 @@ from chain_impact.kernel.rows.geometry import (
     gap_acceleration,
     join,
     normal_row,
+    row_of_drive,
 )
 
 
@@ -159,7 +159,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set ∂F/∂δ and ∂F/∂δ̇ of the forces of active contacts for z, and store the link vectors of z."""
+    """Set the slopes of the forces of active contacts and of drives for z, and store its link vectors."""
     implicit, link = d.implicit, d.work.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
@@ -167,6 +167,13 @@ def extended_slopes(d, z):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
         implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
+    take_drive_slopes(d, z)
+
+
+def take_drive_slopes(d, z):
+    """Set the slopes of the forces of drives, −∂F/∂q̇ and −∂F/∂q, for z."""
+    for i in range(drive_count(d) if d.model.has_springs_or_dampers else 0):
+        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, z, i)
 
 
 def contact_impedance(d, k, s):
@@ -177,6 +184,11 @@ def contact_impedance(d, k, s):
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
 
+def drive_resistance(d, i, s):
+    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i, from its slopes c and k."""
+    return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
+
+
 def factorize_shift(d, s, space, row):
     """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
     no_impedance(d, space.impedance)
@@ -185,7 +197,12 @@ def factorize_shift(d, s, space, row):
     hold_at_once(d)
     for k in range(compliant(d), constraint_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
-    join(d, space.impedance, s)
+    if d.model.has_springs_or_dampers:
+        for i in range(d.links):
+            space.impedance.joint[i] = drive_resistance(d, i, s)
+    join(d, space.impedance)
+    if d.slides and d.model.has_springs_or_dampers:
+        add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
@@ -197,7 +214,7 @@ def solve_shift(d, s, space, row, x):
         for i in range(drive_count(d)):
             # impulse of damper and spring of drive i: its part of K r_v + s S r_q
             rate, change_of_place = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
-            impulse = drive_resistance(d, i, s) * rate + s * drive_stiffness(d, i) * change_of_place
+            impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * change_of_place
             load_drive(d, space.load, i, impulse)
     for k in range(compliant(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g

@@ -74,7 +74,7 @@ def factorize_contacts(d, row, impedance):
     no_impedance(d, d.work.impedance)
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.work.impedance, impedance[k])
-    join(d, d.work.impedance, 0.0)
+    join(d, d.work.impedance)
     factorize(d, d.work.link, d.work, row, joints_loaded(d))
 
 
@@ -148,7 +148,7 @@ def geared_accelerations(d, y, rate):
         load.x[0] += work.thrust * slider.ux + slider.mass * gravity[0]
         load.y[0] += work.thrust * slider.uy + slider.mass * gravity[1]
     no_impedance(d, work.impedance)
-    join(d, work.impedance, 0.0)
+    join(d, work.impedance)
     factorize(d, link, work, FREE, True)
     solve(d, link, work, FREE, work.change)
     for j in range(coordinate_count(n)):
@@ -161,7 +161,7 @@ def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
     work, row = d.work, normal_row(d, c)
     no_impedance(d, work.impedance)
-    join(d, work.impedance, 0.0)
+    join(d, work.impedance)
     factorize(d, work.link, work, FREE, d.model.has_armatures != 0 or at_joint(d, c))
     clear_loads_of(d, work.load)
     add_along(row, work.load, 1.0)

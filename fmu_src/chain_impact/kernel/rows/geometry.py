@@ -25,7 +25,6 @@ F.
 from chain_impact.kernel.chain.drives import (
     coordinates_of_drive,
     drive_inertia,
-    drive_resistance,
     is_slider,
     joints_resist,
     lever_of_drive,
@@ -277,19 +276,14 @@ def to_joints(d, load):
             load.joint[i] += d.model.longest_link * load.x[joint_place(d, i)]
 
 
-def join(d, impedance, time):
-    """Set the impedance of each joint: of its armature and place, and of damper and spring over a time [s].
-
-    The impedance of a slider's damper and spring is added at the base.
-    """
+def join(d, impedance):
+    """Add to the impedance of each joint the rotor of its drive and the impedance at its place."""
     if joints_resist(d):
         square = d.model.longest_link * d.model.longest_link
         for i in range(d.links):
-            impedance.joint[i] = drive_inertia(d, i) + drive_resistance(d, i, time)
+            impedance.joint[i] += drive_inertia(d, i)
             if d.model.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
-    if d.slides:
-        add_impedance(row_of_drive(d, d.links), impedance, drive_resistance(d, d.links, time))
 
 
 def clear_loads_of(d, load):

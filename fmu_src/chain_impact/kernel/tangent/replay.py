@@ -56,6 +56,7 @@ from chain_impact.kernel.ode.extended import (
     extended_size,
     factorize_real,
     project_clearances,
+    take_drive_slopes,
 )
 from chain_impact.kernel.ode.last_step import (
     accept,
@@ -192,12 +193,13 @@ def take_stages(d, t, size):
 
 
 def take_slopes(d, t):
-    """Copy the data of the Jacobian A from d to t."""
+    """Set the data of the Jacobian A in t: those of contacts and the link vectors are copied from d."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
     for k in range(d.touch.active_count):
         implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
+    take_drive_slopes(t, implicit.start)
 
 
 def iterate_slopes(d, t, h, size):
