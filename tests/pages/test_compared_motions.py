@@ -17,6 +17,7 @@ pytestmark = needs_browser
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"  # by 900 ms
 LETTERS = function_of("compared_motions", "letters")
 """The letters that are written into each chart when it has another width."""
+AXES = (("x", "width"), ("y", "height"))
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
 
@@ -58,6 +59,11 @@ def test_letters_of_pins_at_one_place_are_beside_each_other(show):
     assert len(dots) == 3
     for one, other in itertools.combinations(dots, 2):
         assert abs(one["x"] - other["x"]) > 10.0, "half of the letter's dot is free at least"
+    numbers = [one.bounding_box() for one in page.locator(".point-number").all()]
+    for dot, number in itertools.product(dots, numbers):
+        apart = [abs(2 * dot[at] + dot[size] - 2 * number[at] - number[size]) for at, size in AXES]
+        room = [dot[size] + number[size] for _, size in AXES]
+        assert apart[0] > room[0] or apart[1] > room[1], "no number lies on a letter"
 
 
 def test_a_carriage_has_one_size_in_all_motions(show):

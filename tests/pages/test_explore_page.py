@@ -1,5 +1,7 @@
 """The page that simulates: runs that fail or last long, screens, other pages, and the memory."""
 
+# Tests: pages/browser/explore/begin.js, pages/browser/explore/open_scene.js
+# Tests: pages/browser/explore/simulation.js, pages/browser/explore/address.js
 # Tests: pages/browser/explore/explore.js
 # Tests: pages/browser/base/dom.js
 

@@ -35,7 +35,7 @@ DIGESTS = {
     "smol-toml.LICENSE": "fa5659948374d4f555594f47f6da073b40dc503e921aeeece30df4362b3051a5",
 }
 
-PROGRAMS = (recorded.RECORDED_PROGRAM, explore.PROGRAM, explore.WORKER)
+PROGRAMS = (recorded.RECORDED_PROGRAM, explore.BEGIN, explore.PROGRAM, explore.WORKER)
 
 
 @pytest.fixture(scope="module")

@@ -44,7 +44,7 @@ from tests.pages.in_pages import page_contents
 from tests.pages.javascript import function_of
 
 FRAMES = function_of("twins", "framesInPage")
-SPANS = "([impacts, stop]) => slowSpans(contactsOf(impacts, stop))"
+SPANS = "([impacts, stop]) => slowSpans(impactsUntil(impacts, stop))"
 VIEW = function_of("twins", "viewInPage")
 ROOM = "([walls, around]) => freeRegionWithin(walls, around).corners"
 SHAPES = function_of("twins", "shapes")

@@ -45,9 +45,16 @@ def styles() -> list[str]:
 
 
 def program(*names: str) -> str:
-    """Return modules and all modules that they import, joined to one program without imports."""
-    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
-    return "\n".join([declaration(), *texts])
+    """Return the program of modules, with the constants that pages share."""
+    return f"{declaration()}\n{joined(*names)}"
+
+
+def joined(*names: str) -> str:
+    """Return modules and all modules that they import, joined to one script without imports.
+
+    No two of its modules have the same name at their top level.
+    """
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
 
 
 def modules(*names: str) -> list[str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.assembly import assembled, program, script_data, styles, text_of
+from chain_impact.pages.assembly import assembled, joined, program, script_data, styles, text_of
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
@@ -17,8 +17,8 @@ from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 from chain_impact.system import written_whole
 
-PROGRAM, WORKER = "explore/explore.js", "solver/worker.js"
-"""The program of the page, and the program of the page's worker."""
+BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worker.js"
+"""What the page runs before it reads its libraries, its program, and the program of its worker."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
@@ -70,7 +70,9 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         scene.name,
         [*styles(), text_of("explore/explore.css")],
         program(PROGRAM),
-        data=script_data(contents(scene, command) | {"module": packed(module)}),
+        data=script_data(contents(scene, command)),
+        begin=joined(BEGIN),
+        kernel=packed(module),
         toml=text_of(TOML),
         worker=program(WORKER),
     )

@@ -189,6 +189,7 @@ def _output_row(kind: Kind) -> dict[str, Any]:
         "unit": kind.unit,
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
+        "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("load", "peak"),
         "drawn": DRAWN.get(kind.name),
     }
 

@@ -25,8 +25,8 @@ export const texts = async () => {
 
 export const course = async ({ module, file, kit, values }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
-  const { parts: { forces, contacts, rowTime } } = runThrough(motion(kernel, values));
-  return contacts.map(({ point, wall, onset, end, peak }) => {
+  const { parts: { forces, impacts, rowTime } } = runThrough(motion(kernel, values));
+  return impacts.map(({ point, wall, onset, end, peak }) => {
     const { force } = forces.find((one) => one.point === point && one.wall === wall);
     const within = force.filter((_, k) => rowTime[k] >= onset && rowTime[k] <= end);
     return [peak, Math.max(...within)];

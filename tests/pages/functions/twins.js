@@ -1,6 +1,6 @@
 // Functions that tests/pages/test_twins.py runs in a page.
 import { unpack } from "../../../fmu_src/chain_impact/pages/browser/player/packed_recording.js";
-import { contactsOf, framesOf, timesOf } from "../../../fmu_src/chain_impact/pages/browser/recording/frames.js";
+import { framesOf, impactsUntil, timesOf } from "../../../fmu_src/chain_impact/pages/browser/recording/frames.js";
 import { frameTimes } from "../../../fmu_src/chain_impact/pages/browser/recording/pacing.js";
 import { viewOf } from "../../../fmu_src/chain_impact/pages/browser/recording/view.js";
 import { wallsAt } from "../../../fmu_src/chain_impact/pages/browser/scene/geometry.js";
@@ -28,8 +28,8 @@ export const shapes = ([contents, bases, size]) => {
 export const shownInPage = ([packed, impactTime]) => {
   const rows = unpack(packed);
   const [start, stop] = [rows.time[0], rows.time.at(-1)];
-  const contacts = contactsOf(packed.impacts, stop);
-  const frames = timesOf(contacts, start, stop, rows.pointCount, impactTime, packed.frameRate);
-  const { time, x, y, view, anchor, pin } = framesOf({ ...rows, contacts }, frames);
+  const impacts = impactsUntil(packed.impacts, stop);
+  const frames = timesOf(impacts, start, stop, rows.pointCount, impactTime, packed.frameRate);
+  const { time, x, y, view, anchor, pin } = framesOf({ ...rows, impacts }, frames);
   return { time: [...time], x: [...x], y: [...y], view, anchor, pin };
 };

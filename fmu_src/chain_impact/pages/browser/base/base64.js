@@ -2,7 +2,10 @@
 
 /** Return the bytes of a text in base64. */
 export function bytesIn(text) {
-  return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+  const signs = atob(text);
+  const bytes = new Uint8Array(signs.length);
+  for (let k = 0; k < signs.length; k += 1) bytes[k] = signs.charCodeAt(k);
+  return bytes;
 }
 
 /** Return the numbers of 8 bytes in a text in base64, whose bytes are not compressed. */

@@ -82,6 +82,7 @@ export class ChainDrawing {
     this.labels = this.drawing.group();
     this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
     this.linesAbove = () => []; // returns the lines in `above` that labels must not cover
+    this.lettersBehind = () => []; // returns the positions of letters in `behind` that labels must not cover
   }
 
   /** Use another recording. */
@@ -208,7 +209,7 @@ export class ChainDrawing {
     const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
     [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
-    this.dots.forEach(([point]) => this.labelSpace.reserveAround(all[point]));
+    [...this.dots.map(([point]) => all[point]), ...this.lettersBehind()].forEach((at) => this.labelSpace.reserveAround(at));
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
     texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
     this.#drawNames(all, bodies);

@@ -61,8 +61,8 @@ export function traceFinder({ frames, positions }, width) {
  * in the step.
  */
 function slopesOf(at, recording) {
-  const { time, contacts } = recording;
-  const broken = new Set(contacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
+  const { time, impacts } = recording;
+  const broken = new Set(impacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
   const steps = Array.from({ length: at.length - 1 }, (_, k) => broken.has(k) ? undefined : time[k + 1] - time[k]);
   const speed = (k) => [0, 1].map((axis) => (at[k + 1][axis] - at[k][axis]) / steps[k]);
   // the slope of the parabola through three frames without an impact between them

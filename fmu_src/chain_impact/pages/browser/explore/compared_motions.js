@@ -2,6 +2,7 @@
 
 import { make } from "../base/dom.js";
 import { durationText, forceText, unitsOf } from "../base/format.js";
+import { hashOf } from "./export.js";
 
 const GESTURE = 800; // [ms] changes that follow each other faster count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
@@ -18,13 +19,24 @@ export class ComparedMotions {
     this.table = table;
     this.pinned = []; // the pinned motions: {recording, colour}
     this.before = null;
+    player.drawing.lettersBehind = () => this.letters;
+  }
+
+  /** Let each change of parameters change the motion before it; a change goes on while the same handle is dragged. */
+  follow(changes, handles) {
+    let last = { hash: hashOf(changes), dragged: null };
+    changes.onChange(() => {
+      const present = { hash: hashOf(changes), dragged: handles.dragged };
+      if (present.hash !== last.hash) this.#change(present.dragged !== null && present.dragged === last.dragged);
+      last = present;
+    });
   }
 
   /**
    * Keep the shown motion as the motion before the change, unless the change continues the last one: if it `goesOn`, or comes
    * within GESTURE.
    */
-  change(goesOn) {
+  #change(goesOn) {
     const now = performance.now();
     if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
     this.#last = now;
@@ -60,25 +72,37 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
+  /** Return the other motions at the present time: frame, class, positions of points on the screen, and letter with its position. */
+  get #shown() {
+    const { drawing: { camera }, clock, recording: shown } = this.player;
+    const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
+    const tips = [camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.links))];
+    const others = [{ recording: this.before, kind: "before" }, ...pinned].filter(({ recording }) => recording && recording !== shown);
+    return others.map(({ recording, kind, letter }) => {
+      const frame = recording.frameAt(clock.time);
+      const positions = Array.from({ length: recording.links + 1 }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
+      const at = letter ? besideOthers(positions.at(-1), tips) : positions.at(-1);
+      if (letter) tips.push(at);
+      return { recording, frame, kind, letter, positions, at };
+    });
+  }
+
+  /** Return the positions of the letters on the screen. */
+  get letters() {
+    return this.pinned.length ? this.#shown.filter(({ letter }) => letter).map(({ at }) => at) : [];
+  }
+
   /** Draw the other motions at the present time. */
   draw() {
-    const { drawing, clock, recording: shown } = this.player;
-    drawing.behind.clear();
-    const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
-    const tips = [drawing.camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.links))];
-    for (const { recording, kind, letter } of [{ recording: this.before, kind: "before" }, ...pinned]) {
-      if (!recording || recording === shown) continue;
-      const frame = recording.frameAt(clock.time);
-      const positions = Array.from({ length: recording.links + 1 }, (_, point) =>
-        drawing.camera.toScreen(...recording.pointAt(frame, point)));
-      recording.bodiesAt(frame, shown).forEach((corners) => {
-        drawing.behind.polygon(corners.map((corner) => drawing.camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
+    const { behind, camera } = this.player.drawing;
+    behind.clear();
+    for (const { recording, frame, kind, letter, positions, at: [x, y] } of this.#shown) {
+      recording.bodiesAt(frame, this.player.recording).forEach((corners) => {
+        behind.polygon(corners.map((corner) => camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
-      drawing.behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
-      const [x, y] = letter ? besideOthers(positions.at(-1), tips) : positions.at(-1);
-      if (letter) tips.push([x, y]);
-      drawing.behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
-      if (letter) drawing.behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
+      behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
+      behind.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
+      if (letter) behind.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
   }
 

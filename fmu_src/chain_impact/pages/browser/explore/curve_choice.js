@@ -39,9 +39,10 @@ function namesIn(text, columns) {
 export class CurveChoice {
   names = [];
 
-  /** `changed` is called when the reader chooses other outputs. */
-  constructor(changes, changed) {
-    Object.assign(this, { changes, changed });
+  #listener = () => {};
+
+  constructor(changes) {
+    this.changes = changes;
     this.dialog = find("curves");
     [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(find);
     [find("curves-open"), find("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
@@ -56,6 +57,11 @@ export class CurveChoice {
     changes.onOpen(() => {
       this.names = this.names.filter((name) => this.#columns.some((column) => column.name === name));
     });
+  }
+
+  /** Call a function when the reader chooses other outputs. */
+  onChange(listener) {
+    this.#listener = listener;
   }
 
   get #columns() {
@@ -100,7 +106,7 @@ export class CurveChoice {
     return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
   }
 
-  /** Choose the outputs in a text, without a call of `changed`; an error says what is not possible. */
+  /** Choose the outputs in a text, without a call of the listener; an error says what is not possible. */
   take(text) {
     this.names = namesIn(text, this.#columns);
   }
@@ -108,7 +114,7 @@ export class CurveChoice {
   #choose(text) {
     try {
       this.take(text);
-      this.changed();
+      this.#listener();
       this.#refresh();
     } catch (error) {
       this.#refresh(`${error.message}.`);

@@ -77,7 +77,7 @@ export function editedScene(contents, before, { scene, parameters, values, input
   }
   const steps = Object.fromEntries(Object.entries(inputSteps).map(([name, pairs]) => [nameOf(name), pairs]));
   const base = openIfPossible(file, open, Object.keys(ofFile));
-  return { ...(base ?? edited), kept: { values: { ...ofInputs, ...(base && ofFile) }, inputSteps: steps }, nameOf };
+  return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf };
 }
 
 /** Return what `open` returns for a complete file, if its scene is possible and has parameters of all `names`; else undefined. */

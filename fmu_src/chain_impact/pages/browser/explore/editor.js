@@ -35,15 +35,11 @@ const SLIDER = {
 const POINT = { x: "Along", y: "Left", radius: "Radius" };
 
 export class Editor {
-  /**
-   * `openContents` shows a scene with some contents; `openEdited` does so for edited contents and their parts before the edit, and
-   * keeps the reader's changes; both throw an error if a key is wrong. `openFirst` shows the page's own scene; `keys` are the rules of
-   * the keys of a scene file, with their units.
-   */
-  constructor(changes, { openContents, openEdited, openFirst }, keys) {
+  /** `keys` are the rules of the keys of a scene file, with their units. */
+  constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const units = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
-    Object.assign(this, { changes, openContents, openEdited, units });
+    Object.assign(this, { changes, openScene, units });
     this.dialog = find("edit");
     find("edit-open").addEventListener("click", () => {
       this.#draw();
@@ -60,7 +56,7 @@ export class Editor {
       target.value = ""; // so that the same file can be chosen a second time
     });
     find("edit-first").addEventListener("click", () => {
-      openFirst();
+      openScene.openFirst();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
@@ -77,7 +73,7 @@ export class Editor {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
       if (text instanceof Error) throw text; // fails for a folder, and for a file that no longer exists
-      this.openContents(contentsIn(text));
+      this.openScene.open(contentsIn(text));
     }, `${file.name} is open.`, (error) => {
       onFault();
       return `${file.name} cannot be opened: ${error.message.replace(/\.$/, "")}.`;
@@ -90,7 +86,7 @@ export class Editor {
     const before = partsOf(file);
     this.#try(() => {
       edit(file);
-      this.openEdited(file, before);
+      this.openScene.openEdited(file, before);
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 

@@ -10,15 +10,15 @@ import { commandOf, csvOf, pictureOf, save } from "./export.js";
  *
  * @param keys the rules of the keys of a scene file.
  * @param ask sends a request to the worker.
- * @param address returns the address of the page with the changes.
- * @param isOpened returns whether the reader has opened a scene file, which a command needs.
+ * @param address the address of the page, with the changes.
+ * @param openScene the open scene; the command needs its file unless it is the page's own scene.
  * @param faultOf returns a sentence on the fault of a run.
  */
-export function connectExport(changes, { keys, ask, address, isOpened, faultOf }) {
+export function connectExport(changes, { keys, ask, address, openScene, faultOf }) {
   find("export-open").addEventListener("click", () => {
     find("command").value = commandOf(changes);
-    find("link").value = address();
-    find("export-text").textContent = isOpened() ? "The command needs the scene file: save it first." : "";
+    find("link").value = address.text;
+    find("export-text").textContent = openScene.text ? "The command needs the scene file: save it first." : "";
     find("export").showModal();
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {

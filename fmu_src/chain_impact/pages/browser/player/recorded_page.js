@@ -1,13 +1,13 @@
 // The program of the page that shows a recording.
 
 import { find } from "../base/dom.js";
-import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
+import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
 import { Recording } from "../recording/recording.js";
 import { unpack } from "./packed_recording.js";
 import { Player } from "./player.js";
 
 const rows = unpack(JSON.parse(find("data").textContent));
 const [start, stop] = [rows.time[0], rows.time.at(-1)];
-const contacts = contactsOf(rows.impacts, stop);
-const frames = timesOf(contacts, start, stop, rows.pointCount, rows.impactTime, rows.frameRate);
-new Player(rows.speed).show(new Recording(framesOf({ ...rows, contacts }, frames)));
+const impacts = impactsUntil(rows.impacts, stop);
+const frames = timesOf(impacts, start, stop, rows.pointCount, rows.impactTime, rows.frameRate);
+new Player(rows.speed).show(new Recording(framesOf({ ...rows, impacts }, frames)));

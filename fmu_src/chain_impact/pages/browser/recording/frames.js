@@ -11,7 +11,7 @@ const FEWEST_FRAMES = 200; // smallest number of frames
  * Return the impacts in the form of the page: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.
  * `impactEnd` is the end of the impact: `end` or an earlier time, whose distance from the onset follows from depth and speed.
  */
-export function contactsOf(impacts, stop) {
+export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;
     const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.SLOWEST);
@@ -20,9 +20,9 @@ export function contactsOf(impacts, stop) {
 }
 
 /** Return the simulated times of the frames, and the number of frames per second on the screen. */
-export function timesOf(contacts, start, stop, pointCount, impactTime, rate) {
+export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
-  return frameTimes(start, stop, slowSpans(contacts), impactTime, most, rate);
+  return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
 }
 
 /** Return for each time the row before it, and the fraction of the way from this row to the next row. */
@@ -78,7 +78,7 @@ function ofStops({ n, columns: { moment } }) {
  * @param rows.x x row after row, a value for each point in each row.
  * @param rows.y y in the same order.
  * @param rows.drawn the quantities of `drawn.py`: group → entries { n, name, columns: name → a value for each row }.
- * @param rows.contacts the impacts, from `contactsOf`.
+ * @param rows.impacts the impacts, from `impactsUntil`.
  * @param rows.walls the free sides of the walls: name → { normal, offset }.
  * @param rows.moved the displacements of moving walls along their normals: name → a value for each row; may be missing.
  * @param rows.stops the joints with stops: { joint, arc, marks }.
@@ -92,7 +92,7 @@ function ofStops({ n, columns: { moment } }) {
  *   the rows if the times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, pointCount, drawn, contacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
+  const { name, links, pointCount, drawn, impacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
   const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
   const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
   const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
@@ -106,13 +106,13 @@ export function framesOf(rows, { times, frameRate }) {
     .map(([key, values]) => [key, at(values)])
     .sort(([a], [b]) => (a === "total") - (b === "total")); // the total is drawn last, above the others
   const peaks = [
-    ...contacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
+    ...impacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),
     ...drawn.loads.map(({ columns: { x: along, y: up } }) => largest(along.map((value, row) => Math.hypot(value, up[row])))),
   ];
   return {
     name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y,
-    energies: Object.fromEntries(energies), forces, drawn, stuckJoints, contacts,
+    energies: Object.fromEntries(energies), forces, drawn, stuckJoints, impacts,
     walls, stops, radius, touching, pointNames, bodies, rail,
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: largest(peaks),

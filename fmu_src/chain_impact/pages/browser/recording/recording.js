@@ -24,18 +24,17 @@ export function lastBefore(numbers, wanted) {
  * number of a frame may have a fraction: values are then interpolated.
  */
 export class Recording {
-  /** `parts` are `time`, `x` and `y` of the points, `energies`, `forces`, `contacts` and others, from `framesOf`. */
+  /** `parts` are `time`, `x` and `y` of the points, `energies`, `forces`, `impacts` and others, from `framesOf`. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];
     this.end = this.time[this.time.length - 1];
-    this.impacts = this.contacts;
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
     // the time from which each contact is the present contact: the middle between the end of the contact before and its own onset
-    this.turns = this.contacts.map(({ onset }, index) =>
-      index ? onset - Math.max(0, (onset - this.contacts[index - 1].end) / 2) : -Infinity);
+    this.turns = this.impacts.map(({ onset }, index) =>
+      index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
 
   /** Return the frame at a simulated time [s]. */
@@ -156,6 +155,6 @@ export class Recording {
    * Return the contact that list, chart and caption describe at a time: the latest contact, or the next one if it is nearer.
    */
   contactAt(time) {
-    return this.contacts[lastBefore(this.turns, time)];
+    return this.impacts[lastBefore(this.turns, time)];
   }
 }

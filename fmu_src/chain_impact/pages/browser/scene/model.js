@@ -98,12 +98,12 @@ export function describe(kit, file, command) {
     .map((row) => ({ ...row, number: reals[wordIndex(row.word, known, row.owner.at)] }));
   const times = kit.times.map((row) => ({ ...row, owner: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
-  const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit }) => {
+  const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit, owner }) => {
     const [row, order] = driving.get(name);
-    return { name, unit, word: wordIndex(kit.driven[order], known, row), integer: false };
+    return { name, unit, word: wordIndex(kit.driven[order], known, row), integer: false, ownerName: owner.name };
   });
   const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, known, row.owner.at) }));
-  const columns = [...driven, ...outputs.map(({ name, unit, word, integer }) => ({ name, unit, word, integer }))];
+  const columns = [...driven, ...outputs.map(({ name, unit, word, integer, isPeakLoad }) => ({ name, unit, word, integer, isPeakLoad }))];
   const named = new Set(structure.driven.map(({ input }) => input));
   return {
     name: file.name,

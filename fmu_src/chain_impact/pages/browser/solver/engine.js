@@ -7,15 +7,18 @@ export class Engine {
   #fault; // the error with which the worker has ended, if any
   #ended = false;
 
-  /**
-   * A worker that runs the program at an address for a scene; `module` is a promise of the compiled kernel, which all
-   * workers share.
-   */
-  constructor(address, scene, module) {
+  /** A worker that runs the program at an address; `compiled` is a promise of the compiled kernel, which all workers share. */
+  constructor(address, compiled) {
+    this.compiled = compiled;
     this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.#receive(data);
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
-    this.#sceneSent = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
+  }
+
+  /** Let the worker answer requests for a scene; return this engine. */
+  open(scene) {
+    this.#sceneSent = this.compiled.then((module) => this.worker.postMessage({ kind: "scene", scene, module }));
+    return this;
   }
 
   /**

@@ -2,7 +2,7 @@
 // run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
 
 import { mapped } from "../base/mapped.js";
-import { contactsOf, framesOf, timesOf } from "../recording/frames.js";
+import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
 import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
 import { sizeOf, VIEW } from "../recording/view.js";
@@ -69,7 +69,7 @@ function drawnWords({ drawn: { points, groups }, moved }) {
 }
 
 /** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record. */
-function rowsOf(scene, valueOf, { time, contacts, column }) {
+function rowsOf(scene, valueOf, { time, impacts, column }) {
   const { drawn: { points, groups }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
   const size = sizeOf(x, y);
@@ -83,9 +83,9 @@ function rowsOf(scene, valueOf, { time, contacts, column }) {
     x,
     y,
     drawn: mapped(groups, (entries) => entries.map(({ n, name, words }) => ({ n, name, columns: mapped(words, column) }))),
-    contacts,
+    impacts,
     walls: wallsAt(scene, valueOf),
-    moved: Object.fromEntries(moved.map(({ name, word }) => [name.split(".")[1], column(word)])),
+    moved: Object.fromEntries(moved.map(({ ownerName, word }) => [ownerName, column(word)])),
     stops: rangesOf(scene, valueOf),
     radius: largest > VIEW.ALONE * size ? largest : 0,
     touching,
@@ -136,21 +136,21 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const ending = { status, part, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
 
-  const contacts = contactsOf(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(contacts, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stop));
-  const sparse = contacts.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
+  const shown = impactsUntil(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
+  const { times, frameRate } = timesOf(shown, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stop));
+  const sparse = shown.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
   const dense = sparse.length ? withImpacts(times, sparse) : times;
   const words = drawnWords(scene);
   const { time, columns } = yield* run(1, dense, words.map((word) => ({ word })));
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => columns[words.indexOf(word)];
-  const rows = rowsOf(scene, valueOf, { time, contacts, column });
+  const rows = rowsOf(scene, valueOf, { time, impacts: shown, column });
   const inputs = inputCurves(kernel, first, inputSteps, valueOf);
 
   const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
   const outputs = { time: frames, curves: [] };
   if (chosen.length) {
-    const result = yield* run(2, withImpacts(frames, contacts), chosen);
+    const result = yield* run(2, withImpacts(frames, shown), chosen);
     outputs.time = result.time;
     outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: result.columns[k] }));
   }
@@ -165,8 +165,8 @@ export function stepsForKernel(kernel, inputSteps) {
 }
 
 /** Return times with additional times within impacts, because an impact may lie between two times. */
-function withImpacts(times, contacts) {
-  const inside = contacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
+function withImpacts(times, impacts) {
+  const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
       Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
   const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();

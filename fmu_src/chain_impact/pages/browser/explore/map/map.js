@@ -40,7 +40,7 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
   const largest = Object.entries(SHARED.peaks)
     .filter(([, { atStops }]) => (atStops ? stops.length : touch))
     .map(([name, { unit }]) => ({ name, unit, integer: false, words: [peaks[name]] }));
-  const loads = columns.filter(({ name }) => /^joint\[\d+\]\.peak_force$/.test(name)).map(({ word }) => word);
+  const loads = columns.filter(({ isPeakLoad }) => isPeakLoad).map(({ word }) => word);
   const ofJoints = { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads };
   return loads.length ? [...largest, ofJoints] : largest;
 }
@@ -60,6 +60,7 @@ export class GridMap {
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
+    find("map-open").addEventListener("click", () => this.open());
     this.#fill();
     changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => this.run());

@@ -23,7 +23,7 @@ function quantilesOf(values) {
 }
 
 /** Return the values at the ends of the colours, for increasing values: the extremes, or quantiles if few values are far off. */
-export function colourEnds(values, isLogarithmic) {
+function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);
   const width = ends[1] - ends[0];
@@ -34,7 +34,7 @@ export function colourEnds(values, isLogarithmic) {
 }
 
 /** Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours. */
-export function countBins(least, most) {
+function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
   const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3)); // up to 5e14
   const size = sizes.find((width) => numbersOf(width)[1] - numbersOf(width)[0] < MOST_COLOURS);

@@ -1,0 +1,51 @@
+// The address of the page, which has the open scene, the changes and the chosen outputs.
+
+import { Changes } from "../scene/changes.js";
+import { inputStepsIn } from "../scene/input_steps.js";
+import { contentsIn } from "../scene/scene_file.js";
+import { changesIn, hashOf } from "./export.js";
+
+const REST = 300; // [ms] the time without a change after which the address gets the changes
+
+export class Address {
+  #timer;
+
+  /** `refuse` shows a sentence on a fault in the address. */
+  constructor(changes, choice, openScene, refuse) {
+    Object.assign(this, { changes, choice, openScene, refuse });
+    if (location.hash) this.#apply();
+    changes.onChange(() => this.updateSoon());
+    addEventListener("hashchange", () => this.#apply());
+  }
+
+  get text() {
+    const hash = hashOf(this.changes, { scene: this.openScene.text, curves: this.choice.names.join() });
+    return location.href.split("#")[0] + (hash && `#${hash}`);
+  }
+
+  /** Put the changes into the address after a time without changes, because browsers limit how often an address may change. */
+  updateSoon() {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => history.replaceState(null, "", this.text), REST);
+  }
+
+  /**
+   * Use the scene and the changes in the address; a fault is shown. A fault in the scene changes nothing; with a fault in the
+   * changes, all changes of the address are left out.
+   */
+  #apply() {
+    const { changes, choice, openScene } = this;
+    try {
+      const { scene: text = "", curves = "", ...parts } = changesIn(location.hash);
+      if (text && text !== openScene.text) openScene.open(contentsIn(text));
+      else if (text !== openScene.text) openScene.openFirst();
+      const { others, inputSteps } = inputStepsIn(parts, changes);
+      const values = new Changes(changes.scene).with(others);
+      choice.take(curves);
+      changes.replace(values, inputSteps);
+    } catch (error) {
+      this.refuse(`The link cannot be used: ${error.message}.`);
+      this.updateSoon();
+    }
+  }
+}

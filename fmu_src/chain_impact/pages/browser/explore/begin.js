@@ -1,0 +1,12 @@
+// What takes longest begins before the page has read its libraries: the kernel is compiled, and the first worker starts.
+
+import { decompressed } from "../base/base64.js";
+import { find } from "../base/dom.js";
+import { Engine } from "../solver/engine.js";
+
+const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
+if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
+const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
+const compiled = decompressed(find("kernel").textContent).then((bytes) => WebAssembly.compile(bytes));
+const startEngine = () => new Engine(program, compiled);
+window.begun = { startEngine, engines: [startEngine()] };

@@ -1,0 +1,71 @@
+// The open scene: the page's own one, or one from a file, from the address or from an edit.
+
+import { find } from "../base/dom.js";
+import { tomlText } from "../scene/changed_file.js";
+import { describe } from "../scene/model.js";
+import { asWritten, complete } from "../scene/scene_file.js";
+import { inputText } from "../scene/words.js";
+import { editedScene } from "./edited_scene.js";
+
+export class OpenScene {
+  text = ""; // the text of the file; empty for the page's own scene
+
+  constructor(changes, choice, kit) {
+    Object.assign(this, { changes, choice, kit, first: changes.scene });
+    this.#describe();
+  }
+
+  /** Show the page's own scene. */
+  openFirst() {
+    this.#show(this.first, "");
+  }
+
+  /** Open a scene with the contents of a file; an error says which key is wrong. */
+  open(contents) {
+    this.#showFile(this.#sceneIn(contents));
+  }
+
+  /**
+   * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error says which key is
+   * wrong. `before`: the parts before the edit.
+   */
+  openEdited(contents, before) {
+    const { changes, choice, kit } = this;
+    const { nameOf, kept, ...edited } = editedScene(contents, before, changes, { kit, open: (file) => this.#sceneIn(file) });
+    choice.names = choice.names.map(nameOf).filter(Boolean);
+    this.#showFile(edited, kept);
+  }
+
+  /** Return the complete file of some contents and its scene; commands call the file by the name of the scene. */
+  #sceneIn(contents) {
+    const whole = complete(contents, this.kit);
+    return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
+  }
+
+  #showFile({ whole, scene }, kept) {
+    this.#show(scene, tomlText(asWritten(whole), this.kit.keys), kept);
+  }
+
+  /** Show a scene with a text of its file; `kept` are changes in it. */
+  #show(scene, text, kept) {
+    this.text = text;
+    this.changes.open(scene, kept);
+    this.#describe();
+  }
+
+  /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
+  #describe() {
+    const { name, text, still, inputs } = this.changes.scene;
+    document.querySelector("h1").textContent = name;
+    document.title = `${name} – chain-impact`;
+    find("description").textContent = text;
+    find("description").hidden = !text;
+    const notes = [
+      inputs.length && "While the motion plays, the slider of an input acts from that moment on.",
+      still.length && `These inputs keep their start values here: ${still.map(inputText).join("; ")}.`,
+    ].filter(Boolean);
+    find("inputs").hidden = notes.length === 0;
+    find("inputs").textContent = notes.join(" ");
+    find("edit-first").hidden = !this.text;
+  }
+}

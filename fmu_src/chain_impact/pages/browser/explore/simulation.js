@@ -1,0 +1,101 @@
+// The runs of the page: one for each change, and the line that tells how the last one ended.
+
+import { find, make } from "../base/dom.js";
+import { readable } from "../base/format.js";
+import { inputStepTexts } from "../scene/input_steps.js";
+import { faultText, stopText } from "./console.js";
+
+const WAITING = 120; // [ms] the computing time after which the old motion becomes pale
+const PATIENCE = 250; // [ms] the time that a run has before the next change ends it: so a slider shows its effect while it is dragged
+
+export class Simulation {
+  #started = -Infinity; // when the present run began
+  #nextRun = 0; // the timer of the next run
+  #status = 0; // the status of the last run
+  #sentence = ""; // on the end of the last run
+  #notice = ""; // on a fault in the address, until something changes
+
+  /** `beginEngine` makes an engine for the present scene; `show` shows the parts of a motion, with its scene and a text of its changes. */
+  constructor(beginEngine, changes, choice, show) {
+    Object.assign(this, { changes, choice, show, engine: beginEngine() });
+    changes.onOpen(() => {
+      this.engine.end();
+      this.engine = beginEngine();
+    });
+  }
+
+  /** Simulate, and again after each change. */
+  begin() {
+    this.changes.onChange(() => {
+      this.#notice = "";
+      this.soon();
+    });
+    this.#tell();
+    find("caption").textContent = "Simulating…"; // until the first motion is drawn
+    this.soon();
+  }
+
+  /** Simulate with the present parameters, as soon as the present run has ended or has taken PATIENCE. */
+  soon() {
+    clearTimeout(this.#nextRun);
+    const left = this.#started + PATIENCE - performance.now();
+    if (left > 0) this.#nextRun = setTimeout(() => this.#run(), left);
+    else this.#run();
+  }
+
+  /** Simulate with the present parameters, and show the motion, unless a newer run has replaced this one. */
+  async #run() {
+    const { changes, choice } = this;
+    const { scene } = changes;
+    this.#started = performance.now();
+    this.#nextRun = 0;
+    find("reset-all").hidden = changes.count === 0;
+    const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
+    const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
+    const result = await this.engine
+      .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
+        find("stage").style.setProperty("--share", `${100 * share}%`))
+      .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
+    clearTimeout(waiting);
+    if (!result) return;
+    this.#started = -Infinity;
+    document.body.classList.remove("computing");
+    document.body.classList.toggle("stale", !result.parts);
+    this.#status = result.status;
+    this.#sentence = result.fault ?? this.faultOf(result, result.parts);
+    this.#tell();
+    this.show(result.parts, { text, scene });
+    if (this.#nextRun) this.soon();
+  }
+
+  /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
+  faultOf(run, hasMotion) {
+    const { scene } = this.changes;
+    if (run.status === 0) return "";
+    return hasMotion ? `The simulation ${stopText(run, scene)}.` : `The simulation cannot start: ${faultText(run, scene)}.`;
+  }
+
+  /** Show a sentence on a fault in the address, until something changes. */
+  notify(notice) {
+    this.#notice = notice;
+    this.#tell();
+  }
+
+  #tell() {
+    const all = [this.#notice, this.#sentence].filter(Boolean).join(" ");
+    find("status").classList.add("begun");
+    find("status").textContent = readable(all);
+    find("status").hidden = !all;
+    if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
+  }
+
+  /** Return a button that sets all friction of walls to zero, for a law that does not allow friction. */
+  #withoutFriction() {
+    const { changes } = this;
+    const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });
+    const ofWalls = ({ filePath }) => filePath?.[0] === "contact" && filePath.at(-1).endsWith("friction");
+    const names = changes.scene.parameters.filter(ofWalls).map(({ name }) => name);
+    button.addEventListener("click", () => changes.set(Object.fromEntries(names.map((name) => [name, 0]))));
+    return button;
+  }
+}
