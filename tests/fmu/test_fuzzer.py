@@ -5,6 +5,7 @@
 import re
 import shutil
 import subprocess
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,12 @@ def sanitized_kernel(folder, links):
 
 
 @pytest.fixture(scope="module")
+def printed(fuzzer, fmu):
+    """Return what a run with each seed prints: each runs once."""
+    return cache(partial(run, fuzzer, fmu))
+
+
+@pytest.fixture(scope="module")
 def fmu(native):
     """Return GUID, resources and number of variables of a native FMU."""
     path = native[MODEL]
@@ -71,10 +78,9 @@ def run(fuzzer, fmu, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_no_sequence_of_calls_does_harm(fuzzer, fmu, seed):
-    assert int(re.match(r"(\d+) messages", run(fuzzer, fmu, seed))[1]) > SEQUENCES
+def test_no_sequence_of_calls_does_harm(printed, seed):
+    assert int(re.match(r"(\d+) messages", printed(seed))[1]) > SEQUENCES
 
 
-def test_equal_calls_give_equal_results(fuzzer, fmu):
-    seed = SEEDS.stop
-    assert run(fuzzer, fmu, seed) == run(fuzzer, fmu, seed)
+def test_equal_calls_give_equal_results(fuzzer, fmu, printed):
+    assert run(fuzzer, fmu, SEEDS[0]) == printed(SEEDS[0])

@@ -35,6 +35,7 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     assert counts.get_ydata()[-1] == len(result.impacts)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [118, 120, 125])  # [mm]
 def test_the_label_of_the_time_stays_within_the_figure(width):
     names = [FORCES, "point[1].y", "contact[*].y_min.penetration"]

@@ -43,7 +43,7 @@ def test_an_input_that_jumps_acts_in_the_repeated_run():
     np.testing.assert_array_equal(result.rerun(result.time[rows]), result.outputs[rows])
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("model", ["four_link_box", "bouncing_ball", "kneed_leg", "sliding_rod"])
 def test_texts_of_an_impact_fit_a_page_of_any_width(model, width):

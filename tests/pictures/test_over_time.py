@@ -17,7 +17,7 @@ from chain_impact.scene.scene import model_names
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", MODELS)
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)

@@ -362,6 +362,7 @@ def test_a_page_that_cannot_be_is_refused(options, expected):
         recorded("rod_drop").plot(**options)
 
 
+@pytest.mark.full("takes long")
 def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
     page = recorded("sliding_rod").plot(size=(4.7, 9.0))
     page.draw_without_rendering()
@@ -383,7 +384,7 @@ def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
     assert told == {*range(1, len(recorded("rod_drop").impacts) + 1)}
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["kneed_leg", "hopping_leg"])
 def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):
     page = recorded(model).plot(size=(WIDTHS[1], None))

@@ -54,7 +54,7 @@ def message(module, record):
     return page.get_suptitle() or page.texts[0].get_text(), page
 
 
-@pytest.mark.full("more cases, which need compilers", but=1)
+@pytest.mark.full("needs compilers")
 @pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
 def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(charts, name):
     title, page = message(charts(name), stored(name))

@@ -95,7 +95,7 @@ def test_a_recording_without_a_slider_has_no_line():
     assert recording.rail is None
 
 
-@pytest.mark.full("more cases", but=2)
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", ["run.png", "run.gif"])
 def test_pictures_and_films_show_bodies(run, tmp_path, name):
     draw = run.plot if name.endswith("png") else run.animate

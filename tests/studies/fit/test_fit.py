@@ -243,6 +243,7 @@ def test_impacts_that_are_not_there_are_left_out_and_said():
     )
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("count", "wrong"), [(12, 9), (12, 3), (6, 4)])
 def test_an_impact_with_a_wrong_number_is_named(count, wrong):
     rod = load_scene("rod_drop")

@@ -42,7 +42,7 @@ def drawn(found):
     return page
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     vary, options = KINDS[kind]
@@ -74,6 +74,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     assert {quantity.label for quantity in results_of(found).every} <= labels
 
 
+@pytest.mark.full("takes long")
 def test_a_page_that_is_too_low_is_refused():
     found = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
     with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be at least [\d.]+ high"):
