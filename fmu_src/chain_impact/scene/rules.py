@@ -14,7 +14,7 @@ A value holds if it is neither missing nor 0 nor empty; a list holds if one of i
 as its length where a number is needed. The members of tables by name are these tables. A sum or a product
 with a missing value is missing, and a comparison with a missing value does not hold.
 
-``tree`` parses a rule. Python evaluates the tree here, and pages/browser/scene/rules.js in the same way.
+``tree`` parses a rule. pages/browser/scene/rules.js evaluates the tree as ``_function_of`` does.
 """
 
 from __future__ import annotations
@@ -121,54 +121,70 @@ def names_in(part: Tree) -> Iterator[str]:
 
 def holds(rule: str, value_of: ValueOf) -> bool:
     """Return whether a rule holds; ``value_of`` returns the value of a name."""
-    return _is_so(_value(tree(rule), value_of))
+    return _is_so(_function(rule)(value_of))
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
     """Return the number, or a text, that a rule stands for; None if a value is missing."""
-    value = _counted(_value(tree(rule), value_of))
-    return int(value) if isinstance(value, bool) else value
+    value = _counted(_function(rule)(value_of))
+    return int(value) if value is True or value is False else value
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
     """Return the members of the list that a rule stands for; for a number, as many members without values."""
-    value = _value(tree(rule), value_of)
+    value = _function(rule)(value_of)
     return [{}] * value if isinstance(value, int) else _members(value)
 
 
-def _value(part: Tree, value_of: ValueOf) -> Any:
-    """Return the value of a part of a rule; None if it is missing."""
+@cache
+def _function(rule: str) -> Callable[[ValueOf], Any]:
+    return _function_of(tree(rule))
+
+
+def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
+    """Return the function that returns the value of a part of a rule, None if it is missing."""
     if "parts" not in part:
-        return value_of(part["name"]) if "name" in part else part["constant"]
-    sign, parts = part["operator"], part["parts"]
+        name, constant = part.get("name"), part.get("constant")
+        return (lambda value_of: value_of(name)) if name else (lambda _: constant)
+    sign, of = part["operator"], [_function_of(inner) for inner in part["parts"]]
     if sign in ("any", "sum"):
-        return _of_members(sign, _members(_value(parts[0], value_of)), parts[1], value_of)
-    values = (_value(inner, value_of) for inner in parts)
+        return partial(_of_members, sign, of[0], of[1])
     if sign in _OF_ALL:
-        return _OF_ALL[sign](map(_is_so, values))
+        of_all = _OF_ALL[sign]
+        return lambda value_of: of_all(_is_so(each(value_of)) for each in of)
     if sign in _OF_ONE:
-        return _OF_ONE[sign](*values)
-    first, second = values
-    if first is None or second is None:
-        return None if sign in ("+", "*") else False
-    return _OF_TWO[sign](first, second) if sign == "in" else _OF_TWO[sign](_counted(first), _counted(second))
+        of_one, only = _OF_ONE[sign], of[0]
+        return lambda value_of: of_one(only(value_of))
+    return partial(_of_two, sign, of[0], of[1])
 
 
-def _of_members(sign: str, members: Iterable[Any], of: Tree, value_of: ValueOf) -> Any:
+def _of_members(
+    sign: str, members: Callable[[ValueOf], Any], of: Callable[[ValueOf], Any], value_of: ValueOf
+) -> Any:
     """Return whether a part of a rule holds for any member, or its sum over all members."""
     values = [
-        _value(of, partial(value_within, member, order, value_of)) for order, member in enumerate(members)
+        of(partial(value_within, member, order, value_of))
+        for order, member in enumerate(_members(members(value_of)))
     ]
     if sign == "any":
         return any(map(_is_so, values))
     return None if None in values else sum(values)
 
 
+def _of_two(
+    sign: str, left: Callable[[ValueOf], Any], right: Callable[[ValueOf], Any], value_of: ValueOf
+) -> Any:
+    first, second = left(value_of), right(value_of)
+    if first is None or second is None:
+        return None if sign in ("+", "*") else False
+    return _OF_TWO[sign](first, second) if sign == "in" else _OF_TWO[sign](_counted(first), _counted(second))
+
+
 def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
     """Return the value of a name for a member of a list: a table, or a mapping of values."""
     if name == "order":
         return order
-    if isinstance(member, Mapping):
+    if isinstance(member, dict):
         return member[name] if name in member else value_of(name)
     return getattr(member, name) if hasattr(member, name) else value_of(name)
 
@@ -178,11 +194,11 @@ def _members(value: Any) -> Collection[Any]:
 
 
 def _counted(value: Any) -> Any:
-    return len(value) if isinstance(value, tuple | list) else value
+    return len(value) if type(value) in (tuple, list) else value
 
 
 def _is_so(value: Any) -> bool:
-    return any(map(_is_so, value)) if isinstance(value, tuple | list) else bool(value)
+    return any(map(_is_so, value)) if type(value) in (tuple, list) else bool(value)
 
 
 def value_at(table: Any, key: str) -> Any:
