@@ -170,6 +170,13 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     assert rows_after == 11  # the memory has grown, and other runs continue as before
 
 
+@pytest.mark.parametrize(("stop", "step"), [(0.3, 0.1), (0.7, 0.1), (1.1, 0.1), (0.25, 0.1), (0.05, 0.1)])
+def test_a_table_has_the_rows_of_a_result(worker, stop, step):
+    """Some ratios of stop time and step are whole numbers up to round-off, on either side."""
+    found = worker.evaluate("([stop, step]) => [...rowTimes(stop, step)]", [stop, step])
+    assert found == simulate("simple_pendulum", stop, step, output=[]).time.tolist()
+
+
 @pytest.fixture(scope="module")
 def motions(worker):
     """Return the motion that the page's worker computes for a scene."""

@@ -25,7 +25,8 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.control import accepted
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.kernel.plain import Plain
+from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.scenes.bodies import cart
 from tests.helpers.scenes.problems import of_law, struck_ball
 from tests.kernel.chains import chain
 from tests.kernel.events.motions import DEEP, falling
@@ -282,7 +283,7 @@ def test_events_that_no_stage_shows_are_not_searched():
 
 @pytest.mark.parametrize(
     ("times", "size", "refused"),
-    [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * sampled.LEAST_REFUSED_STEP, False)],
+    [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * sampled.LEAST_REJECTED_STEP, False)],
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
@@ -291,6 +292,13 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
     assert accepted(d) != refused
     if not refused:
         assert found * size == pytest.approx(FALLS * size, abs=2e-12)
+
+
+def test_the_strongest_force_accelerates_a_carriage_along_its_line():
+    """M (g + a + s 1 rad/s²) with the mass M of carriage and pole, and the length s of the pole."""
+    d = begun(cart())
+    d.step.state[5], d.work.rate_start[3:6] = 0.0, (4e3 * math.cos(0.1), 4e3 * math.sin(0.1), 0.0)
+    assert sampled.plausible_pull(d) == pytest.approx(2.5 * (9.81 + 4e3 + 0.5), rel=1e-12)
 
 
 @pytest.mark.parametrize("gravity", [0.0, 20.0])

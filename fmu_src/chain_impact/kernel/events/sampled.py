@@ -26,10 +26,10 @@ after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ
 without bound.
 """
 
-from chain_impact.kernel.chain.drives import mode_margin
+from chain_impact.kernel.chain.drives import along_drive, mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
-from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
@@ -68,7 +68,7 @@ MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of 
 # link length per s²).
 PULL_ROUND_OFF = 1e-11
 # [s] the shortest step that is rejected because a wall pulls too strongly in a stage
-LEAST_REFUSED_STEP = 1e-9
+LEAST_REJECTED_STEP = 1e-9
 AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
 # link's mass times (gravity + one link length per s²).
@@ -213,7 +213,7 @@ def may_pull(d, _c):
         least = min(least, d.constraints.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return False
-    if least < -plausible_pull(d) and d.step.size > LEAST_REFUSED_STEP:
+    if least < -plausible_pull(d) and d.step.size > LEAST_REJECTED_STEP:
         reject_step(d, SPOILED)
         return False
     return True
@@ -235,12 +235,14 @@ def plausible_pull(d):
     A stage in which a wall pulls more strongly has passed a toggle position, where forces go to infinity. The
     step and its time of release are then wrong.
     """
-    first, turning = omega_at(d.links), 1.0
+    first, turning, carriage = omega_at(d.links), 1.0, 0.0
+    if d.slides:
+        carriage = abs(along_drive(d, d.work.rate_start, velocity_at(d.links), d.links))
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.work.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
     size = d.model.longest_link
-    return d.model.energy_scale / (size * size) * (d.model.gravity_size + d.links * size * turning)
+    return d.model.energy_scale / (size * size) * (d.model.gravity_size + carriage + d.links * size * turning)
 
 
 def least_force(d, _c, theta):

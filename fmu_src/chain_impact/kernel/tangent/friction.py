@@ -173,7 +173,7 @@ def check_changes(t, time):
             stopped += stops
             slowly = slowly or (stops and stops_slowly(t, e))
             after = speed + value(tangential_acceleration(t, e)) * time
-            if stops and not rests(t, after, time) and not negligible(t, after):
+            if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
                 end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
     # the derivatives of the impulses of friction are then unknown: for example, the times at which the two
     # ends of a rod on a floor stop determine the friction of each end
@@ -209,7 +209,7 @@ def any_halts(t):
     return False
 
 
-def rests(t, after, time):
+def stays_at_rest(t, after, time):
     """Return whether an element at rest is still at rest a ``time`` [s] later, for nearby parameters.
 
     ``after`` is its speed at that time; all derivatives of this speed must be small.
@@ -291,7 +291,7 @@ def check_onsets_at_rest(t):
         e = t.element.index[i]
         if t.element.undecided[e] and t.element.before[e] == NO_FRICTION:
             speed = tangential_rate(t, e)
-            if not rests(t, speed, carried(0.0, 0.0, speed)):
+            if not stays_at_rest(t, speed, carried(0.0, 0.0, speed)):
                 if t.element.mode[e] == STICKS:
                     t.element.undecided[e] = STOPPED
                 else:
