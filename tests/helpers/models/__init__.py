@@ -8,6 +8,23 @@ Chains:
 - ``body_model``: the same with offsets of centres of mass, points of links, and sliders
 - ``kept_answers``: a file for each answer that takes seconds; its command computes all of them again
 
+The parts of each chain; the module of derivatives runs the last two chains:
+
+    ================================= ======== ============ ======== =========== ==========
+    part                              textbook driven chain lagrange chain model body model
+    ================================= ======== ============ ======== =========== ==========
+    springs, dampers, given torques   yes      yes          yes      yes         yes
+    forces on points                  yes      –            yes      tip         tip
+    offset of a centre of mass        yes      yes          –        –           yes
+    targets of joints                 –        yes          –        yes         yes
+    armatures, limits of torques      –        yes          –        –           yes
+    walls, stops, friction, signals   –        –            –        yes         yes
+    derivatives by parameters         –        –            –        yes         yes
+    points of links, sliding base     –        –            –        –           yes
+    ================================= ======== ============ ======== =========== ==========
+
+Walls and bases that move are among the driven models below.
+
 Small models, each in its own equations:
 - ``reference``: closed forms and plain algebra: mass matrix, clearances, impacts, damping factors
 - ``driven``: driven arms and bases; ``accumulation``: impacts whose times accumulate
