@@ -16,8 +16,9 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 # the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
-BAND_EDGE, PALE_BAND = 1.2, 0.1  # [points] the width of the edges of an oscillation's band, and its opacity
-FAST = "band: range of a fast oscillation"
+BAND_EDGE, STRIPE = 1.2, 0.7  # [points] the width of the edges of an oscillation's range, and of its stripes
+FAST = "stripes: range of a fast oscillation"
+STRIPED = (0.0, (0.25, 0.35))  # the dashes of the line in the legend, relative to its width
 
 
 def fill_band(
@@ -32,25 +33,27 @@ def fill_band(
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
     """Draw curves, each with its properties in matplotlib's names, and a fast oscillation as its range.
 
-    The range has an edge at its least and at its largest values. An entry of the legend tells what it is.
+    The range has stripes between its least and its largest values; stripes of several curves are side by
+    side, so that no colour covers another. An entry of the legend tells what they are.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
     bins = max(1, int(axes.get_window_extent().width * 72.0 / figure.dpi / BIN))
     ends = [(np.nanmin(values), np.nanmax(values)) for values, _ in curves if np.isfinite(values).any()]
     least = LEAST_TURN * float(np.ptp(ends)) if ends else 0.0
-    is_told = False
-    for values, look in curves:
-        if not is_fast(along, values, bins, least):
+    fast = [k for k, (values, _) in enumerate(curves) if is_fast(along, values, bins, least)]
+    for k, (values, look) in enumerate(curves):
+        if k not in fast:
             axes.plot(along, values, **look)
             continue
         at, low, high = envelope(along, values, bins)
-        axes.fill_between(at, low, high, color=look["color"], alpha=PALE_BAND, linewidth=0.0)
+        places = np.linspace(at[0], at[-1], 2 * len(at))[fast.index(k) :: len(fast)]
+        ends_there = [np.interp(places, at, edge) for edge in (low, high)]
+        axes.vlines(places, *ends_there, color=look["color"], linewidth=STRIPE, zorder=1.8)
         for edge, label in ((low, "_"), (high, look["label"])):
             axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
-        is_told = True
-    if is_told:
-        axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, label=FAST)
+    if fast:
+        axes.plot([], [], color=GREY, linestyle=STRIPED, linewidth=5.0, label=FAST)
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:

@@ -263,7 +263,7 @@ def test_samples_of_one_number_are_points():
 
 
 def test_samples_of_several_parameters_are_histograms():
-    """Each bar has the number of runs in it, and the title the median."""
+    """Each bar has the number of runs in it, and the legend the median."""
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     found = sweep(SCENE, vary, samples=20)
     (panel,) = drawn(found).axes  # by default the loads
@@ -271,7 +271,9 @@ def test_samples_of_several_parameters_are_histograms():
     bars = edges_of(force, logarithmic=False, whole=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
     assert [bar.get_height() for bar in panel.patches] == np.histogram(force, bars)[0].tolist()
-    assert f"median {np.median(force):.3g}," in panel.get_title()
+    told = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert told[0] == f"median {np.median(force):.3g} kN"
+    assert told[1].startswith("90 % of the runs: ")
     (counts,) = found.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.dark import SKY
+from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.style import INK, give_ticks
 from chain_impact.recording.map_colours import spread
 from chain_impact.scene.unit_text import with_unit
@@ -40,10 +41,12 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
         axes.hist(values, edges.tolist(), color=SKY, edgecolor=INK, linewidth=0.4)
         low, middle, high = np.quantile(values, list(QUANTILES))
-        for quantile, line in zip((low, middle, high), QUANTILES.values(), strict=True):
-            axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2)
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
-        axes.set_title(f"median {middle:.3g}, 90 % of the runs {between}", fontsize="small")
+        labels = ("_", f"median {with_unit(f'{middle:.3g}', quantity.unit)}", f"90 % of the runs: {between}")
+        places = (low, middle, high)
+        for quantile, line, label in zip(places, QUANTILES.values(), labels, strict=True):
+            axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
+        legend_above(axes)
         give_ticks(axes)
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
