@@ -1,6 +1,6 @@
 // The list of impacts; a click on an impact goes to its largest force.
 
-import { find, make } from "../base/dom.js";
+import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
@@ -40,13 +40,15 @@ export class ImpactList {
   constructor(element, goTo) {
     this.element = element;
     this.goTo = goTo;
-    find("impacts-all").addEventListener("click", () => this.#showAll(true));
+    this.more = make("button", { id: "impacts-all", type: "button" });
+    this.more.addEventListener("click", () => this.#showAll(true));
+    element.after(this.more);
   }
 
   /** Show all rows, or only the first rows, in a page that scrolls. */
   #showAll(isWhole) {
-    find("list").classList.toggle("whole", isWhole);
-    find("impacts-all").hidden = isWhole || !(this.rows?.length > FIRST);
+    this.element.classList.toggle("whole", isWhole);
+    this.more.hidden = isWhole || !(this.rows?.length > FIRST);
   }
 
   /** List the impacts of a recording. */
@@ -54,7 +56,7 @@ export class ImpactList {
     const { element, goTo } = this;
     this.current = undefined;
     this.rows = undefined;
-    find("impacts-all").textContent = `All ${recording.impacts.length} impacts`;
+    this.more.textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
@@ -67,7 +69,7 @@ export class ImpactList {
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
-    this.#showAll(find("list").classList.contains("whole"));
+    this.#showAll(element.classList.contains("whole"));
   }
 
   #row(body, impact, columns, goTo) {
