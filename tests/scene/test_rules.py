@@ -10,7 +10,7 @@ from chain_impact.scene.refusals import LAW_FACTS, RULES, SENTENCES, SIGNAL_RULE
 from chain_impact.scene.rules import holds, names_in, number_in, tree
 from chain_impact.scene.scene import scene_keys
 from chain_impact.scene.signal import Signal
-from chain_impact.scene.tables import Material, Stops
+from chain_impact.scene.tables import Contact, Initial, Material, Simulation, Solver, Stops
 from tests.scene.rule_cases import CASES, VALUES
 
 WRONG = ("a and", "a & b", "a - b", "a and or b", "max(a, b)", "sum(a)", "a < b < c", "given(x=a)", "a[0]")
@@ -52,3 +52,17 @@ def test_the_rules_of_a_file_name_keys_and_facts(rule: Rule):
 
 def test_each_key_of_stops_has_a_rule_for_scenes_without_stops():
     assert [entry.name for entry in keys(Stops)] == [*STOP_KEYS]
+
+
+def test_no_rule_names_a_key_that_changes_without_the_rules():
+    """``with_values`` leaves a restitution of 0 and the velocity of a held base to the rules."""
+    alone = {entry.name for table in (Contact, Link) for entry in keys(table) if entry.metadata["alone"]}
+    for name, table in (
+        ("contact", Contact),
+        ("initial", Initial),
+        ("simulation", Simulation),
+        ("solver", Solver),
+    ):
+        alone |= {f"{name}.{entry.name}" for entry in keys(table) if entry.metadata["alone"]}
+    named = {name for rule in RULES for name in (rule.key, *names_in(tree(rule.condition)))}
+    assert named & alone == {"restitution", "initial.velocity"}
