@@ -52,7 +52,7 @@ FIELDS = {
 
 
 @pytest.mark.parametrize("kept", [0, 1, 3, LATEST])
-def test_each_row_of_the_list_is_an_impact_and_keeps_what_it_has_come_to(kept):
+def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
     """Random candidates begin and end contacts; the log is compared with a list in Python."""
     rng = np.random.default_rng(kept)
     _, d = chain(rng, 2)

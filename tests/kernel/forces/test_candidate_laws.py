@@ -61,7 +61,7 @@ def chain_with(law):
 
 
 @LAWS
-def test_a_law_is_what_the_registry_says(law):
+def test_a_law_gets_the_numbers_of_the_registry(law):
     d = chain_with(law)
     own = d.law
     own.approach_only[:] = own.rate_exponent[:] = 9
