@@ -3,9 +3,9 @@
     python -m benchmarks robots [--joints NAMES] FILE…
 
 MuJoCo gives the forces and the mass matrix of each file, without contacts, limits and dry friction; SciPy
-integrates them, with held joints at rest. At the start each joint moves. A robot that is no planar chain is
-tried with the joints that its refusal proposes. The table has the largest difference of a joint's angle, and
-what the conversion reports first.
+integrates them, with held joints at rest. At the start each joint moves. A robot that is not a planar chain
+is tried with the joints that its refusal proposes. The table has the largest difference of a joint's angle,
+and what the conversion reports first.
 """
 
 from __future__ import annotations

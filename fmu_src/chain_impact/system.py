@@ -236,7 +236,7 @@ def quoted(word: str) -> str:
 def written_whole(path: Path) -> Iterator[Path]:
     """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all.
 
-    If ``path`` is a link, a device or another thing that is no file, it is written to directly.
+    If ``path`` is a link, a device or another thing that is not a file, it is written to directly.
     """
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):

@@ -115,7 +115,7 @@ def by_libcosim(fmus, time):
     step = round(time[1] * 1e9)  # ns
     if not np.isclose(step * 1e-9, time[1], rtol=1e-12, atol=0.0):
         raise ValueError(
-            f"libcosim counts time in nanoseconds: a step of {time[1]:.9g} s is no whole number of them"
+            f"libcosim counts time in nanoseconds: a step of {time[1]:.9g} s is not a whole number of them"
         )
     execution = CosimExecution.from_step_size(step)
     slaves = [CosimLocalSlave(str(path), Path(path).stem) for path in fmus]

@@ -156,7 +156,7 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
             ("--output", "point[1].x"),
             "--columns (--output): they are columns of a table: give --csv",
         ),
-        (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is no column; the nearest is point[1].x"),
+        (("--csv", "a.csv", "--output", "pt[1].x"), "pt[1].x is not a column; the nearest is point[1].x"),
         (("--csv", "a.csv", "--output", "solver.stepz"), "the nearest is solver.steps"),
     ],
 )
@@ -286,7 +286,7 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
 def test_the_module_can_be_run(here):
     done = program("simulate", "--set", "a=1")
     assert done.returncode == 2
-    assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
+    assert re.fullmatch(r"chain-impact: FourLinkBox: a is not a parameter.*\n", done.stderr)
 
 
 @pytest.mark.full("more cases", but=1)

@@ -71,7 +71,8 @@ def test_a_table_that_cannot_drive_a_scene_is_refused(arm, tmp_path, capsys):
     table.write_text("time,joint[2].torqe\n0,1")
     assert command("simulate", scene, "--inputs", table) != 0
     assert (
-        "column joint[2].torqe is no input of Arm; the nearest is joint[2].torque" in capsys.readouterr().err
+        "column joint[2].torqe is not an input of Arm; the nearest is joint[2].torque"
+        in capsys.readouterr().err
     )
     for lines, message in STRANGE_TABLES.items():
         table.write_text(lines)

@@ -55,7 +55,7 @@ def test_a_touched_plane_is_a_wall_with_the_friction_of_the_pair(tmp_path, floor
     scene, done = read(tmp_path, arm(world=FLOOR.format(floor), shape=shape, rest=rest))
     if friction is None:
         assert scene.half_planes == {}
-        assert "plane floor: nothing that moves touches it: it is no wall" in done.left_out
+        assert "plane floor: nothing that moves touches it: it is not a wall" in done.left_out
     else:
         assert list(scene.half_planes) == ["floor"]
         material = scene.contact.wall.get("floor")
@@ -237,7 +237,7 @@ def test_a_keyframe_is_chosen(tmp_path):
     assert high.initial.angles == pytest.approx((1.0, 0.5))
     none, _ = read(tmp_path, arm(rest=keys), keyframe="none")
     assert none.initial.angles == (0.0, 0.0)
-    assert "hi is no keyframe" in refused(tmp_path, arm(rest=keys), keyframe="hi")
+    assert "hi is not a keyframe" in refused(tmp_path, arm(rest=keys), keyframe="hi")
     assert "URDF has no keyframes" in refused(tmp_path, urdf(*TWO), keyframe="high")
 
 

@@ -99,7 +99,7 @@ def test_a_frame_is_chosen_as_the_tip():
     found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hand")
     assert found.chain.links[1].length == 0.1
     assert "tip: the last link ends at hand, 0.1 m from its joint" in done.notes
-    with pytest.raises(SceneError, match="hnd is no frame of the last link; the nearest is hand"):
+    with pytest.raises(SceneError, match="hnd is not a frame of the last link; the nearest is hand"):
         scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hnd")
 
 
@@ -151,7 +151,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
     assert found.contact.wall["y_min"].friction == 0.4
     assert [wall.name for wall in found.walls] == ["wall_2"]
     assert found.half_planes["wall_2"].normal == pytest.approx((-1.0, 0.0), abs=1e-12)
-    assert "plane side: is not at right angles to the plane of the motion: it is no wall" in done.left_out
+    assert "plane side: is not at right angles to the plane of the motion: it is not a wall" in done.left_out
     assert found.initial.angles[0] == pytest.approx(-0.2)
     assert "joint a: starts at its stop; in the file it starts 0.1 rad beyond this stop" in done.warnings
 
@@ -162,9 +162,9 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         (
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
             (),
-            "arm.urdf: the axes of the joints are not parallel: the robot is no planar chain; --joints a,c",
+            "the axes of the joints are not parallel: the robot is not a planar chain; --joints a,c",
         ),
-        (arm(hinge("a")), ("c",), "arm.urdf: c is no joint; joints: a"),
+        (arm(hinge("a")), ("c",), "arm.urdf: c is not a joint; joints: a"),
         (
             arm(hinge("a"), Joint(name="b", kind="slide", axis=np.eye(3)[0], anchor=np.zeros(3))),
             (),

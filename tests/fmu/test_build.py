@@ -56,7 +56,7 @@ def test_a_name_is_judged_as_fmpy_does(native, tmp_path):
         change = edited(('"initial.x"', f'"{name}"'), alone=True)
         found = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
         assert len(found) == wrong
-        assert all(f"{name!r} is no name of the naming convention" in text for text in found)
+        assert all(f"{name!r} is not a name of the naming convention" in text for text in found)
 
 
 @pytest.mark.full("more cases", but=2)

@@ -103,8 +103,8 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
     until(page, f"{SHOWN}.join() === 'contact[4].y_min.force'")
     field = page.get_by_role("textbox", name="Names, with * for any text")
     for text, sentence in (
-        ("nothing", "nothing is no output."),
-        ("pointt[4].x", "pointt[4].x is no output; the nearest is point[4].x."),
+        ("nothing", "nothing is not an output."),
+        ("pointt[4].x", "pointt[4].x is not an output; the nearest is point[4].x."),
         ("x*", "no output is like x*."),
         ("*", "must be at most 18."),
     ):

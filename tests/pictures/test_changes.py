@@ -79,7 +79,7 @@ def test_outputs_that_are_asked_for(swing, count):
 
 
 def test_an_output_that_is_not_there(swing):
-    with pytest.raises(UnknownNameError, match=r"point\[9\].x is no output of this result"):
+    with pytest.raises(UnknownNameError, match=r"point\[9\].x is not an output of this result"):
         drawn(swing, "point[9].x")
 
 

@@ -346,8 +346,8 @@ def test_panels_are_chosen():
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ({"panels": ["speed"]}, "'speed' is no panel; must be of motion, energy, impacts, friction"),
-        ({"kind": "speed"}, "'speed' is no panel"),
+        ({"panels": ["speed"]}, "'speed' is not a panel; must be of motion, energy, impacts, friction"),
+        ({"kind": "speed"}, "'speed' is not a panel"),
         ({"kind": "energy", "panels": "motion"}, "one of them must be left out"),
         ({"panels": ["energy", "motion"], "ax": Figure().add_subplot()}, "1 axes for 2 panels"),
         ({"ax": Figure().add_subplot(), "size": (4.0, 4.0)}, "ax: axes that are there have their size"),

@@ -127,7 +127,7 @@ def test_at_stops_the_moment_is_ranked():
 
 def test_quantities_that_cannot_be_ranked_are_refused(result):
     for name, told in {
-        "peak_forc": "peak_forc is no quantity that can be ranked; the nearest is peak_force",
+        "peak_forc": "peak_forc is not a quantity that can be ranked; the nearest is peak_force",
         "impact[2].peak_force": "there is no impact 2; there are 1",
         "impact[1].peak": r"impact\[1\].peak has no derivatives; must be onset, ",
     }.items():

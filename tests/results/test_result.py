@@ -83,7 +83,7 @@ def test_a_pattern_gives_all_that_are_like_it(result):
 
 @pytest.mark.parametrize("name", ["point[5].x", "point[*].z", "impacts", "[", 7])
 def test_an_unknown_name_is_a_key_that_is_missing(result, name):
-    with pytest.raises(KeyError, match="no output of this result"):
+    with pytest.raises(KeyError, match="not an output of this result"):
         result[name]
 
 
@@ -99,11 +99,11 @@ def test_some_outputs_are_the_same_bits_as_all(result):
         assert some[name].tobytes() == np.ascontiguousarray(result[name]).tobytes()
     assert some.impacts.tobytes() == result.impacts.tobytes()
     assert some.statistics == result.statistics
-    with pytest.raises(KeyError, match=r"point\[0\]\.y is no output of this result"):
+    with pytest.raises(KeyError, match=r"point\[0\]\.y is not an output of this result"):
         some.points  # noqa: B018
-    with pytest.raises(KeyError, match=r"energy\.kinetic is no output of this result"):
+    with pytest.raises(KeyError, match=r"energy\.kinetic is not an output of this result"):
         some.energy  # noqa: B018
-    with pytest.raises(KeyError, match=r"no output of this result"):
+    with pytest.raises(KeyError, match=r"not an output of this result"):
         some.plot()
 
 
@@ -127,8 +127,8 @@ def test_no_outputs_leave_the_impacts(result):
 
 def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     message = refusal(lambda: simulate(default_scene(), output=["point[4].x", "point[4].z"]))
-    assert message == "FourLinkBox: point[4].z is no output; the nearest is point[4].y"
-    assert "no output" in refusal(lambda: simulate(default_scene(), output="wall*"))
+    assert message == "FourLinkBox: point[4].z is not an output; the nearest is point[4].y"
+    assert "not an output" in refusal(lambda: simulate(default_scene(), output="wall*"))
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_animate_without_a_path_is_a_page_in_a_notebook(result, tmp_path):
 
 def test_animate_needs_positions(tmp_path):
     some = simulate(default_scene(), 0.6, output="energy.*")
-    with pytest.raises(KeyError, match="no output of this result"):
+    with pytest.raises(KeyError, match="not an output of this result"):
         some.animate(tmp_path / "motion.html")
     assert list(tmp_path.iterdir()) == []
 

@@ -84,7 +84,7 @@ def test_every_master_finds_the_same(runs, master):
 def test_a_step_that_a_master_cannot_count_is_refused(tmp_path):
     with pytest.raises(subprocess.CalledProcessError) as caught:
         co_simulated(MODEL, tmp_path, "--master", "libcosim", "--step", str(2.0**-10))
-    assert b"a step of 0.0009765625 s is no whole number" in caught.value.stderr
+    assert b"a step of 0.0009765625 s is not a whole number" in caught.value.stderr
 
 
 @pytest.mark.full("takes long")

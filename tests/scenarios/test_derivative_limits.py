@@ -1,4 +1,4 @@
-"""Derivatives end where the motion is no smooth function of a parameter: grazing, equal times, open modes."""
+"""Derivatives end where the motion is not smooth in a parameter: grazing, equal times, open modes."""
 
 from __future__ import annotations
 

@@ -80,8 +80,8 @@ def test_the_friction_of_a_scene_that_has_none_is_no_parameter_yet(name):
         refusal(partial(simulate, sensitivities=[name]), scene),
         refusal(Chain(scene).set, name, 0.1),
     ]
-    assert all(text.startswith(f"Thrown: {name} is no ") and text.endswith(HINT) for text in refused)
-    with pytest.raises(UnknownNameError, match=r"wall\.y_min\.friction is no parameter"):
+    assert all(text.startswith(f"Thrown: {name} is not a ") and text.endswith(HINT) for text in refused)
+    with pytest.raises(UnknownNameError, match=r"wall\.y_min\.friction is not a parameter"):
         sweep(scene, {"wall.y_min.friction": [0.1]})
 
 

@@ -196,12 +196,12 @@ def test_a_wall_does_not_move_through_a_pinned_base(inputs):
 def test_motions_that_are_not_asked_for_are_refused():
     scene = pendulum(inputs={})
     with pytest.raises(
-        SceneError, match=r"'base.x' is no input of this scene; inputs.base_motion = true makes"
+        SceneError, match=r"'base.x' is not an input of this scene; inputs.base_motion = true makes"
     ):
         simulate(scene, inputs={"base.x": 1.0})
     with pytest.raises(SceneError, match=r'inputs.wall_motion = \["floor"\] makes it'):
         simulate(scene, inputs={"wall.floor.velocity": 1.0})
-    with pytest.raises(SceneError, match=r"base\.x is no variable"):
+    with pytest.raises(SceneError, match=r"base\.x is not a variable"):
         Chain(scene).set("base.x", 1.0)
 
 
@@ -212,7 +212,7 @@ BAD_SCENES = {
     ),
     "no such wall": (
         {"inputs": {"wall_motion": ["y_max"]}},
-        "'y_max' is no wall of the scene; must be one of y_min",
+        "'y_max' is not a wall of the scene; must be one of y_min",
     ),
     "no list": ({"inputs": {"wall_motion": "yes"}}, "must be a list of names, or true for all"),
 }

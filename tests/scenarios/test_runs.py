@@ -116,9 +116,9 @@ def test_a_choice_can_be_given_by_name_or_number(record):
     ("name", "values", "message"),
     [
         ("contact.model", ["no_law", "0", "-1", "99", "1.0", "²"], ".* must be one of .*zhang_sharf"),
-        ("contact.stifness", ["1e9"], "is no parameter.*contact.stiffness"),
-        ("joint[2].torque", ["5"], "is no parameter; it is an input: give it over time"),
-        ("point[0].x", ["1"], "is no parameter"),
+        ("contact.stifness", ["1e9"], "is not a parameter.*contact.stiffness"),
+        ("joint[2].torque", ["5"], "is not a parameter; it is an input: give it over time"),
+        ("point[0].x", ["1"], "is not a parameter"),
         ("contact.stiffness", ["hard"], ".* must be a.* number"),
         ("contact.stiffness", ["-1", "0", "nan", "inf", "1e999"], ".* must be a finite number > 0"),
     ],

@@ -69,7 +69,7 @@ def test_scenes_are_refused_with_the_listed_sentences():
 
 @pytest.mark.parametrize("path", [(), 5])
 def test_values_that_are_no_path_are_refused(path):
-    assert refused((path, 1)).startswith(f"{path} is no path to a value of the scene")
+    assert refused((path, 1)).startswith(f"{path} is not a path to a value of the scene")
     number = {("contact", "stiffness"): 10**400}
     assert refused(*number.items()).startswith(f"contact.stiffness = 1{'0' * 59}... must be a finite number")
 
@@ -91,7 +91,7 @@ def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
     with_values(rod, {("initial", "position", 1): 0.25 - 1e-13})
     message = refusal(with_values, rod, {("initial", "position", 1): 0.125})
     assert "point 0 at (0, 0.125) m is 0.125 m deep in the wall y_min; must be outside" in message
-    # a point that is no candidate passes through walls, so its position is free
+    # a point that is not a candidate passes through walls, so its position is free
     with_values(rod, {("initial", "position", 1): 0.125, ("contact", "points"): [1]})
 
 

@@ -210,7 +210,7 @@ def test_every_value_has_a_name_by_which_it_can_be_set():
 )
 def test_an_unknown_name_is_refused_and_the_nearest_is_named(name, hint):
     message = refusal(load_scene("four_link_box").with_values, {name: 1.0})
-    assert message.startswith(f"FourLinkBox: {name} is no parameter; {hint}")
+    assert message.startswith(f"FourLinkBox: {name} is not a parameter; {hint}")
 
 
 def test_a_part_of_a_models_name_is_told_the_model():
@@ -220,7 +220,7 @@ def test_a_part_of_a_models_name_is_told_the_model():
 def test_an_unknown_name_is_a_key_that_is_missing():
     with pytest.raises(KeyError) as caught:
         load_scene("rod_drop").with_values({"contact.x": 1.0})
-    assert str(caught.value) == "RodDrop: contact.x is no parameter; the nearest is contact"
+    assert str(caught.value) == "RodDrop: contact.x is not a parameter; the nearest is contact"
 
 
 @pytest.mark.parametrize(

@@ -31,17 +31,17 @@ def refused(*signals, scene=ARM):
         (
             "joint[3].torque",
             SINE,
-            "signals.a.input = 'joint[3].torque' is no input of the scene; the nearest is",
+            "signals.a.input = 'joint[3].torque' is not an input of the scene; the nearest is",
         ),
         (
             "joint[2].target_angl",
             SINE.replace("0.01", '"5 deg"'),
-            "signals.a.input = 'joint[2].target_angl' is no input of the scene; ",
+            "signals.a.input = 'joint[2].target_angl' is not an input of the scene; ",
         ),
         (
             "slider.force",
             SINE,
-            "signals.a.input = 'slider.force' is no input of the scene; inputs.slider_force = true",
+            "signals.a.input = 'slider.force' is not an input of the scene; inputs.slider_force = true",
         ),
         ("base.y", STEPS, 'signals.a.form = "steps": base.y would jump'),
         ("wall.table.velocity", STEPS, 'signals.a.form = "steps": wall.table.velocity would jump'),
@@ -74,7 +74,7 @@ def test_a_signal_that_cannot_be_is_refused(driven, numbers, message):
 def test_a_wall_that_nothing_can_touch_does_not_move():
     untouched = ARM.replace("points = [2]", "points = []")
     told = refused(("a", "wall.table.belt_speed", SINE), scene=untouched)
-    assert "is no input of the scene; no point can touch a wall" in told
+    assert "is not an input of the scene; no point can touch a wall" in told
 
 
 @pytest.mark.parametrize("column", ["base.y", "base.vy"])

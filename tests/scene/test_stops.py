@@ -93,7 +93,7 @@ def test_equal_links_have_equal_stops():
         (
             "contact",
             {"wall": {"y_min": {}}},
-            "contact.wall.y_min is no wall of the scene; must be one of x_m",
+            "contact.wall.y_min is not a wall of the scene; must be one of x_m",
         ),
         (
             "contact",

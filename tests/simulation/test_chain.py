@@ -200,7 +200,7 @@ def test_a_set_value_acts_from_the_present_time(arm):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"joint[3].torque": 1.0}, "joint[3].torque is no variable; the nearest is joint[2].torque"),
+        ({"joint[3].torque": 1.0}, "joint[3].torque is not a variable; the nearest is joint[2].torque"),
         ({"point[0].x": 1.0}, "point[0].x is an output and cannot be set"),
         ({"contact.stiffness": 0.0}, "contact.stiffness = 0.0 must be a finite number > 0 [N/m^exponent]"),
         ({TORQUE: math.nan}, "joint[2].torque = nan must be a finite number [N·m]"),
@@ -230,16 +230,16 @@ def test_a_single_value_is_set_by_name_and_value(arm):
 )
 def test_an_input_that_is_not_there_is_told_how_to_make_it(name, key):
     chain = Chain(load_scene("four_link_box"))
-    hint = f"FourLinkBox: {name} is no variable; [inputs] {key} = true in the scene makes this input"
+    hint = f"FourLinkBox: {name} is not a variable; [inputs] {key} = true in the scene makes this input"
     assert refusal(chain.get, name) == hint
     assert refusal(chain.set, name, 1.0) == hint
 
 
 def test_an_unknown_name_is_refused(arm):
     chain = Chain(arm)
-    with pytest.raises(KeyError, match=r"point\[9\]\.x is no variable; the nearest is point"):
+    with pytest.raises(KeyError, match=r"point\[9\]\.x is not a variable; the nearest is point"):
         chain.get(["point[0].x", "point[9].x"])
-    assert "jiont* is no variable" in refusal(chain.get, "jiont*")
+    assert "jiont* is not a variable" in refusal(chain.get, "jiont*")
 
 
 # --- time and faults -------------------------------------------------------------------------------------

@@ -56,7 +56,7 @@ def test_a_repeated_name_counts_once():
 def test_a_name_without_derivatives(name, said):
     with pytest.raises(UnknownNameError) as caught:
         simulate(CASE.scene, sensitivities=[name])
-    assert str(caught.value).startswith(f"Case: {name} is no parameter with derivatives; {said}")
+    assert str(caught.value).startswith(f"Case: {name} is not a parameter with derivatives; {said}")
 
 
 def test_derivatives_by_no_parameter_are_refused():
@@ -128,7 +128,7 @@ def test_outputs_that_are_chosen_have_the_same_derivatives():
     some = simulate(CASE.scene, output=OUTPUTS, sensitivities=name)
     for output in OUTPUTS:
         assert np.array_equal(some.sensitivity(output, name), whole.sensitivity(output, name))
-    with pytest.raises(UnknownNameError, match=r"point\[1\].x is no output of this result"):
+    with pytest.raises(UnknownNameError, match=r"point\[1\].x is not an output of this result"):
         some.sensitivity("point[1].x", name)
 
 

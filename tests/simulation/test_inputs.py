@@ -151,12 +151,12 @@ def scolding(_time):
     [
         (
             {"joint[3].torque": 1.0},
-            r"^PinnedArm: 'joint\[3\].torque' is no input of this scene; it has joint\[1\].torque, "
+            r"^PinnedArm: 'joint\[3\].torque' is not an input of this scene; it has joint\[1\].torque, "
             r"joint\[2\].torque, and \[inputs\] joint_torques, joint_targets, slider_force, tip_force, "
             r"base_motion and wall_motion in the scene make",
         ),
-        ({"tip.force.x": 1.0}, "'tip.force.x' is no input of this scene"),
-        ({7: 1.0}, "7 is no input of this scene"),
+        ({"tip.force.x": 1.0}, "'tip.force.x' is not an input of this scene"),
+        ({7: 1.0}, "7 is not an input of this scene"),
         (
             {ELBOW: ([0.0, 0.1], [1.0])},
             r"^PinnedArm: joint\[2\].torque: times and values .* not \(2,\) and \(1,\)",
@@ -195,7 +195,7 @@ def test_values_that_are_no_input_are_refused_in_one_sentence(inputs, message):
 
 def test_a_scene_without_inputs_says_how_to_have_some():
     message = (
-        r"^FourLinkBox: 'joint\[2\].torque' is no input of this scene; it has none, \[inputs\] joint_torques"
+        r"^FourLinkBox: 'joint\[2\].torque' is not an input of this scene; it has none, \[inputs\] joint_"
     )
     with pytest.raises(SceneError, match=message):
         simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})

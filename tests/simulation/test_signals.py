@@ -334,7 +334,7 @@ def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts
 
 @pytest.mark.parametrize("one", [TORQUE, PUSH, TARGET])
 def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(one):
-    """A torque, a force or an angle is no length; where a speed is a sine, its integral is the travel."""
+    """A torque, a force or an angle is not a length; where a speed is a sine, its integral is the travel."""
     motions = "".join(
         f'[signals.s{k}]\ninput = "{name}"\nform = "sine"\namplitude = {size}\nfrequency = 5.0\n'
         for k, (name, size) in enumerate({one: 700.0, TABLE: 0.05, "base.vy": 0.3}.items())

@@ -169,11 +169,11 @@ def test_some_laws_only():
     assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
     unfit = str(compare(scene, laws=["hertz"]))
     assert unfit.endswith(f"of e = {scene.contact.restitution:g} in this impact: none of these laws")
-    with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
+    with pytest.raises(SceneError, match="flore is not a contact law; the nearest is flores"):
         compare(scene, laws=["flore"])
-    with pytest.raises(SceneError, match=r"rubber is no contact law; .*--list laws"):
+    with pytest.raises(SceneError, match=r"rubber is not a contact law; .*--list laws"):
         compare(scene, laws=["rubber"])
-    with pytest.raises(SceneError, match="3 is no contact law; "):
+    with pytest.raises(SceneError, match="3 is not a contact law; "):
         compare(scene, laws=[3])
 
 

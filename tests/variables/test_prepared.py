@@ -174,7 +174,7 @@ def test_walls_that_no_point_can_touch_need_no_room():
 def test_a_name_that_is_no_text_is_refused():
     prepared = PreparedScene(load_scene("rod_drop"))
     for refuse in (prepared.indices_named, partial(varied_by, prepared), partial(columns_named, prepared)):
-        with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is no "):
+        with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is not an? "):
             refuse([["point[1].x"]])
     kept = prepared.indices_named(["energy.*", "point[1].x"])
     assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.motion]) is kept

@@ -41,7 +41,7 @@ OTHER_CHECKS = {
     *(("signal", name) for name in ("value", "mean", "initial", "final", "start", "duration")),
 }
 WIDER = {
-    ("model", "height"): (0.0, LARGEST),  # 0: the link is no box
+    ("model", "height"): (0.0, LARGEST),  # 0: the link is not a box
     ("signal", "frequency"): (-LARGEST, LARGEST),
 }
 """Ranges in the kernel that are wider than those of the keys."""

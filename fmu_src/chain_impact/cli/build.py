@@ -95,5 +95,5 @@ def _platforms(text: str) -> tuple[str, ...]:
     for name in names:
         if name not in PLATFORMS and text != "all":
             known = ", ".join(PLATFORMS)
-            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {known}, or all")
+            raise argparse.ArgumentTypeError(f"{name!r} is not a platform; must be of {known}, or all")
     return names

@@ -125,9 +125,9 @@ class Parser(argparse.ArgumentParser):
         files = [action for action in self._actions if action.metavar == "FILE"]
         written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
         if option.startswith("-o") and written:
-            return f"{option} is no option; files are written by {', '.join(written)}"
+            return f"{option} is not an option; files are written by {', '.join(written)}"
         near = nearest(option, self._option_string_actions)
-        return f"{option} is no option" + (f"; the nearest is {near}" if near else "")
+        return f"{option} is not an option" + (f"; the nearest is {near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.
@@ -138,7 +138,7 @@ class Parser(argparse.ArgumentParser):
             return
         near = nearest(str(value), map(str, action.choices))
         few = f"must be one of {', '.join(map(str, action.choices))}"
-        what = "is no command" if isinstance(action.choices, dict) else few
+        what = "is not a command" if isinstance(action.choices, dict) else few
         raise argparse.ArgumentError(action, f"{value} {what}" + (f"; the nearest is {near}" if near else ""))
 
 

@@ -185,7 +185,7 @@ def style_name(text: str) -> str:
     if text not in style.available:
         near = nearest(text, style.available)
         hint = f"the nearest is {near}" if near else f"must be one of {', '.join(style.available)}"
-        raise argparse.ArgumentTypeError(f"{text} is no style of matplotlib; {hint}")
+        raise argparse.ArgumentTypeError(f"{text} is not a style of matplotlib; {hint}")
     return text
 
 
@@ -219,7 +219,7 @@ def figure_size(text: str) -> Size:
 
 
 def sides_of(text: str) -> list[float]:
-    """Return the numbers of a text such as ``120x150``, one or several; none if a part is no number."""
+    """Return the numbers of a text such as ``120x150``, one or several; none if a part is not a number."""
     try:
         return [float(side) for side in text.lower().split("x")]
     except ValueError:

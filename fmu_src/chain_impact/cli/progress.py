@@ -30,8 +30,8 @@ def complain(text: object) -> None:
 def progress(work: str = "simulating") -> Iterator[Progress]:
     """Show a progress bar for long work; yield a function that receives the finished fraction.
 
-    If standard error is no terminal, lines are written instead of a bar: the log's messages of level INFO or
-    above, and the finished part every LINES seconds.
+    If standard error is not a terminal, lines are written instead of a bar: the log's messages of level INFO
+    or above, and the finished part every LINES seconds.
     """
     if out.quiet:
         yield silent

@@ -112,7 +112,9 @@ def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
     names = joint_names(robot)
     for name in wanted:
         if name not in names:
-            raise UnknownNameError(source, name, names, "no joint", otherwise=f"joints: {', '.join(names)}")
+            raise UnknownNameError(
+                source, name, names, "not a joint", otherwise=f"joints: {', '.join(names)}"
+            )
     return {name for name in names if name not in wanted} if wanted else set()
 
 
@@ -162,7 +164,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
     if len(parallel(hinges)) > 1:
         names = [hinge.joint.name for hinge in hinges]
         raise NoChainError(
-            f"{source}: the axes of the joints are not parallel: the robot is no planar chain", names
+            f"{source}: the axes of the joints are not parallel: the robot is not a planar chain", names
         )
 
 

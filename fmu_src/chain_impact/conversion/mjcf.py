@@ -61,7 +61,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
     wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
     if wanted != NO_KEYFRAME and wanted not in names:
         otherwise = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
-        raise UnknownNameError(source, wanted, names, "no keyframe", otherwise=otherwise)
+        raise UnknownNameError(source, wanted, names, "not a keyframe", otherwise=otherwise)
     data = mujoco.MjData(model)
     if wanted in names:
         mujoco.mj_resetDataKeyframe(model, data, names.index(wanted))

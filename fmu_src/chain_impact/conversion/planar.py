@@ -215,7 +215,7 @@ class _Conversion:
         chosen = self.choices.tip
         if chosen is not None and chosen not in ends:
             names = f"its frames: {', '.join(ends)}"
-            raise UnknownNameError(self.source, chosen, ends, "no frame of the last link", otherwise=names)
+            raise UnknownNameError(self.source, chosen, ends, "not a frame of the last link", otherwise=names)
         far = {name: float(np.linalg.norm(at)) for name, at in ends.items()}
         name = max(ends, key=far.__getitem__) if chosen is None else chosen
         if chosen is not None or far[name] > ZERO_LENGTH:

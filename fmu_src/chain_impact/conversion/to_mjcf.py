@@ -227,7 +227,7 @@ def _left_out(scene: Scene) -> Iterator[str]:
         yield f"{names}: MuJoCo has no signals over time: a program must set what they drive"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):
-            yield f"inputs.{key}: is no input of the MuJoCo model"
+            yield f"inputs.{key}: is not an input of the MuJoCo model"
 
 
 def _radii(scene: Scene) -> list[float | None]:

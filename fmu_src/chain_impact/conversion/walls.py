@@ -59,12 +59,12 @@ class Walls:
         for number, plane in enumerate(self.robot.planes, 1):
             if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL:
                 self._tell(
-                    "plane", plane.name, "is not at right angles to the plane of the motion: it is no wall"
+                    "plane", plane.name, "is not at right angles to the plane of the motion: it is not a wall"
                 )
                 continue
             links = self._links(plane)
             if not links:
-                self._tell("plane", plane.name, "nothing that moves touches it: it is no wall")
+                self._tell("plane", plane.name, "nothing that moves touches it: it is not a wall")
                 continue
             touching |= links
             point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)

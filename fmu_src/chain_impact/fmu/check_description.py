@@ -152,7 +152,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
     allowed = NAME_PATTERNS.get(convention, NAME_PATTERNS["flat"])
     for variable in variables:
         if not allowed.fullmatch(variable.name):
-            fault = f"{variable.name!r} is no name of the naming convention {convention!r}"
+            fault = f"{variable.name!r} is not a name of the naming convention {convention!r}"
             findings.append(Finding(fault, variable=variable.name, attribute="name"))
     return [*findings, *_of_experiment(root)]
 

@@ -191,7 +191,7 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
         if side := variable.beyond(value):
             yield "start", f"start = {text} is {side}"
         elif variable.choices and value not in variable.choices:
-            yield "start", f"start = {text} is no value of the enumeration"
+            yield "start", f"start = {text} is not a value of the enumeration"
 
 
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:

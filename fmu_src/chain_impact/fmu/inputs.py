@@ -61,7 +61,9 @@ def driven_rows(
     for name in columns:
         if name not in input_names:
             hint = "a signal of the FMU drives it" if name in output_names and input_key(name) else None
-            raise UnknownNameError(str(file), name, input_names, f"no input of {description.modelName}", hint)
+            raise UnknownNameError(
+                str(file), name, input_names, f"not an input of {description.modelName}", hint
+            )
     signal = Signal(
         input=tuple(columns),
         form="table",

@@ -92,7 +92,7 @@ def record_fmu(
 
 
 def _chain_of(path: Path) -> Any:
-    """Return the model description of an FMU; refuse an FMU that is no chain, or lacks points or energies."""
+    """Return the model description of an FMU; refuse one that is not a chain, or lacks points or energies."""
     description = read_fmu(path)
     names = {variable.name for variable in description.modelVariables}
     if "link[1].length" not in names:
@@ -185,7 +185,7 @@ def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
         given = "it is an input: give it over time in a table, --inputs FILE"
         signals = {parameter.split(".")[1] for parameter in parameters if parameter.startswith("signal.")}
         hint = given if input_key(name) else signal_hint(name, signals)
-        raise UnknownNameError(source, name, [*parameters, *TIMES], "no parameter", hint)
+        raise UnknownNameError(source, name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]
 
 

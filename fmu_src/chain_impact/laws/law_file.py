@@ -49,7 +49,7 @@ def read_law(path: Path) -> UserLaw:
     except OSError as error:
         raise LawError(f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError:
-        raise LawError("cannot be read (it is no text in UTF-8)") from None
+        raise LawError("cannot be read (it is not a text in UTF-8)") from None
     return parse_law(path.stem, source)
 
 

@@ -55,7 +55,7 @@ PATHS: dict[str, DataPath] = {
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
-"""Name → path of each value in the record that depends on the scene, but is no parameter."""
+"""Name → path of each value in the record that depends on the scene, but is not a parameter."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:

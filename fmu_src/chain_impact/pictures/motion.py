@@ -106,7 +106,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
 
 
 def ball_of(recording: Recording) -> int | None:
-    """Return the number of the point at the centre of a ball; None if the chain is no ball.
+    """Return the number of the point at the centre of a ball; None if the chain is not a ball.
 
     A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
     least the length of the link.

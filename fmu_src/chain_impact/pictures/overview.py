@@ -182,7 +182,7 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
     for name in panels:
         if name not in PANELS:
             raise ValueError(
-                f"panels = {list(panels)!r}: {name!r} is no panel; must be of {', '.join(PANELS)}"
+                f"panels = {list(panels)!r}: {name!r} is not a panel; must be of {', '.join(PANELS)}"
             )
     counts = {
         "energy": len(recording.energies),

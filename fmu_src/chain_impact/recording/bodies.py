@@ -15,7 +15,7 @@ def is_of_body(name: str) -> bool:
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radius [m] of each point that is no end of a link, in the order of the points' numbers."""
+    """Return the radius [m] of each point beside the ends of links, in the order of the points' numbers."""
     return [radius for discs in discs_of_links(values).values() for *_, radius in discs]
 
 

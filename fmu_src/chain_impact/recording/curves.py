@@ -77,7 +77,7 @@ def curves_of(
     """
     hint = series_hint(recording.output_hint)
     like = (
-        names_matching(recording.name, pattern, recording.columns, "no output", hint) for pattern in names
+        names_matching(recording.name, pattern, recording.columns, "not an output", hint) for pattern in names
     )
     chosen = list(dict.fromkeys(name for matches in like for name in matches))
     onset, low, high = window(recording, around)

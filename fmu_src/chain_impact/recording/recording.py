@@ -353,7 +353,7 @@ class Recording:
         if output is not None:
             wanted = [output] if isinstance(output, str) else list(output)
             matches = (
-                names_matching(self.name, pattern, columns, "no column", self.output_hint)
+                names_matching(self.name, pattern, columns, "not a column", self.output_hint)
                 for pattern in wanted
             )
             columns = {name: columns[name] for name in ("time", *chain.from_iterable(matches))}

@@ -109,7 +109,7 @@ class Sensitivities:
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of a quantity with respect to a parameter, for all impacts, shape (I,)."""
         if quantity not in self.impact_slopes:
-            what = "no quantity of impacts with derivatives"
+            what = "not a quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"
             raise UnknownNameError(self.source, quantity, self.impact_slopes, what, hint)
         return self.impact_slopes[quantity][:, self._number(parameter)]
@@ -128,7 +128,7 @@ class Sensitivities:
 
     def _output(self, name: str) -> str:
         if name not in self.columns:
-            raise UnknownNameError(self.source, name, self.columns, "no output of this result")
+            raise UnknownNameError(self.source, name, self.columns, "not an output of this result")
         return name
 
     def _number(self, parameter: str) -> int:

@@ -28,13 +28,7 @@ if TYPE_CHECKING:
 
 
 class Pictured(Recording):
-    """A result with methods for pictures and an animation.
-
-    Attributes:
-        prepared: the prepared scene that was simulated.
-        rerun: function that returns the outputs of the same run at other times; None if the run cannot be
-            repeated.
-    """
+    """A result with methods for pictures and an animation; ``Result`` describes the attributes."""
 
     prepared: PreparedScene
     rerun: Rerun | None
@@ -116,7 +110,7 @@ class Pictured(Recording):
         if self.scene.outputs.energies or "energy" in shown:
             # this raises an error if the energy was left out
             names_matching(
-                self.name, "energy.kinetic", self.columns, "no output of this result", self.output_hint
+                self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
         if ax is None:
             fill = partial(pictures.fill, recording=self, panels=shown, title=title)

@@ -295,7 +295,7 @@ def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> 
         near = nearest(name, quantities)
         hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
         raise SceneError(
-            f"{recording.name}: {name} is no quantity that can be ranked; {hint}, or impact[n].…"
+            f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
         )
     return _of_output(recording, sensitivities, name)
 

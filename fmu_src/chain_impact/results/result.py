@@ -100,7 +100,7 @@ class Result(Pictured):
         if name in self.names:
             return self.stepwise[name]
         hint = series_hint(self.output_hint)
-        like = names_matching(self.scene.name, name, self.names, "no output of this result", hint)
+        like = names_matching(self.scene.name, name, self.names, "not an output of this result", hint)
         return {item: self[item] for item in like}
 
     @property
@@ -109,7 +109,7 @@ class Result(Pictured):
         return *self.motion, *self.stepwise
 
     def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that is no output; None if none is known."""
+        """Return a hint for a name that is not an output; None if none is known."""
         return missing_output_hint(self.prepared, name)
 
     @property
@@ -357,6 +357,6 @@ class Result(Pictured):
             return self.outputs[field]
         parts = [v for v in self.prepared.motion if v.field == field]
         if not parts:
-            raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
+            raise UnknownNameError(self.scene.name, field, self.names, "not an output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
         return values.reshape(len(self.time), *(step + 1 for step in parts[-1].index))

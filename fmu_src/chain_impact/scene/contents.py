@@ -221,7 +221,7 @@ class Contents:
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of a stop, by its number among the walls; "" if the wall is no stop.
+        """Return the name of a stop, by its number among the walls; "" if the wall is not a stop.
 
         A stop belongs to joints or to a slider.
         """

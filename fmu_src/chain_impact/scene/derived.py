@@ -53,7 +53,7 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 def above(paths: Iterable[Any]) -> set[DataPath]:
     """Return the paths of all tables and lists that contain a value at one of the ``paths``.
 
-    Whatever is no path, such as a name, is ignored.
+    Whatever is not a path, such as a name, is ignored.
     """
     proper = [
         path

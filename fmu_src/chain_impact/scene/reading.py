@@ -93,7 +93,7 @@ class UnknownNameError(SceneError, KeyError):
         *,
         otherwise: str = "`chain-impact info` lists the names",
     ) -> None:
-        """Say that ``name`` is ``what``, for example "no parameter", and add the ``hint``.
+        """Say that ``name`` is ``what``, for example "not a parameter", and add the ``hint``.
 
         Without a hint, the message gives the most similar of the ``names``, or ``otherwise`` if no name is
         similar.

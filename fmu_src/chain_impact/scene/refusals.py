@@ -26,7 +26,7 @@ SENTENCES = {
     "wall_angle": "has neither angle nor normal, must have one of them",
     "wall_angles": "has both angle and normal, must have one of them",
     "no_normal": "= {value} must not be zero",
-    "no_wall": "{value}is no wall of the scene; must be one of {walls}",
+    "no_wall": "{value}is not a wall of the scene; must be one of {walls}",
     "no_walls": "must be left out: the scene has no walls",
     "wall_name": "= {value} must be none of {others}",
     "out_of_reach": "= {value} must be left out with its wall: no point can reach it, because all "
@@ -58,7 +58,7 @@ SENTENCES = {
     "other_form": 'must be left out: form = "{form}" has {keys}',
     "needs_key": 'is missing: form = "{form}" needs it',
     "no_input": "= [] must name at least one input",
-    "strange_input": "= {value} is no input of the scene; {how}",
+    "strange_input": "= {value} is not an input of the scene; {how}",
     "driven_twice": "= {value} must be driven by one signal only: {by}",
     "units": "must name inputs of one unit: {first} is in {unit}, {other} in {other_unit}",
     "times": "has {times} entries, must have as many as values, which has {values}, and at least one",

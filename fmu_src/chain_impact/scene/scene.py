@@ -232,7 +232,7 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return whether a table has a value other than None; true for anything that is no table."""
+    """Return whether a table has a value other than None; true for anything that is not a table."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
@@ -275,7 +275,9 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
-            raise SceneError(f"{scene.name}: {value_text(path)} is no path to a value of the scene") from None
+            raise SceneError(
+                f"{scene.name}: {value_text(path)} is not a path to a value of the scene"
+            ) from None
     changed = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and completion.ANGLES not in paths
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
@@ -301,12 +303,12 @@ def _path_and_value(
     if change not in names:
         hint = parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
-        raise UnknownNameError(scene.name, typed, names, "no parameter", hint)
+        raise UnknownNameError(scene.name, typed, names, "not a parameter", hint)
     return names[change], _chosen(scene, change, given)
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
-    """Return a hint how to change a value that is no parameter; None if the scene has no value ``name``."""
+    """Return a hint how to change a value that is not a parameter; None if the scene has no such value."""
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
 

@@ -41,7 +41,7 @@ def _input(name: str) -> DataPath:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse a signal without inputs, with unknown inputs or, if it is no table, with several units."""
+    """Refuse a signal without inputs, with unknown inputs or, if it is not a table, with several units."""
     there = list(inputs_of(scene))
     if not signal.input:
         raise refusal(_input(name), "no_input")

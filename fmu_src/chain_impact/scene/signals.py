@@ -72,7 +72,7 @@ def family(name: str) -> tuple[str, ...]:
     if head.startswith("wall.") and last != "belt_speed":
         return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
     if last == "belt_speed":
-        return "", name  # the integral of a belt's speed is no input
+        return "", name  # the integral of a belt's speed is not an input
     if last in ("target_angle", "target_position"):
         return name, head + TARGET_RATE
     return (name,)
@@ -130,7 +130,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
                 raise SceneError(f"{file}: column {column} must be left out: {by}")
         if column not in inputs_of(scene):
             raise SceneError(
-                f"{file}: column {column} is no input of {scene.name}; {how_asked(scene, column)}"
+                f"{file}: column {column} is not an input of {scene.name}; {how_asked(scene, column)}"
             )
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
     table |= {"interpolation": interpolation} if interpolation else {}

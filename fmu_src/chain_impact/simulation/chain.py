@@ -299,7 +299,7 @@ class Chain:
         selected = [
             match
             for name in names
-            for match in names_matching(self.scene.name, name, self._accesses, "no variable", self._hint)
+            for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
         ]
         accesses = [self._accesses[name] for name in selected]
         rows = [access.row for access in accesses]
@@ -315,7 +315,7 @@ class Chain:
         """Return where a variable is stored, and the checked value as a number; refuse other values."""
         access = self._accesses.get(name)
         if access is None:
-            raise UnknownNameError(self.scene.name, name, self._accesses, "no variable", self._hint(name))
+            raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
         if access.row.kind == "output" or (access.row.kind == "fixed" and self._stepped):
             what = "an output" if access.row.kind == "output" else "a fixed parameter"
             late = "" if access.row.kind == "output" else " after the first step"

@@ -135,7 +135,7 @@ def input_course(
             first communication point is later.
 
     Raises:
-        SceneError: when a name is no input of the scene, or a signal is invalid.
+        SceneError: when a name is not an input of the scene, or a signal is invalid.
     """
     scene = prepared.scene
     if not isinstance(inputs, Mapping) or TIME in inputs:
@@ -187,7 +187,7 @@ def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str,
     source, names = prepared.scene.name, {variable.name for variable in prepared.inputs}
     for name in inputs:
         if name not in names:
-            raise SceneError(f"{source}: {name!r} is no input of this scene; {_hint(prepared, name)}")
+            raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(prepared, name)}")
     return {name: _checked(f"{source}: {name}", signal) for name, signal in inputs.items()}
 
 
@@ -245,7 +245,7 @@ def _columns(table: TableSource, stop: float) -> Mapping[str, InputSource]:
 
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
-    """Return a hint for a name that is no input: what drives or makes it, or which inputs exist."""
+    """Return a hint for a name that is not an input: what drives or makes it, or which inputs exist."""
     if name in prepared.signals_by_input:
         return f"signal.{prepared.signals_by_input[name]} drives it"
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))

@@ -221,7 +221,7 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     for law in laws or ():
         if law not in names:
             listed = "`chain-impact info --list laws` lists them"
-            raise UnknownNameError(scene.name, law, names, "no contact law", otherwise=listed)
+            raise UnknownNameError(scene.name, law, names, "not a contact law", otherwise=listed)
     chosen = [law for law in names if not laws or law in laws]
     at_home = any(keeps_exponents(law, scene) for law in chosen)
     return chosen if at_home else [*chosen, scene.contact.model]

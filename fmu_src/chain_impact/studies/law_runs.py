@@ -89,15 +89,7 @@ class Reached:
 
 @dataclass(frozen=True, eq=False)
 class LawRuns:
-    """The runs of some laws on one scene.
-
-    Attributes:
-        scene: the scene.
-        reference: id of the law to which the impacts of all other laws are compared.
-        runs: one run for each law.
-        reached: the restitutions that the first impact reaches without losses and with the exact law, at the
-            scene's stiffness and, if not only contact forces act in the impact, at larger stiffnesses.
-    """
+    """The runs of some laws on one scene; ``Comparison`` (compare.py) describes the attributes."""
 
     __eq__ = same
     __hash__ = None  # type: ignore[assignment]

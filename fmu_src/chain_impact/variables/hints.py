@@ -11,7 +11,7 @@ Hint = Callable[[str], str | None]
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is no output: it is an input or a parameter; None if it is neither.
+    """Return a hint for a name that is not an output: it is an input or a parameter; None if it is neither.
 
     ``how`` are words for what makes an input an output.
     """

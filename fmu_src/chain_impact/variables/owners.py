@@ -122,7 +122,7 @@ OWN_CONDITIONS = {
     "has_target": "the target of the joint's spring is an input",
     "target_is_parameter": "the target of the joint's or slider's spring is a parameter",
     "may_have_friction": "the joint, slider or contact may have dry friction",
-    "in_file": "the file has the point; it is no corner of a box",
+    "in_file": "the file has the point; it is not a corner of a box",
     "base_at_rest": "the point is a base that cannot move",
 }
 """Name → meaning of the conditions of owners. None has the name of a fact."""

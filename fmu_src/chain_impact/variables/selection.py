@@ -49,7 +49,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
         if name in prepared.columns:
             return "it is an output: derivatives of it are with respect to parameters and inputs"
         if name in prepared.parameter_paths:
-            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
+            return "it is a choice, or a setting of the solver, of which the motion is not a smooth function"
         if input_asked(name):
             return f"the scene does not have this input: it needs {input_asked(name)}"
         hint = parameter_hint(name, len(scene.chain.links), scene.signals)
@@ -59,7 +59,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
     if not wanted:
         return []
     variables = prepared.differentiable
-    found = _named(scene.name, wanted, variables, "no parameter with derivatives", hint)
+    found = _named(scene.name, wanted, variables, "not a parameter with derivatives", hint)
     return [variables[name] for name in found]
 
 
@@ -72,7 +72,7 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
     if not wanted:
         return []
     outputs, hint = prepared.own_outputs, _hint_on_outputs(prepared)
-    return [outputs[name] for name in _named(prepared.scene.name, wanted, outputs, "no output", hint)]
+    return [outputs[name] for name in _named(prepared.scene.name, wanted, outputs, "not an output", hint)]
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
@@ -82,12 +82,12 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
         UnknownNameError: when no column has a name, or matches a pattern.
     """
     columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
-    names = _named(prepared.scene.name, wanted, columns, "no output", hint)
+    names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
     return {name: columns[name] for name in names}
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
-    """Return a hint for a name that is no output: how to get such an output; None if none is known."""
+    """Return a hint for a name that is not an output: how to get such an output; None if none is known."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint

@@ -115,7 +115,7 @@ def test_columns_of_measurements_are_chosen_by_pattern():
     both = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
     assert set(both.quantity) == {"onset", "point[4].y"}
     assert refusal(read, table, None, ["camera"]).startswith(
-        "data: camera is no column; there are point[4].x"
+        "data: camera is not a column; there are point[4].x"
     )
 
 
@@ -125,7 +125,7 @@ def test_wrong_measurements_are_refused():
 
     wrong = said(**{"point[4].z": [1, 2, 3]})
     assert wrong.startswith(
-        "data: column point[4].z is no output that changes over time, no input, and no quantity of an"
+        "data: column point[4].z is not an output that changes over time, no input, and no quantity of an"
     )
     assert "; the nearest is point[4]." in wrong
     assert "impacts have onset, end" in said(camera=[1, 2, 3])

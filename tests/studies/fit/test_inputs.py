@@ -96,7 +96,7 @@ def test_times_of_impacts_with_a_torque_tell_the_damping():
         (
             {"joint[2].torque": TORQUE},
             FREE,
-            "column joint[2].torque is no output that changes over time, no input",
+            "column joint[2].torque is not an output that changes over time, no input",
         ),
         (
             {"joint[1].torque": [*TORQUE[:-1], "high"]},

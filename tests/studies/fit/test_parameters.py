@@ -50,11 +50,12 @@ def test_parameters_of_each_data_set():
 
 def test_wrong_parameters_are_refused():
     assert refusal(make, []) == "FourLinkBox: no parameter is free; name at least one"
-    assert "contact.stifness is no parameter that can be fitted; the nearest is contact.stiffness" in refusal(
-        make, ["contact.stifness"]
+    assert (
+        "contact.stifness is not a parameter that can be fitted; the nearest is contact.stiffness"
+        in refusal(make, ["contact.stifness"])
     )
     for name in ("contact.model", "solver.tolerance", "contact.minimum_impact_speed"):
-        assert "is no parameter that can be fitted" in refusal(make, [name])
+        assert "is not a parameter that can be fitted" in refusal(make, [name])
     assert "is named twice" in refusal(make, ["initial.x"], ["initial.x"])
     assert "bounds of initial.y, which is not free; free is initial.x" in refusal(
         make, ["initial.x"], (), {"initial.y": "0:1"}

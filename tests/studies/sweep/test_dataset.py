@@ -205,7 +205,9 @@ def test_a_manifest_that_lists_what_is_no_file_of_the_sweep_is_refused(tmp_path,
     stopped(tmp_path / "runs")
     manifest = tmp_path / "runs" / MANIFEST
     manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"files": {name: span}}))
-    with pytest.raises(SceneError, match=f"{MANIFEST} lists {name}, which is no file of the sweep: remove"):
+    with pytest.raises(
+        SceneError, match=f"{MANIFEST} lists {name}, which is not a file of the sweep: remove"
+    ):
         sweep(SCENE, VARY, path=tmp_path / "runs")
 
 

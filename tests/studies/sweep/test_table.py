@@ -34,7 +34,7 @@ def test_columns_of_a_sweep_are_found_by_name(found):
     assert np.isnan(found["point[4].x"]).tolist() == [True, False, False, False]
     assert found["impact.last_wall"].dtype == np.int64
     assert found.table.dtype.names == found.names
-    with pytest.raises(KeyError, match=r"^'peak is no column of the sweep; there are contact"):
+    with pytest.raises(KeyError, match=r"^'peak is not a column of the sweep; there are contact"):
         found["peak"]
 
 

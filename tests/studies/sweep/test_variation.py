@@ -53,14 +53,18 @@ def test_an_interval_gives_values_at_fractions():
 @pytest.mark.parametrize(
     ("name", "values", "words"),
     [
-        ("contact.restitutio", "0.1", "no parameter that can be varied; the nearest is contact.restitution"),
-        ("point[4].x", "0.1", "no parameter that can be varied"),
-        ("base.vx", "0,1", "no parameter that can be varied; it is an input"),
-        ("contact.points", "0,1", "no parameter that can be varied; change it in the scene file"),
+        (
+            "contact.restitutio",
+            "0.1",
+            "not a parameter that can be varied; the nearest is contact.restitution",
+        ),
+        ("point[4].x", "0.1", "not a parameter that can be varied"),
+        ("base.vx", "0,1", "not a parameter that can be varied; it is an input"),
+        ("contact.points", "0,1", "not a parameter that can be varied; change it in the scene file"),
         (
             "initial.joint_angles[1]",
             "0,1",
-            r"no parameter that can be varied; set initial.angle\[1\] and so on",
+            r"not a parameter that can be varied; set initial.angle\[1\] and so on",
         ),
         ("contact.restitution", "0.5,1.5", "= 1.5 must be a finite number >= 0 and <= 1"),
         ("contact.restitution", "nan", "= nan must be a finite number"),

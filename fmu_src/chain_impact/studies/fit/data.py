@@ -176,7 +176,7 @@ def read_measurements(
     chosen = {
         column
         for name in patterns
-        for column in names_matching(source, name, measured, "no column", lambda _: hint)
+        for column in names_matching(source, name, measured, "not a column", lambda _: hint)
     }
     book = _Book(scene, sigma)
     for table in tables:
@@ -276,7 +276,7 @@ class _Book:
         near = nearest(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
         return (
-            f"is no output that changes over time, no input, and no quantity of an impact; {hint}; "
+            f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; "
             "to leave it out, name the columns to use"
         )
 

@@ -102,7 +102,7 @@ def parameters_of(
     bounds = {fmu_name(name): values for name, values in bounds.items()}
     for typed in names:
         if fmu_name(typed) not in variables:
-            what, hint = "no parameter that can be fitted", absent_hint(typed)
+            what, hint = "not a parameter that can be fitted", absent_hint(typed)
             hint = hint or fixed_hint(scene, fmu_name(typed))
             raise UnknownNameError(scene.name, typed, variables, what, hint)
     names = [*free, *free_each]

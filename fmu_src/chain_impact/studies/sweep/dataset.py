@@ -158,7 +158,7 @@ class Dataset:
             raise SceneError(f"{self.path} was left by a sweep that differs in its {differs[0]}: {wrong}")
         for name, piece in files.items():
             if name != file_name(piece) or not 0 <= piece[0] < piece[1] <= self.runs:
-                raise SceneError(f"{manifest} lists {name}, which is no file of the sweep: {wrong}")
+                raise SceneError(f"{manifest} lists {name}, which is not a file of the sweep: {wrong}")
         return files
 
 

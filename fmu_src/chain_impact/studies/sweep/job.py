@@ -101,7 +101,11 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
     for name in outputs:
         if not (isinstance(name, str) and name in available):
             raise UnknownNameError(
-                prepared.scene.name, name, available, "no output", missing_output_hint(prepared, str(name))
+                prepared.scene.name,
+                name,
+                available,
+                "not an output",
+                missing_output_hint(prepared, str(name)),
             )
     if STATUS not in available:
         name = prepared.scene.name

@@ -133,7 +133,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
         SceneError: when there are too many.
     """
     source = prepared.scene.name
-    matches = (names_matching(source, panel, available, "no column", lambda _: None) for panel in panels)
+    matches = (names_matching(source, panel, available, "not a column", lambda _: None) for panel in panels)
     chosen = list(dict.fromkeys(name for names in matches for name in names))
     if len(chosen) > MOST_PANELS:
         raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")

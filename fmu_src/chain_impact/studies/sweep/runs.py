@@ -42,7 +42,7 @@ class Runs:
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a column, shape (R,); choices, such as a contact law, are given by name."""
         if name not in self.names:
-            raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
+            raise KeyError(f"{name} is not a column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]
 
     @property

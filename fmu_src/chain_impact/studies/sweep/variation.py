@@ -91,7 +91,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
     for typed, values in vary.items():
         name = fmu_name(typed)
         if name not in parameters:
-            what = "no parameter that can be varied"
+            what = "not a parameter that can be varied"
             hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
             hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed, parameters, what, hint)
@@ -127,7 +127,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
-    except ValueError:  # a part is no number, or the second part is missing
+    except ValueError:  # a part is not a number, or the second part is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong

@@ -32,7 +32,7 @@ export function consoleInterface(changes, ask) {
       const values = new Changes(scene).with(given);
       if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
       const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
-      if (unknown) throw new RangeError(`${unknown} is no output`);
+      if (unknown) throw new RangeError(`${unknown} is not an output`);
       const result = await ask("rows", values, { names: output });
       const { time, columns, impacts, statistics, status, reached } = result;
       const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));

@@ -15,7 +15,7 @@ function like(text, columns) {
 /** Return a sentence on a name that no output has, with the name that is probably meant, if there is one. */
 function noOutput(name, columns) {
   const near = proposed(name, columns.map((column) => column.name));
-  return `${name} is no output${near === undefined ? "" : `; the nearest is ${near}`}`;
+  return `${name} is not an output${near === undefined ? "" : `; the nearest is ${near}`}`;
 }
 
 /** Return the names in a text with commas and `*`, as for `simulate --curves`; refuse unknown names and too many curves or units. */

@@ -56,7 +56,7 @@ function keepSignals(signals, nameOf) {
 /**
  * Return the scene of edited contents with the reader's changes in it: `whole` and `scene`, as `open` returns them for contents, with the
  * values before the changes; the changes `kept`; and `nameOf`, the function from a name before the edit to the name after it. A value
- * that the edit has replaced is no change. If the scene cannot be without the changes, only those of inputs stay changes.
+ * that the edit has replaced is not a change. If the scene cannot be without the changes, only those of inputs stay changes.
  *
  * @param before from `partsOf`, for the contents before the edit.
  */

@@ -81,7 +81,7 @@ export class Changes {
   }
 
   /**
-   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is no change, unless
+   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is not a change, unless
    * the scene derives the value: the change then fixes the value.
    */
   with(given, from = this.values) {

@@ -18,7 +18,7 @@ export function inputStepsIn(texts, changes) {
       continue;
     }
     const name = key.slice(0, -MARK.length);
-    if (!changes.scene.inputs.includes(name)) throw new RangeError(`${name} is no input without a signal`);
+    if (!changes.scene.inputs.includes(name)) throw new RangeError(`${name} is not an input without a signal`);
     inputSteps[name] = stepsOf(name, text, changes);
   }
   return { others, inputSteps };

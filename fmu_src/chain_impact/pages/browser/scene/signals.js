@@ -75,7 +75,7 @@ export function drivenBy({ signals }, tables) {
 
 /**
  * Return the driven inputs, each with all quantities that it drives: its integrals, the input and its derivatives, in this order;
- * "" for a quantity that is no input. Refuse inputs that are not among the scene's `inputs`, and inputs that are driven twice.
+ * "" for a quantity that is not an input. Refuse inputs that are not among the scene's `inputs`, and inputs that are driven twice.
  */
 export function withOutputs(driven, inputs, signals) {
   const owners = new Map();
