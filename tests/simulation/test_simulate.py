@@ -262,7 +262,7 @@ def test_arguments_out_of_range_are_refused(arguments):
 def test_a_result_that_is_too_large_is_refused_before_anything_is_done(monkeypatch, arguments, pattern):
     module = sys.modules["chain_impact.simulation.simulate"]
     monkeypatch.setattr(module, "Instance", None)
-    monkeypatch.setattr(module, "_times", None)
+    monkeypatch.setattr(module, "_row_times", None)
     with pytest.raises(SceneError, match=pattern):
         simulate(default_scene(), **arguments)
 

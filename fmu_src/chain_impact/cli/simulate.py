@@ -113,6 +113,20 @@ def add(verbs: Verbs) -> None:
     add_scene(verb, "scene or FMU")
     add_set(verb)
     add_inputs(verb)
+    _add_derivatives(verb)
+    _add_picture(verb)
+    _add_tables(verb)
+    verb.add_argument(
+        "--check",
+        action="store_true",
+        help="simulate again at a tenth of solver.tolerance, and print the largest differences of positions "
+        "and of onsets: an estimate of their errors",
+    )
+    verb.set_defaults(run=run)
+
+
+def _add_derivatives(verb: argparse.ArgumentParser) -> None:
+    """Add the options for derivatives and for the ranking of parameters."""
     named = add_repeated(
         verb,
         "--sensitivity",
@@ -130,6 +144,10 @@ def add(verbs: Verbs) -> None:
         "limits the list",
     )
     complete(ranked, rankable)
+
+
+def _add_picture(verb: argparse.ArgumentParser) -> None:
+    """Add the options for the picture, and for what it shows in place of the motion."""
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
     named = add_repeated(
@@ -143,6 +161,10 @@ def add(verbs: Verbs) -> None:
     verb.add_argument(
         "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N of the list"
     )
+
+
+def _add_tables(verb: argparse.ArgumentParser) -> None:
+    """Add the options for the tables of outputs and of impacts."""
     add_csv(verb, "the outputs over time")
     named = add_repeated(
         verb,
@@ -159,13 +181,6 @@ def add(verbs: Verbs) -> None:
         type=ending(*SUFFIXES),
         help=f"write the list of impacts ({', '.join(suffix[1:] for suffix in SUFFIXES)})",
     )
-    verb.add_argument(
-        "--check",
-        action="store_true",
-        help="simulate again at a tenth of solver.tolerance, and print the largest differences of positions "
-        "and of onsets: an estimate of their errors",
-    )
-    verb.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -113,27 +113,31 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of lists, FMI modes, types, variables' names and the default experiment."""
-    findings = [
+    repeated = (
         finding
         for path in LISTS
         for parent in root.iterfind(path)
         for key in ("name", "value")
         for finding in twice((child.attrib[key] for child in parent if key in child.attrib), key, path)
-    ]
+    )
+    named = _of_names(root.get("variableNamingConvention", "flat"), variables)
+    return [*repeated, *_of_modes(root), *_of_types(root, variables), *named, *_of_experiment(root)]
+
+
+def _of_modes(root: Element) -> Iterator[Finding]:
+    """Yield the faults of the FMI modes: none, or a model identifier that C cannot have."""
     modes = [mode for kind in FMI_MODES for mode in root.iterfind(kind)]
     if not modes:
-        findings.append(
-            Finding(f"has none of {', '.join(FMI_MODES)}: it cannot be run", attribute="CoSimulation")
-        )
+        yield Finding(f"has none of {', '.join(FMI_MODES)}: it cannot be run", attribute="CoSimulation")
     for mode in modes:
         name = mode.get("modelIdentifier", "")
         if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
             fault = f"modelIdentifier = {name!r} must be a name of C: letters, digits and _"
-            findings.append(Finding(fault, attribute=mode.tag))
-    times = [variable.name for variable in variables if variable.causality == "independent"]
-    if len(times) > 1:
-        fault = f"{', '.join(times)} are independent variables: only one is allowed"
-        findings.append(Finding(fault, attribute="ModelVariables"))
+            yield Finding(fault, attribute=mode.tag)
+
+
+def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
+    """Yield the faults of types: limits, units, and names that variables have."""
     names = {variable.name for variable in variables}
     units = {
         unit.get("name", ""): {display.get("name") for display in unit.iterfind("DisplayUnit")}
@@ -141,20 +145,24 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
     }
     for definition in types_of(root):
         path_of_type = f"TypeDefinitions/{definition.name}"
-        findings += [
-            Finding(text, attribute=f"{path_of_type}/{attribute}")
-            for attribute, text in limit_findings(definition)
-        ]
-        findings += _of_unit(definition, units, path_of_type)
+        for attribute, text in limit_findings(definition):
+            yield Finding(text, attribute=f"{path_of_type}/{attribute}")
+        yield from _of_unit(definition, units, path_of_type)
         if definition.name in names:
-            findings.append(Finding("a variable has the same name", attribute=path_of_type))
-    convention = root.get("variableNamingConvention", "flat")
+            yield Finding("a variable has the same name", attribute=path_of_type)
+
+
+def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
+    """Yield the faults of names: of more than one independent variable, and against the convention."""
+    times = [variable.name for variable in variables if variable.causality == "independent"]
+    if len(times) > 1:
+        fault = f"{', '.join(times)} are independent variables: only one is allowed"
+        yield Finding(fault, attribute="ModelVariables")
     allowed = NAME_PATTERNS.get(convention, NAME_PATTERNS["flat"])
     for variable in variables:
         if not allowed.fullmatch(variable.name):
             fault = f"{variable.name!r} is not a name of the naming convention {convention!r}"
-            findings.append(Finding(fault, variable=variable.name, attribute="name"))
-    return [*findings, *_of_experiment(root)]
+            yield Finding(fault, variable=variable.name, attribute="name")
 
 
 def _of_unit(

@@ -94,17 +94,17 @@ def page(prepared: PreparedScene, fmi: int) -> str:
     codes = [(str(n), text) for n, text in STATUS_TEXT.items()]
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
-        whose(scene),
+        authorship(scene),
         *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *([EVENTS] if fmi == FMI_3 else []),
         f"<h2>Points, angles and signs</h2>{drawing(scene)}<p>{SIGNS}</p>",
         f"<h2>{KINDS}</h2>{html_table(('name', 'how many', 'what', 'unit', 'meaning'), kinds(variables))}",
-        folded("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
-        folded("Inputs", ("name", "unit", "meaning"), inputs),
-        folded("Outputs", ("name", "unit", "variability", "meaning"), outputs),
-        folded("Choices", ("parameter", "number", "name", "meaning"), choices),
-        folded("Status of the solver", ("code", "meaning"), codes),
+        folded_table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
+        folded_table("Inputs", ("name", "unit", "meaning"), inputs),
+        folded_table("Outputs", ("name", "unit", "variability", "meaning"), outputs),
+        folded_table("Choices", ("parameter", "number", "name", "meaning"), choices),
+        folded_table("Status of the solver", ("code", "meaning"), codes),
         '<p><a href="licenses/license.txt">License of the solver</a></p>',
     ]
     head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
@@ -115,7 +115,7 @@ def page(prepared: PreparedScene, fmi: int) -> str:
     )
 
 
-def whose(scene: Scene) -> str:
+def authorship(scene: Scene) -> str:
     """Return a paragraph with the scene's author, version, copyright and license; "" if none is given."""
     keys = ("author", "version", "copyright", "license")
     said = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
@@ -133,7 +133,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     ]
 
 
-def folded(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table that unfolds below its title; "" if it has no rows."""
     return f"<details><summary>{title}</summary>{html_table(head, rows)}</details>" if rows else ""
 

@@ -212,6 +212,20 @@ def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
 # --- the check -------------------------------------------------------------------------------------------
 
 
+class _Table(NamedTuple):
+    """The reference results as an FMU has them.
+
+    Attributes:
+        time: communication points, shape (T,) [s].
+        columns: name of an input or output → its values, shape (T,); NaN where it is not compared.
+        allowed: name → tolerance; NaN for an input.
+    """
+
+    time: np.ndarray
+    columns: dict[str, np.ndarray]
+    allowed: dict[str, float]
+
+
 def check_references(path: Path) -> tuple[bool, str] | None:
     """Simulate an FMU with fmpy, and compare the results with the FMU's reference results.
 
@@ -221,54 +235,68 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         if REFERENCE_FILE not in fmu.namelist():
             return None
         text = fmu.read(REFERENCE_FILE).decode(errors="replace")
-    description = read_fmu(path)
-    kinds = {variable.name: variable.causality for variable in description.modelVariables}
     try:
-        head, *rows = csv.reader(io.StringIO(text))
-        if head[0] != "time":
-            raise ValueError("its first column must be time")
-        table = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
-        allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
-        time, columns = table[:, 0], dict(zip(head, table.T, strict=True))
-        if len(time) < FEWEST_ROWS or not (np.diff(time) > 0.0).all():
-            raise ValueError("it must have two times or more, and the times must increase")
+        table = _table_in(text)
     except (ValueError, IndexError, csv.Error) as error:
         return (False, f"must be a table of numbers with a row of tolerances: {error}")
-    unknown = [name for name in head[1:] if name not in kinds]
+    description = read_fmu(path)
+    kinds = {variable.name: variable.causality for variable in description.modelVariables}
+    unknown = [name for name in table.columns if name not in kinds]
     if unknown:
         return (False, f"the FMU has no variable {unknown[0]}")
-    inputs = ["time", *(name for name in head if kinds.get(name) == "input")]
-    outputs = [name for name in head if name not in inputs]
-    given = np.rec.fromarrays([columns[name] for name in inputs], dtype=[(name, float) for name in inputs])
+    inputs = [name for name in table.columns if kinds[name] == "input"]
+    outputs = [name for name in table.columns if kinds[name] != "input"]
+    given = {"time": table.time, **{name: table.columns[name] for name in inputs}}
+    rows = np.rec.fromarrays([*given.values()], dtype=[(name, float) for name in given])
     try:
-        simulated_values = simulated(
+        results = simulated(
             path,
             description,
             output=outputs,
-            start_time=time[0],
-            stop_time=time[-1],
-            output_interval=time[1] - time[0],
-            input=given if inputs[1:] else None,
+            start_time=table.time[0],
+            stop_time=table.time[-1],
+            output_interval=table.time[1] - table.time[0],
+            input=rows if inputs else None,
         )
     except RunError as error:
         return (False, f"cannot be simulated: {error}")
+    return _verdict(table, {name: np.interp(table.time, results["time"], results[name]) for name in outputs})
+
+
+def _table_in(text: str) -> _Table:
+    """Return the table in a reference file.
+
+    Raises:
+        ValueError, IndexError, csv.Error: when it is not such a table.
+    """
+    head, *rows = csv.reader(io.StringIO(text))
+    if head[0] != "time":
+        raise ValueError("its first column must be time")
+    numbers = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
+    allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
+    time, columns = numbers[:, 0], dict(zip(head[1:], numbers.T[1:], strict=True))
+    if len(time) < FEWEST_ROWS or not (np.diff(time) > 0.0).all():
+        raise ValueError("it must have two times or more, and the times must increase")
+    return _Table(time, columns, allowed)
+
+
+def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
+    """Return whether results agree with a table, and a line of text; ``results`` are at the times of it."""
+    errors = {name: np.abs(values - table.columns[name]) for name, values in results.items()}
     # written so that the comparison also fails for a NaN of the FMU
-    errors = {
-        name: np.abs(
-            np.interp(time, simulated_values["time"], simulated_values[name].astype(float)) - columns[name]
-        )
-        for name in outputs
-    }
     astray = {
-        name: np.flatnonzero(~(errors[name] <= allowed[name]) & ~np.isnan(columns[name])) for name in outputs
+        name: np.flatnonzero(~(error <= table.allowed[name]) & ~np.isnan(table.columns[name]))
+        for name, error in errors.items()
     }
     deviating = {name: rows[0] for name, rows in astray.items() if rows.size}
     if not deviating:
-        return (True, f"passed, outputs: {len(outputs)}, times: {len(time)}, until {time[-1]:.9g} s")
+        until = f"until {table.time[-1]:.9g} s"
+        return (True, f"passed, outputs: {len(results)}, times: {len(table.time)}, {until}")
     name = min(deviating, key=lambda name: deviating[name])
+    row = deviating[name]
     return (
         False,
-        f"{name} is not {columns[name][deviating[name]]:.9g} at t = {time[deviating[name]]:.9g} s: "
-        f"{errors[name][deviating[name]]:.2g} off, {allowed[name]:.2g} allowed; "
-        f"of {len(outputs)} outputs {len(deviating)} deviate",
+        f"{name} is not {table.columns[name][row]:.9g} at t = {table.time[row]:.9g} s: "
+        f"{errors[name][row]:.2g} off, {table.allowed[name]:.2g} allowed; "
+        f"of {len(results)} outputs {len(deviating)} deviate",
     )

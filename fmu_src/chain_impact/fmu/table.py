@@ -50,7 +50,7 @@ Rows = Sequence[tuple[TableRow, int]]
 """For each variable: its row of the table, and the number of its values."""
 
 
-def described(
+def with_description(
     files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
 ) -> dict[str, bytes]:
     """Return the files of an FMU with the model description and the table added.
@@ -62,9 +62,9 @@ def described(
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """
-    contents = (packed(prepared, "", further), ElementTree.tostring(description), *files.values())
+    contents = (table_bytes(prepared, "", further), ElementTree.tostring(description), *files.values())
     description.set(TOKEN[fmi], _guid_of(contents))
-    table = packed(prepared, description.attrib[TOKEN[fmi]], further)
+    table = table_bytes(prepared, description.attrib[TOKEN[fmi]], further)
     ElementTree.indent(description)
     text = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
     return {**files, "modelDescription.xml": text, "resources/model.bin": table}
@@ -78,7 +78,7 @@ def _guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def packed(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
+def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     """Return the table with its GUID, and the record with the start values, in the form for the C interface.
 
     The head, the variables, the texts of statuses and of parts of the scene, the record, and the texts follow

@@ -118,7 +118,7 @@ class Chain:
 
         A contact that lasts has NaN as its end.
         """
-        self._ready()
+        self._ensure_initialized()
         before = self._reals.copy()
         # `open_contacts` drops what the solver has computed beyond the present time, so the record is
         # restored afterwards
@@ -132,7 +132,7 @@ class Chain:
 
         A phase that lasts has NaN as its end.
         """
-        self._ready()
+        self._ensure_initialized()
         self._collect()
         return phases_of(self._instance.all_changes)
 
@@ -159,7 +159,7 @@ class Chain:
         if not self.time <= time < math.inf:
             needed = f"a finite number >= {self.time!r} [s], the present time"
             raise SceneError(f"{self.scene.name}: step_to({value_text(time)}) must be {needed}")
-        self._ready()
+        self._ensure_initialized()
         self._stepped, self._observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, self._instant, self._no_words):
@@ -189,7 +189,7 @@ class Chain:
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
         if selection.observed and not self._observed:
-            self._ready()
+            self._ensure_initialized()
             self._observe()
             self._observed = True
         values = self._reals[selection.words]
@@ -211,7 +211,7 @@ class Chain:
             SceneError: when a variable cannot be set at this time, or cannot have this value.
         """
         given = {values: value} if isinstance(values, str) else values
-        checked = [self._checked(name, value) for name, value in given.items()]
+        checked = [self._checked_value(name, value) for name, value in given.items()]
         for access, number in checked:
             memory = self._integers if access.whole else self._reals
             if memory[access.row.set_word] != number:
@@ -224,7 +224,7 @@ class Chain:
 
     def save(self) -> bytes:
         """Return the whole present state, from which any chain of the scene continues with the same bits."""
-        self._ready()
+        self._ensure_initialized()
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
         changes = self._instance.all_changes
@@ -275,7 +275,7 @@ class Chain:
         links = plural(len(self.scene.chain.links), "link")
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
-    def _ready(self) -> None:
+    def _ensure_initialized(self) -> None:
         """Compute the start again if a value was set since the start was computed."""
         if not self._initialized:
             self._instance.initialize()
@@ -311,7 +311,7 @@ class Chain:
         self._selections[key] = selection
         return selection
 
-    def _checked(self, name: str, value: Any) -> tuple[_Access, float]:
+    def _checked_value(self, name: str, value: Any) -> tuple[_Access, float]:
         """Return where a variable is stored, and the checked value as a number; refuse other values."""
         access = self._accesses.get(name)
         if access is None:

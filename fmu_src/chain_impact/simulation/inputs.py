@@ -23,8 +23,8 @@ from chain_impact.simulation.motions import (
     Channel,
     Motion,
     contradictions,
-    joined,
     jumps,
+    made_continuous,
     motion_of,
     refuse_jumps,
 )
@@ -139,7 +139,7 @@ def input_course(
     """
     scene = prepared.scene
     if not isinstance(inputs, Mapping) or TIME in inputs:
-        inputs = _columns(cast("TableSource", inputs), scene.simulation.stop_time)
+        inputs = _inputs_in_table(cast("TableSource", inputs), scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
@@ -165,7 +165,7 @@ def input_course(
     refuse_jumps(scene.name, motions, belts, pieces, moving)
     warn(scene.name, contradictions(channels, given, pieces, moving, called))
     if motions:
-        pieces = joined(pieces, moving)
+        pieces = made_continuous(pieces, moving)
     begin = pieces.start[1:]
     together = np.union1d(run, begin)
     slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
@@ -188,7 +188,7 @@ def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str,
     for name in inputs:
         if name not in names:
             raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(prepared, name)}")
-    return {name: _checked(f"{source}: {name}", signal) for name, signal in inputs.items()}
+    return {name: _checked_signal(f"{source}: {name}", signal) for name, signal in inputs.items()}
 
 
 def _pieces_of(
@@ -225,7 +225,9 @@ def _pieces_of(
     moving = len(signals) + np.arange(len(motions))
     columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
     if len(columns):
-        functions: dict[str, Callable[[Any], Any]] = {name: partial(_each, called, name) for name in followed}
+        functions: dict[str, Callable[[Any], Any]] = {
+            name: partial(_values_at, called, name) for name in followed
+        }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         is_force = columns < len(signals)
         accuracy = np.where(is_force, FINER * scene.solver.tolerance, ACCURACY)
@@ -236,7 +238,7 @@ def _pieces_of(
     return pieces, moving
 
 
-def _columns(table: TableSource, stop: float) -> Mapping[str, InputSource]:
+def _inputs_in_table(table: TableSource, stop: float) -> Mapping[str, InputSource]:
     """Return the columns of a table of inputs, by the names of the inputs."""
     read = read_table(table)
     times, columns = samples_of(read, stop)
@@ -265,7 +267,7 @@ def channels_of(prepared: PreparedScene) -> list[Channel]:
     return channels
 
 
-def _each(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
+def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
     """Return the values of a function at several times, shape (T,)."""
     return np.array([called(name, time) for time in times.tolist()])
 
@@ -328,7 +330,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
     return f"it has {', '.join(shown)}, and {how} make all that there can be"
 
 
-def _checked(what: str, signal: Any) -> Any:
+def _checked_signal(what: str, signal: Any) -> Any:
     """Return a signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0.
 
     Refuse others.

@@ -94,7 +94,7 @@ def motion_of(
     if given is None:
         return Motion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
     belt = not channel.position
-    value, breaks = as_function(given, signals[given], called, joined=_joined(lines=lines, belt=belt))
+    value, breaks = as_function(given, signals[given], called, joined=_way_of_joining(lines=lines, belt=belt))
     for _ in range(channel.names.index(given) + belt):
         value, breaks = _integrated(value, breaks, stop)
     if given == channel.position or belt:
@@ -102,7 +102,7 @@ def motion_of(
     return Motion(given, lambda times: channel.start + value(times), breaks)
 
 
-def _joined(*, lines: bool, belt: bool) -> str:
+def _way_of_joining(*, lines: bool, belt: bool) -> str:
     """Return how samples are joined, for ``as_function``: "lines", "held" or "spline"."""
     return "lines" if lines else "held" if belt else "spline"
 
@@ -209,7 +209,7 @@ def refuse_jumps(
             )
 
 
-def joined(pieces: Pieces, columns: np.ndarray) -> Pieces:
+def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     """Return pieces of motions, corrected so that positions and velocities at their ends agree.
 
     A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, removes the small differences s

@@ -78,7 +78,7 @@ class Pieces:
         return np.where(largest > 0.0, largest, 1.0)
 
     @cached_property
-    def _changes(self) -> tuple[np.ndarray, np.ndarray]:
+    def _degrees_and_rates(self) -> tuple[np.ndarray, np.ndarray]:
         """The degree of each piece, and how fast it changes in x, at its middle; both of shape (P,).
 
         The rate of change is the largest (|u⁽ᵐ⁾|/U)^(1/m) of all signals u and all orders m of derivatives; U
@@ -92,7 +92,7 @@ class Pieces:
 
     def settings(self, at: int) -> dict[str, float]:
         """Return the fields of a piece for the record, without the powers."""
-        order, rate = self._changes
+        order, rate = self._degrees_and_rates
         if order[at] == 0:
             return {"order": 0, "change_rate": 0.0}
         return {

@@ -124,7 +124,7 @@ def simulate(
     indices = prepared.output_indices if output is None else prepared.indices_named(output)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    course = _course(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
+    course = _inputs_of_run(prepared, {} if inputs is None else inputs, interpolation, whole, columns)
     differentiated = DifferentiatedInstance(prepared, varied, course) if varied else None
     instance = differentiated or Instance(prepared, course, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
@@ -162,7 +162,7 @@ def simulate(
     return result
 
 
-def _course(
+def _inputs_of_run(
     prepared: PreparedScene, inputs: Given, interpolation: Interpolation, whole: bool, columns: int
 ) -> InputCourse:
     """Return the inputs over time, with the times of the rows; refuse a result that would be too large.
@@ -177,8 +177,8 @@ def _course(
     name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
     step = stop if whole else prepared.scene.simulation.step_size
     check_result_size(name, stop, step, columns)
-    course = input_course(prepared, inputs, interpolation, _times(stop, step))
-    if course.paths and not _size(len(course.times), columns) <= MOST_BYTES:
+    course = input_course(prepared, inputs, interpolation, _row_times(stop, step))
+    if course.paths and not _size_of_rows(len(course.times), columns) <= MOST_BYTES:
         raise _too_large(f"{name}: the simulation with its inputs has", len(course.times), columns)
     return course
 
@@ -206,24 +206,24 @@ def check_result_size(source: str, stop: float, step: float, columns: int) -> No
         SceneError: when the result would be too large.
     """
     count = stop / step + 1.0
-    if not _size(count, columns) <= MOST_BYTES:
+    if not _size_of_rows(count, columns) <= MOST_BYTES:
         asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
         raise _too_large(f"{source}: {asked} gives", count, columns)
 
 
-def _size(count: float, columns: int) -> float:
+def _size_of_rows(count: float, columns: int) -> float:
     """Return the size of ``count`` rows [byte], each with the time and ``columns`` other numbers."""
     return count * WORD * (1 + columns)
 
 
 def _too_large(what: str, count: float, columns: int) -> SceneError:
     """Return the error for rows of outputs that are too large; the text ``what`` begins the message."""
-    rows = f"{count:.4g} rows of {columns} outputs, {_size(count, columns) / 1e9:.4g} GB"
+    rows = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
     limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
     return SceneError(f"{what} {rows}; {limit}")
 
 
-def _times(stop: float, step: float) -> np.ndarray:
+def _row_times(stop: float, step: float) -> np.ndarray:
     """Return the times of rows [s]: multiples of the step below the stop time, and the stop time."""
     times = np.arange(np.ceil(stop / step * (1 - STEP_ROUND_OFF)) + 1.0)
     times *= step

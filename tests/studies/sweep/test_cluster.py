@@ -171,7 +171,7 @@ def test_a_worker_that_can_keep_no_kernel(scheduler):
 
 def test_a_piece_that_a_worker_cannot_do(scheduler, monkeypatch):
     scheduler.worker()
-    monkeypatch.setattr(Work, "do", property(lambda _: partial(int, "odd")))
+    monkeypatch.setattr(Work, "run_piece", property(lambda _: partial(int, "odd")))
     with pytest.raises(RunError, match="FourLinkBox: the cluster could not do a part of the sweep: TypeErr"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 

@@ -15,14 +15,14 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
-from chain_impact.studies.sweep.work import Made, Span, Work
+from chain_impact.studies.sweep.work import Outcome, Span, Work
 
 # [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished piece
 # after which the workers are counted
 CONNECT, PATIENCE = 10.0, 30.0
 
 
-def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Made]]:
+def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Outcome]]:
     """Yield the results of the runs in some spans, piece by piece as workers finish them.
 
     If a worker is lost, other workers take over its pieces.
@@ -54,7 +54,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
         count = _check_workers(client, work, address)
         try:
             executor = client.get_executor(pure=False)
-            yield from hand_out(executor, count, work.do, spans, check=check, patience=PATIENCE)
+            yield from hand_out(executor, count, work.run_piece, spans, check=check, patience=PATIENCE)
         except (BuildError, RunError):
             raise
         except CancelledError:

@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from functools import partial
 from threading import Event
 
-from chain_impact.studies.sweep.work import Made, Span, Work
+from chain_impact.studies.sweep.work import Outcome, Span, Work
 from chain_impact.system import LISTEN
 
 FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the longest piece
@@ -59,12 +59,12 @@ class Pieces:
 def hand_out(
     executor: Executor,
     count: int,
-    do: Callable[[Span], tuple[Made, float]],
+    do: Callable[[Span], tuple[Outcome, float]],
     spans: Sequence[Span],
     *,
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
-) -> Generator[tuple[Span, Made]]:
+) -> Generator[tuple[Span, Outcome]]:
     """Yield each piece of some spans of runs, with its results, as the executor finishes it.
 
     Args:
@@ -77,7 +77,7 @@ def hand_out(
         patience: the time after which ``check`` is called, and Ctrl-C is noticed [s].
     """
     pieces = Pieces(spans, count)
-    at_work: dict[Future[tuple[Made, float]], Span] = {}
+    at_work: dict[Future[tuple[Outcome, float]], Span] = {}
 
     def submit() -> None:
         if piece := pieces.take():
@@ -101,7 +101,7 @@ def hand_out(
             future.cancel()
 
 
-def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Made]]:
+def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator[tuple[Span, Outcome]]:
     """Compute spans of runs in threads; yield each finished piece of a span with its results.
 
     Other Python threads can run meanwhile. If the caller stops the iteration, all threads end in less than a
@@ -116,7 +116,9 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
-            yield from hand_out(pool, threads, partial(work.do, wanted=lambda: not enough.is_set()), spans)
+            yield from hand_out(
+                pool, threads, partial(work.run_piece, wanted=lambda: not enough.is_set()), spans
+            )
         finally:
             enough.set()
 

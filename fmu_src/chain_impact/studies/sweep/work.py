@@ -19,7 +19,7 @@ from chain_impact.studies.sweep.job import STATUS, Job, Runner
 
 Span = tuple[int, int]
 """A span of runs: first … end − 1."""
-Made = np.ndarray | str
+Outcome = np.ndarray | str
 """The rows of a piece, or the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
@@ -86,7 +86,7 @@ class Work:
         """
         return Runner(self.job, own_kernel=self.own_kernel)
 
-    def do(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Made, float]:
+    def run_piece(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
         """Compute some runs; return the rows or the file's name, and the computing time [s].
 
         Raises:
