@@ -30,8 +30,13 @@ def programs() -> dict[str, str]:
 if __name__ == "__main__":
     name, *arguments = sys.argv[1:] or [""]
     if name not in programs():
-        print(f"NAME is {name!r}; must be one of:" if name else "NAME is missing; must be one of:")
-        print("\n".join(f"{program:16} {text}" for program, text in programs().items()))
+        fault = f"NAME is {name!r}; must be one of:" if name else "NAME is missing; must be one of:"
+        print(
+            fault,
+            *(f"{program:16} {text}" for program, text in programs().items()),
+            sep="\n",
+            file=sys.stderr,
+        )
         sys.exit(2)
     command = [sys.executable, "-m", f"benchmarks.{name}", *arguments]
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
