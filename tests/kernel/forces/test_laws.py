@@ -159,5 +159,5 @@ def test_a_law_for_one_exponent_is_refused_with_another(law):
     changes = {("contact", "model"): law.id, ("contact", "exponent"): 1.2}
     with pytest.raises(SceneError) as caught:
         with_values(load_scene("rod_drop"), changes)
-    needed = f"must be {law.exponent} for the contact model {law.id}"
+    needed = f"must be {law.exponent:g} for the contact model {law.id}"
     assert str(caught.value) == f"RodDrop: contact.exponent = 1.2 {needed}"
