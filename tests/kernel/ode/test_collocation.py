@@ -324,7 +324,8 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
         solved.append((shift, given, x.tolist()))
 
     monkeypatch.setattr(collocation, "solve_real", note)
-    monkeypatch.setattr(collocation, "moment_error", lambda d, row: (1e3 + row) * d.solver.tolerance)
+    errors = 1e3 * d.solver.tolerance, 1001.0 * d.solver.tolerance
+    monkeypatch.setattr(collocation, "force_errors", lambda _: errors)
     # e₁ min(1, e₁/e₂), with the moments in place of the other errors
     assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
     assert d.limits.other_work == before + 1

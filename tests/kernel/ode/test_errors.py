@@ -154,7 +154,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
         spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
         stiffness, damping = d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1]
         moments = stiffness * abs(turns) + damping * abs(spins)
-        assert control.moment_error(d, row) == pytest.approx(max(moments) / unit, rel=1e-12)
+        assert control.force_errors(d)[row] == pytest.approx(max(moments) / unit, rel=1e-12)
 
 
 def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
@@ -164,7 +164,7 @@ def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
     line = np.array([math.cos(0.1), math.sin(0.1)])
     force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
     unit = d.model.energy_scale * (1.0 + 9.81 / 0.5)
-    assert control.moment_error(d, ONE) == pytest.approx(0.5 * force / unit, rel=1e-12)
+    assert control.force_errors(d)[ONE] == pytest.approx(0.5 * force / unit, rel=1e-12)
 
 
 def test_moments_count_where_a_rigid_wall_holds_a_point():
@@ -180,6 +180,6 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
     free = control.scaled_errors(d)
     assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)
     touch(d, [0])
-    held = tuple(control.moment_error(d, row) / TOLERANCE for row in (ONE, OTHER))
+    held = tuple(error / TOLERANCE for error in control.force_errors(d))
     assert control.scaled_errors(d) == pytest.approx(held, rel=1e-12)
     assert min(held) > max(free)

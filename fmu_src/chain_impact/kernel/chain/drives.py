@@ -44,7 +44,7 @@ def drive_count(d):
 
 def is_slider(d, i):
     """Return whether drive i is that of the slider; the others are those of joints."""
-    return d.slides and i == d.links
+    return i == d.links
 
 
 def along_drive(d, values, first, i):
@@ -74,6 +74,11 @@ def coordinates_of_drive(d, y, i):
 def lever_of_drive(d, i):
     """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
     return 1.0 if is_slider(d, i) else d.model.longest_link
+
+
+def arm_of_drive(d, i):
+    """Return the factor that makes a moment of the force of drive i: the longest link [m]; 1 for a joint."""
+    return d.model.longest_link if is_slider(d, i) else 1.0
 
 
 @has_dual_rule
@@ -230,7 +235,7 @@ def mode_margin(d, y):
             wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
             margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
-            least = min(least, margin * (d.model.longest_link / lever_of_drive(d, i)))
+            least = min(least, margin * arm_of_drive(d, i))
     return least
 
 

@@ -33,8 +33,8 @@ from chain_impact.kernel.ode.control import (
     PAST_END,
     clear_faded,
     conclude,
+    force_errors,
     largest_errors,
-    moment_error,
     raise_scales,
     reject_step,
     set_scales,
@@ -310,8 +310,9 @@ def estimate(d, h, size):
         count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
             d.work.error[0, j], d.work.error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
-        first = max(first, moment_error(d, 0) / d.solver.tolerance)
-        second = max(second, moment_error(d, 1) / d.solver.tolerance)
+        first_force, second_force = force_errors(d)
+        first = max(first, first_force / d.solver.tolerance)
+        second = max(second, second_force / d.solver.tolerance)
     return first * min(1.0, first / second) if second > 0.0 else first
 
 

@@ -17,9 +17,9 @@ import math
 
 from chain_impact.kernel.chain.drives import (
     along_drive,
+    arm_of_drive,
     drive_count,
     drive_slopes,
-    lever_of_drive,
 )
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
@@ -293,25 +293,35 @@ def scaled_errors(d):
         first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
         second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
     if any_constraint(d) and d.model.has_springs_or_dampers:
-        first, second = max(first, moment_error(d, 0)), max(second, moment_error(d, 1))
+        first_force, second_force = force_errors(d)
+        first, second = max(first, first_force), max(second, second_force)
     if not math.isfinite(total):
         return math.inf, math.inf
     return first / d.solver.tolerance, second / d.solver.tolerance
 
 
-def moment_error(d, row):
-    """Return the largest error of a drive's damper and spring moment, by the error estimate number ``row``.
+def force_errors(d):
+    """Return the largest error of the force of a drive's damper and spring, by each of both error estimates.
 
-    It is relative to a moment that moves the chain; the force of a slider is multiplied by the longest link.
-    The error must be small because the forces of rigid walls depend on these moments, and a change of such a
-    force's sign releases a point.
+    The errors are relative to a moment that moves the chain. They must be small because the forces of rigid
+    walls depend on the drives, and a change of the sign of a wall's force releases a point.
     """
-    error, worst = d.work.error[row], 0.0
+    first, second = 0.0, 0.0
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, d.trial.state, i)
-        force = k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
-        worst = max(worst, force * (d.model.longest_link / lever_of_drive(d, i)))
-    return worst / (d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link))
+        first = max(first, force_error(d, d.work.error[0], i))
+        second = max(second, force_error(d, d.work.error[1], i))
+    usual = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
+    return first / usual, second / usual
+
+
+def force_error(d, error, i):
+    """Return the error [N·m] of the damper and the spring of drive i for the ``error`` of a state.
+
+    The force of a slider is multiplied by the longest link.
+    """
+    c, k = drive_slopes(d, d.trial.state, i)
+    force = k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
+    return force * arm_of_drive(d, i)
 
 
 def impact_energy(d):
