@@ -34,7 +34,7 @@ from chain_impact.conversion.urdf import moving_parts, urdf_of
 from chain_impact.scene.scene import scene_from_dict
 
 DURATION = 0.5  # s
-SPEED = 0.3  # rad/s or m/s, of the joints at the start, with changing sign
+SPEED = 0.3  # rad/s or m/s, speed of the joints at the start; the sign alternates from joint to joint
 TOLERANCE = 1e-11
 ALIKE = 1e-6  # rad, largest difference of equal angles
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")

@@ -43,7 +43,7 @@ class OnInstance:
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
         pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
-        # a log with fewer places than contacts loses the oldest contacts
+        # ``count`` counts all contacts, but the log keeps the latest only: cut ``count`` to its rows
         log = record["contact_log"]
         log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])

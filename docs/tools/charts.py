@@ -13,7 +13,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw, lossless_depth
+from chain_impact.kernel.forces.contact_law import ContactLaw
+from chain_impact.kernel.forces.laws import CONTACT_LAWS, lossless_depth
 from chain_impact.pictures.style import BLACK, DPI, GREY, PALETTE, STYLE, headline, legend_at_foot
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.scene.tables import Contact

@@ -13,7 +13,8 @@ import re
 from collections.abc import Sequence
 
 from chain_impact import sphere_plane_stiffness
-from chain_impact.kernel.forces.laws import CONTACT_LAWS, ContactLaw
+from chain_impact.kernel.forces.contact_law import ContactLaw
+from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from docs.tools import DOCS
 from docs.tools.command_help import command_line
 from docs.tools.markdown_text import code, table

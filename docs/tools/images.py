@@ -1,4 +1,4 @@
-"""Draw all images of the docs again, with Chromium: ``python -m docs.tools.images``."""
+"""Draw the images that no command of a page draws, with Chromium: ``python -m docs.tools.images``."""
 
 from __future__ import annotations
 

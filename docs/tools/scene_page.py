@@ -67,7 +67,7 @@ def _is_table(kind: Any) -> bool:
 
 
 def _other(entry: Any) -> str:
-    """Return the default of a key that must be given if another key is not; "" for a key on its own."""
+    """Return the words "required without `x`" for a key that must be given if x is not; else ""."""
     pairs = ((dataclasses.fields(table), names) for table, names in ALTERNATIVES.items())
     others = (set(names) - {entry.name} for fields, names in pairs if entry in fields and entry.name in names)
     return next((f"required without {code(*other)}" for other in others), "")

@@ -3,9 +3,7 @@
 A public name is imported from its module at its first use, because importing all modules takes long.
 """
 
-import ast
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,7 +11,8 @@ if TYPE_CHECKING:
     from chain_impact.extras import MissingExtraError as MissingExtraError
     from chain_impact.fmu.build import build_fmu as build_fmu, validate_fmu as validate_fmu
     from chain_impact.fmu.run import record_fmu as record_fmu
-    from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS, ContactLaw as ContactLaw
+    from chain_impact.kernel.forces.contact_law import ContactLaw as ContactLaw
+    from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS
     from chain_impact.pages.explore import explore as explore
     from chain_impact.recording.impacts import IMPACT_DTYPE as IMPACT_DTYPE, impacts_of as impacts_of
     from chain_impact.recording.recording import Recording as Recording
@@ -52,21 +51,43 @@ if TYPE_CHECKING:
     from chain_impact.studies.sweep.sweep import sweep as sweep
     from chain_impact.studies.sweep.table import Sweep as Sweep
 
+_MODULES = {
+    "compilation.errors": ("BuildError",),
+    "extras": ("MissingExtraError",),
+    "fmu.build": ("build_fmu", "validate_fmu"),
+    "fmu.run": ("record_fmu",),
+    "kernel.forces.contact_law": ("ContactLaw",),
+    "kernel.forces.laws": ("CONTACT_LAWS",),
+    "results.animate": ("AnimationError",),
+    "recording.impacts": ("IMPACT_DTYPE", "impacts_of"),
+    "pages.explore": ("explore",),
+    "results.ranking": ("Effect", "Ranking"),
+    "recording.recording": ("Recording",),
+    "results.result": ("Result",),
+    "recording.sensitivity": ("Sensitivities",),
+    "recording.stick_slip": ("STICK_SLIP_DTYPE",),
+    "scene.models": ("model_names",),
+    "scene.reading": ("SceneError", "SceneWarning", "UnknownNameError"),
+    "scene.scene": ("Scene", "load_scene", "parse_scene", "with_values"),
+    "scene.stiffness": ("sphere_plane_stiffness",),
+    "simulation.chain": ("Chain",),
+    "simulation.derivatives": ("Differentiated", "DifferentiatedRun"),
+    "simulation.inputs": ("Signal",),
+    "simulation.instance": ("SimulationError",),
+    "simulation.record_scene": ("RunError",),
+    "simulation.simulate": ("simulate", "with_law"),
+    "studies.animate": ("animate", "record_slowly"),
+    "studies.compare": ("Comparison", "compare"),
+    "studies.fit.fit": ("fit",),
+    "studies.fit.result": ("Fit", "LawFit"),
+    "studies.law_runs": ("LawRun",),
+    "studies.sweep.sweep": ("sweep",),
+    "studies.sweep.table": ("Sweep",),
+}
+"""Module → the public names that the module defines."""
+_HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
-def _homes() -> dict[str, str]:
-    """Return public name → module, from the imports above, which only type checkers carry out."""
-    source = Path(__file__).read_text(encoding="utf-8")
-    imports = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ImportFrom)]
-    return {
-        alias.name: node.module
-        for node in imports
-        if node.module and node.module.startswith("chain_impact.")
-        for alias in node.names
-    }
-
-
-_HOMES = _homes()
-__all__ = sorted(_HOMES)  # noqa: PLE0605 - the imports above
+__all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,11 @@
 """The motion of a ball along a line is drawn over time, with the times of the panels below."""
 
+import math
+
 import numpy as np
 import pytest
 
+from chain_impact import load_scene, simulate
 from chain_impact.pictures.arrangement import is_over_time
 from chain_impact.pictures.straight import line_of_motion, wall_surfaces
 from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, recorded
@@ -40,3 +43,12 @@ def test_a_ball_with_a_radius_is_drawn_as_wide_as_it_is():
     (path,) = ball.get_paths()
     assert np.ptp(path.vertices[:, 1]) == pytest.approx(np.ptp(recording["point[0].y"]) + 0.2)
     assert wall_surfaces(recording, 1)["y_min"].tolist() == [0.0] * len(recording.time)
+
+
+def test_an_inclined_wall_is_drawn_where_it_is_beside_the_ball():
+    """A floor at 0.1 rad through the origin: at x = 3 m its surface is at 3 tan 0.1 m."""
+    wall = {"name": "floor", "point": [0.0, 0.0], "angle": 0.1}
+    changes = {("box",): {}, ("walls",): [wall], "initial.position": [3.0, 1.0], "simulation.stop_time": 0.5}
+    recording = simulate(load_scene("bouncing_ball").with_values(changes))
+    x = recording.points[:, 0, 0]
+    np.testing.assert_allclose(wall_surfaces(recording, 1)["floor"], x * math.tan(0.1), rtol=1e-12)

@@ -34,7 +34,9 @@ def test_a_wrong_name_of_a_benchmark_lists_the_right_ones(name):
     command = [sys.executable, "-m", "benchmarks", *name]
     done = subprocess.run(command, cwd=BENCHMARKS.parent, check=False, capture_output=True, text=True)
     assert done.returncode == 2
-    _, *listed = done.stderr.splitlines()
+    sentence, *listed = done.stderr.splitlines()
+    assert "must be" in sentence
+    assert all(repr(given) in sentence or given in sentence for given in name)
     names = {line.split()[0] for line in listed}
     assert "tables" in names
     assert names.isdisjoint({"common", "against_side", "no_benchmark"})

@@ -33,8 +33,9 @@ the number of links from the instance. With the shared kernel, runs of up to ten
 longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The kernels of a wheel for release: None and GENERAL, for any number of links, and one kernel for each
-number of links from 1 to LARGEST_EXACT. Any other installation has only the kernels None and GENERAL."""
+"""The kernels of the kind KERNEL in a wheel for release: None, for any number of links; GENERAL, for any
+number and with all rare features; and one for each number of links from 1 to LARGEST_EXACT. Other wheels, and
+the kind DERIVATIVES, have only None and GENERAL."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → parts that are compiled and linked for this kind."""
 

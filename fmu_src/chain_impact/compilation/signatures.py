@@ -60,7 +60,7 @@ def declare(library: Any) -> None:
 
 
 def declarations() -> str:
-    """Return the declarations in C; ``Word`` is the type of the numbers in a record."""
+    """Return the C declarations of the kernel's functions; ``Word`` is the type of a number in a record."""
     lines = []
     for name, (result, arguments) in SIGNATURES.items():
         given = ", ".join(f"{_OF_C[kind]}{argument}" for argument, kind in arguments.items())

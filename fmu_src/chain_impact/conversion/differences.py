@@ -89,9 +89,10 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return sentences on the differences with a title, with the largest effect first.
+    """Return sentences on those differences that have this ``title`` in the report.
 
-    Differences that have only different names share a sentence.
+    They are in the order of ``Effect``, and within an effect the largest is first. Differences that differ
+    only in their names share a sentence.
     """
     ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}

@@ -271,7 +271,7 @@ class _Conversion:
         return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Write the joints' values into the links.
+        """Write damping, stiffness, friction, armature, torque limit and stops of each joint into its link.
 
         Returns the angles and angular velocities of the links at the start.
         """

@@ -42,7 +42,8 @@ STATUS_TEXT = {
     EVENT_STORM: "too many contacts begin and end in too short a time: for points at walls, raise "
     "contact.minimum_impact_speed or lower contact.restitution; for joints at stops, raise "
     "stop.minimum_impact_speed or lower stop.restitution; for walls that move, leave more room between them; "
-    "for a joint at its joint_torque_limit, lower its joint_stiffness",
+    "for a joint at its joint_torque_limit, lower its joint_stiffness; for a slider at its force_limit, "
+    "lower slider.stiffness",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
@@ -54,9 +55,9 @@ STATUS_TEXT = {
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while nothing touches",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: lower "
-    "solver.tolerance, which makes errors of steps smaller; if it is 1e-8 or less, raise it, because "
-    "round-off is then too large for it",
+    "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: if solver.tolerance "
+    "is above 1e-8, lower it, which makes errors of steps smaller; else raise it, because round-off is too "
+    "large for it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn while no mass moves: the inertia of one of them "
     "must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "

@@ -48,9 +48,9 @@ docstrings."""
 
 
 class LawError(ValueError):
-    """Raised when a file does not contain a usable law.
+    """Raised when a file or a function is not a usable law.
 
-    The message is the end of a sentence that begins with the file's name.
+    The message is the end of a sentence. The caller puts its subject, the law, in front.
     """
 
 

@@ -59,9 +59,9 @@ PATHS: dict[str, DataPath] = {
 
 
 def kit(scene: Scene) -> dict[str, Any]:
-    """Return the data with which the page can handle any scene; JSON can hold them.
+    """Return the data, ready for JSON, with which the page handles any scene.
 
-    Only the user's own contact law and the tables of signals are from this scene.
+    Only the user's own contact law and the tables of signals come from this ``scene``.
     """
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]

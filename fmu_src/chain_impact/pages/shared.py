@@ -20,7 +20,6 @@ from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
@@ -105,7 +104,6 @@ def shared() -> dict[str, Any]:
             "REINITIALIZE": REINITIALIZE,
             "DERIVED": DERIVED,
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
-            "NO_CONTACT": NO_CONTACT,
             "PARALLEL": PARALLEL,
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},

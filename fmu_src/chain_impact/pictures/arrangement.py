@@ -77,12 +77,13 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
 def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
     """Return the default size of a figure [inches], or the usual height for the width in ``size``.
 
-    The result is FIGURE_SIZE if the figure is narrow and the motion is above the other panels.
+    The result is FIGURE_SIZE for the motion alone, for panels without it, and for a narrow figure with the
+    motion above the other panels.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_over_time(recording, name)]
     ratio = broadness(recording)
-    if not timed or ("motion" not in shown and width >= WIDE):
+    if not timed or "motion" not in shown:
         return FIGURE_SIZE
     over_time = ENERGY_HEIGHT * sum(heights_of(recording, shown)) + TEXTS * len(timed)
     if "motion" in timed:

@@ -43,7 +43,7 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into the motion, unless the panels below have them at the same times."""
+    """Write the numbers of impacts into a motion in the plane; over time, only the speeds have numbers."""
     return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
 
 
@@ -195,7 +195,7 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
 def usual_size(
     recording: Recording, panels: Sequence[str] = (), size: Size | None = None
 ) -> tuple[float, float]:
-    """Return the default size of a figure [inches], or the usual height for the width in ``size``.
+    """Return width and height of a figure [inches]: the width in ``size``, and the usual height for it.
 
     Raises:
         ValueError: when a panel does not exist.

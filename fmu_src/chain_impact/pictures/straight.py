@@ -83,9 +83,15 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
 
 
 def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
-    """Return wall → the place of its surface along an axis over time, shape (T,) [m], of walls across it."""
-    still, surfaces = np.zeros(len(recording.time)), {}
+    """Return wall → the place of its surface along an axis over time, shape (T,) [m], of walls across it.
+
+    The surface of an inclined wall is taken beside the ball.
+    """
+    ball, still, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
     for name in view_of(recording).walls:
         wall = recording.walls[name]
-        surfaces[name] = (wall.offset + recording.moved_walls.get(name, still)) / wall.normal[along]
+        offset = wall.offset + recording.moved_walls.get(name, still)
+        # n·p = offset, with the ball's coordinate across the axis
+        beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
+        surfaces[name] = (offset - beside) / wall.normal[along]
     return surfaces

@@ -22,7 +22,8 @@ LEAST = 1e-6  # [m] the size assumed for a chain that does not move
 UPRIGHT = 0.5
 ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
 PIN = 0.08  # the height of the ground mark of a pinned base, relative to the size of the motion
-# the corners of the ground mark's triangle, relative to the height of the mark
+# the corners of the ground mark's triangle, with the base at (0, 0) and y towards the ground, relative to the
+# height of the mark
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]

@@ -78,7 +78,7 @@ class Pictured(Recording):
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
             size: width and height [inches]; with the height None, the contents determine the height.
-                In a picture narrower than 6 inches the motion is above the rest.
+                A slim motion is beside the rest, a broad one above; a ball on a line is drawn over time.
             panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
                 which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:

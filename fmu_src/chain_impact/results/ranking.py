@@ -279,8 +279,8 @@ def ranking_of(
 
 
 _Found = tuple[float, str, str, np.ndarray, float]
-"""A quantity in a recording: value, unit, the place in words, derivatives of shape (P,), and the size
-relative to which an effect counts as round-off."""
+"""A ranked quantity: its value, its unit, where it occurs in words, its derivatives of shape (P,), and its
+size. An effect of at most LEAST_EFFECT times this size counts as round-off."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:

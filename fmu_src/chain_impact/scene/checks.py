@@ -119,7 +119,9 @@ def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
     found = {path: _of_law(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()}
-    return found | {("stops",): _of_law(scene.stops.model or contact.model, scene.stops)}
+    if scene.chain.stops:
+        found["stops",] = _of_law(scene.stops.model or contact.model, scene.stops)
+    return found
 
 
 def _of_law(
@@ -209,6 +211,8 @@ def angle_hints(scene: Contents) -> list[str]:
     suspicious = {f"initial.angle[{i}]": angle for i, angle in angles}
     suspicious |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
     suspicious |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
+    if scene.chain.slider:
+        suspicious["slider.angle"] = scene.chain.slider.angle
     suspicious |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
     return [hint for name, angle in suspicious.items() if (hint := radians_hint(name, angle, "rad"))]
 

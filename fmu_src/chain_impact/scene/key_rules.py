@@ -37,8 +37,8 @@ class KeyRules(TypedDict, total=False):
     alone: bool  # `with_values` can change the key without reading the scene again: fast_values.py
     or_one: bool  # a single value stands for a list with this value
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
-    # name of another key, of the same table or as "table.key"; if this key gives a file, the file's name
-    # without its suffix is one more choice
+    # name of another key, in the same table or as "table.key"; if that key names a file, the file's name
+    # without its suffix is one more choice, such as the law of a user
     extended_by: str
     # function that returns the unit from the values of the keys read before, if these keys decide the unit
     unit_by: Callable[[Mapping[str, Any]], str]

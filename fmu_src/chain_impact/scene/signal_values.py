@@ -82,7 +82,10 @@ def joined_by(signal: Signal, driven: str) -> str:
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table is one period after the first and must repeat it."""
+    """Return whether the last row of a periodic table is one period after the first row.
+
+    Both rows then stand for the same time in the period, and must have the same values.
+    """
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= CLOSED * (signal.period or 0.0)

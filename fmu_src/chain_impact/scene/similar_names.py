@@ -54,7 +54,7 @@ def longer(name: str, names: Iterable[str]) -> str | None:
 
 
 def proposed(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that a message proposes for ``name``: the nearest, else a longer one, else None."""
+    """Return the name that a message proposes for ``name``: the most similar or a ``longer`` one, or None."""
     names = list(names)
     return nearest(name, names) or longer(name, names)
 

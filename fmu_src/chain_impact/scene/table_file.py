@@ -158,7 +158,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
-    """Return a sentence, in a list, on the longest of the steps [s] if rows seem to be missing there."""
+    """Return a list: one sentence on the longest step if rows seem to be missing there, or nothing."""
     steps = np.diff(times)
     if len(steps) < ROWS:
         return []

@@ -133,7 +133,9 @@ class Inputs:
     )
     slider_force: bool = quantity("", "force on the carriage of a slider, along its line", False)
     joint_targets: bool = quantity(
-        "", "angles and angular velocities that these joints follow by their springs and dampers", False
+        "",
+        "angles and angular velocities that all joints follow by their springs and dampers",
+        False,
     )
     tip_force: bool = quantity("", "force on the tip", False)
     base_motion: bool = quantity("", "motion of a pinned base", False)

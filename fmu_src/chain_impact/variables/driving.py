@@ -14,7 +14,11 @@ from chain_impact.variables.structure import Structure
 
 
 def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write the signals of a scene into a new instance."""
+    """Write the signals of a scene into a new instance.
+
+    Each input that a signal drives has an entry: the number of the input, how often the signal is integrated,
+    and the form and the values of the signal.
+    """
     if not scene.signals:
         return
     fields, stop = d["signal"], scene.simulation.stop_time

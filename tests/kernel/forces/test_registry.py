@@ -1,12 +1,13 @@
 """Registration of laws, a relation of several laws, and the place of a user's law."""
 
-# Tests: kernel/forces/laws.py, kernel/forces/user_law.py
+# Tests: kernel/forces/laws.py, kernel/forces/contact_law.py, kernel/forces/user_law.py
 
 from dataclasses import replace
 
 import pytest
 
 from chain_impact.kernel.forces import laws, user_law
+from chain_impact.kernel.forces.contact_law import FAMILY_FORCE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS, contact_law
 
 
@@ -53,7 +54,7 @@ def test_the_force_of_a_law_is_told_with_its_exponents():
         "Kδ^½ + d δ δ̇", "Kδ^¼ + d δ^½ δ̇", "Kδ√δ + d δ̇", "Kδ^1.2 + d δ^0.3 δ̇",
     ]  # fmt: skip
     assert CONTACT_LAWS["newton_impact"].force == "impulses"
-    assert CONTACT_LAWS["hunt_crossley"].force == laws.FAMILY_FORCE
+    assert CONTACT_LAWS["hunt_crossley"].force == FAMILY_FORCE
 
 
 def test_a_kernel_has_no_law_of_the_users_until_one_is_linked_in():

@@ -103,7 +103,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
-        c, k = drive_slopes(d, d.work.y, i)
+        c, k = drive_slopes(d, i)
         d.work.impedance.joint[i] = time * (c + time * k)
     geometry.join(d, d.work.impedance)
     with_joints = d.model.has_springs_or_dampers or d.model.has_stops

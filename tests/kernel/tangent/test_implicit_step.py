@@ -196,7 +196,7 @@ def test_the_linear_system_is_that_of_the_run(monkeypatch):
     d, t, taken = data(1), data(100), []
     monkeypatch.setattr(replay, "take_drive_slopes", lambda *given: taken.append(given))
     replay.take_slopes(d, t)
-    assert taken == [(t, [100])]  # with their derivatives
+    assert taken == [(t,)]  # with their derivatives
     assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
 

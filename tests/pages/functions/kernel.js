@@ -32,10 +32,10 @@ export const motionOf = async ([text, contents]) => {
   const scene = sceneOf(contents);
   const kernel = await Kernel.load(await compiled(text), scene);
   const { parts, status } = runThrough(motion(kernel, {}));
-  const { time, view, anchor, pin, energies, forces, endTimes, radius, peakForce, drawn } = parts;
+  const { time, view, anchor, pin, energies, forces, stops, radius, peakForce, drawn } = parts;
   return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
     loads: drawn.loads.map(({ n, columns: { x, y } }) => [n, Math.min(...x), Math.max(...y)]),
-    endTimes, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
+    stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
 };
 
 export const begun = async ([text, contents, changes]) => {

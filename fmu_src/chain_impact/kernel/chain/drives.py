@@ -12,8 +12,9 @@ limit has a mode, which only events change (events/saturation.py): 0 while |F| i
 while F is at the positive or the negative limit. The rotor of a joint's drive has the armature I_a, its
 inertia reflected through the gear, so the joint transmits F − I_a q̈.
 
-Only this module knows of which effects a drive consists. All others ask for their sums: force, power, energy,
-inertia, the slopes of the force, and ``note_effects`` for what the drives of a scene have.
+Only this module has the formulas of motor, damper, spring and rotor. Other modules ask it for sums: force,
+power, energy, inertia, the slopes of the force, and ``note_effects`` for what the drives of a scene have. Dry
+friction is in forces/friction.py, and events/saturation.py changes the modes.
 
 The angles of links include full turns, and so do those of joints. The base of a pinned chain has the angle 0.
 A free base has no joint and no drive.
@@ -76,7 +77,7 @@ def lever_of_drive(d, i):
     return 1.0 if is_slider(d, i) else d.model.longest_link
 
 
-def arm_of_drive(d, i):
+def factor_to_moment(d, i):
     """Return the factor that makes a moment of the force of drive i: the longest link [m]; 1 for a joint."""
     return d.model.longest_link if is_slider(d, i) else 1.0
 
@@ -132,8 +133,8 @@ def follows(d, i):
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
-def drive_slopes(d, _y, i):
-    """Return the slopes −∂F/∂q̇ [N·m·s/rad or N·s/m] and −∂F/∂q [N·m/rad or N/m] of drive i in state y.
+def drive_slopes(d, i):
+    """Return the slopes −∂F/∂q̇ [N·m·s/rad or N·s/m] and −∂F/∂q [N·m/rad or N/m] of drive i in its mode.
 
     They are c and k; at a limit, and without a joint, they are 0.
     """
@@ -141,7 +142,7 @@ def drive_slopes(d, _y, i):
 
 
 def largest_slopes(d, i):
-    """Return the largest slopes of drive i in any state below its limit, in the units of ``drive_slopes``."""
+    """Return the slopes of drive i below its limit, in the units of ``drive_slopes``; 0 without a joint."""
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
 
@@ -235,7 +236,7 @@ def mode_margin(d, y):
             wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
             margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
-            least = min(least, margin * arm_of_drive(d, i))
+            least = min(least, margin * factor_to_moment(d, i))
     return least
 
 

@@ -72,7 +72,7 @@ def largest_joint_rate(d, y):
     clear_joints(work.load)
     clear_link_moments(d, work.load)
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, y, i)
+        c, k = drive_slopes(d, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, work.load, i, 1.0)
             solve(d, work.link, work, FREE, work.change)

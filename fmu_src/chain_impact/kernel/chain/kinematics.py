@@ -63,7 +63,10 @@ def copy(y, first, count, out):
 
 
 def in_reach(y, first, count):
-    """Return whether the angles in y, from index ``first`` on, are small enough for ``cosine_and_sine``."""
+    """Return whether the angles in y from index ``first`` on are surely in the range of ``cosine_and_sine``.
+
+    The sum of their sizes must be below LARGEST_ANGLE. The result is False if an angle is NaN.
+    """
     total = 0.0
     for i in range(count):
         total += abs(y[first + i])

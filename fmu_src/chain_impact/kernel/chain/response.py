@@ -104,7 +104,7 @@ def no_impedance(d, impedance):
 
 
 def factorize(d, link_vectors, space, row, coupled):
-    """Eliminate M + Jᵀ D J + K: the mass matrix, impedances D at points, and resistances K of joints.
+    """Factorize M + Jᵀ D J + K for ``solve``: mass matrix, impedances D at points, resistances K of joints.
 
     Args:
         d: the instance.
@@ -112,7 +112,7 @@ def factorize(d, link_vectors, space, row, coupled):
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
             ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
         row: the row of ``factors`` that is set.
-        coupled: whether joints may transmit moments; otherwise κ and μ are zero, and are not read.
+        coupled: whether joints may transmit moments; if not, κ and the impulses μ count as zero.
     """
     n, middle, impedance = d.links, d.model.meeting_joint, space.impedance
     space.factors.coupled[row] = 1 if coupled else 0

@@ -153,7 +153,10 @@ def latch(d, c):
 
 
 def relatch(d, c, factor):
-    """Multiply the latched v₀ of candidate c by a ``factor``; set depth, damping and kink side for it."""
+    """Multiply v₀, the fixed impact speed of candidate c, by a ``factor``; find all that follows from v₀.
+
+    These are the expected penetration, the damping and the side of the law's kink.
+    """
     d.touch.impact_speed[c] *= factor
     latch(d, c)
     set_kink_side(d, c)

@@ -33,8 +33,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# The largest distance of a sticking element from its anchor that counts as round-off after a projection,
-# relative to the largest coordinate.
+# A sticking element is held if its distance from its anchor, after a projection, is at most this part of the
+# largest coordinate; so small a distance is round-off.
 NOT_HELD = 1e-13
 
 

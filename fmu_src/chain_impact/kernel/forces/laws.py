@@ -18,84 +18,12 @@ FMU uses these numbers, so new laws go to the end.
 """
 
 import math
-from dataclasses import dataclass
 
+from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.viscoelastic import viscoelastic_factor
 from chain_impact.kernel.functions import dispatch
 from chain_impact.kernel.mathematics.exponentials import exp, expm1
 from chain_impact.kernel.mathematics.logarithms import log, log1p
-
-FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-# exponent → the power of δ as text; other powers are written like δ^1.2
-DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
-DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
-
-
-@dataclass(frozen=True)
-class ContactLaw:
-    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
-
-    id: str  # name in scene files and in the FMU
-    number: int  # number in the FMU's enumeration, from 1
-    title: str  # authors, for tables
-    source: str  # author, year, journal
-    formula: str  # the factor f(e) as text; λ(e) for the Hunt–Crossley family
-    limits: str  # range of use, limits and known errors of the law
-    # Where the formula was found. A: an open source that cites the paper. B: public code that follows a
-    # review. C: the standard literature. Derived, recomputed: the formula also follows from an integration of
-    # a free impact.
-    evidence: str
-    accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
-    accurate_to: float  # largest such e
-    damping_factor: object  # f(e), a function of the kernel
-    allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
-    exponent: float | None = None  # the exponent n for which the law is defined; None for any
-    rate_exponent: float | None = None  # exponent p of the penetration in the damping; None for p = n
-    # exponent s in d = f K^(1−s) m^s with the effective mass m; 0 for the Hunt–Crossley family: d = λ K/v₀
-    mass_power: float = 0.0
-    approach_only: bool = False  # whether the damping acts only during compression
-    impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
-
-    @property
-    def restitution_range(self) -> str:
-        """The restitutions that the law allows, as text."""
-        return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
-
-    @property
-    def in_family(self) -> bool:
-        """Whether the law belongs to the Hunt–Crossley family."""
-        return self.rate_exponent is None and not self.impulsive
-
-    @property
-    def force(self) -> str:
-        """The force as text, without the cut at 0."""
-        if self.impulsive:
-            return "impulses"
-        if self.rate_exponent is None:
-            return FAMILY_FORCE
-        rate = "max(0, δ̇)" if self.approach_only else "δ̇"
-        spring = "δⁿ" if self.exponent is None else depth_power(self.exponent)
-        return f"K{spring} + " + " ".join(filter(None, ("d", depth_power(self.rate_exponent), rate)))
-
-    @property
-    def damping(self) -> str:
-        """How the damping d follows from f, as text."""
-        power = self.mass_power
-        return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
-
-    @property
-    def continuous(self) -> bool:
-        """Whether the force begins at 0 at the onset, without a jump."""
-        return self.rate_exponent != 0.0 and not self.impulsive
-
-    def allows_exponent(self, exponent: float) -> bool:
-        """Return whether the law is defined for an exponent n."""
-        return self.exponent is None or self.exponent == exponent
-
-
-def depth_power(exponent: float) -> str:
-    """Return a power of the penetration as text, without blanks; "" for the power 0."""
-    return DEPTHS.get(exponent, f"δ^{exponent:g}")
 
 
 def lossless_depth(energy: float, stiffness: float, exponent: float) -> float:
@@ -134,9 +62,6 @@ def contact_law(title, source, formula, accurate, evidence, **properties):
         return function
 
     return register
-
-
-# ---- the Hunt–Crossley family ---------------------------------------------------------------------------
 
 
 @contact_law("Hertz", "1881, J Reine Angew Math 92:156", "0", (1.0, 1.0), "A")
@@ -261,9 +186,6 @@ def carvalho_martins(e):
     return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
 
 
-# ---- damping with a mass and another power of the penetration ---------------------------------------------
-
-
 @contact_law(
     "Kelvin–Voigt",
     "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
@@ -341,9 +263,6 @@ def kuwabara_kono(e):
     if not e > 0.0:
         return math.inf
     return viscoelastic_factor(e)
-
-
-# ---- rigid walls ------------------------------------------------------------------------------------------
 
 
 @contact_law(

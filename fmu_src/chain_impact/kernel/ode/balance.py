@@ -34,10 +34,10 @@ error relative to the tolerance.
 import math
 
 from chain_impact.kernel.chain.drives import (
-    arm_of_drive,
     coordinates_of_drive,
     drive_count,
     drive_inertia,
+    factor_to_moment,
     spring_force,
 )
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -304,7 +304,7 @@ def scales(d, y):
     if d.model.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_force(d, y, i))
-            scale += force * arm_of_drive(d, i)
+            scale += force * factor_to_moment(d, i)
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]

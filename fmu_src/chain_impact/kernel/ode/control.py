@@ -17,9 +17,9 @@ import math
 
 from chain_impact.kernel.chain.drives import (
     along_drive,
-    arm_of_drive,
     drive_count,
     drive_slopes,
+    factor_to_moment,
 )
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
@@ -308,20 +308,17 @@ def force_errors(d):
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
-        first = max(first, force_error(d, d.work.error[0], i))
-        second = max(second, force_error(d, d.work.error[1], i))
+        c, k = drive_slopes(d, i)
+        factor = factor_to_moment(d, i)
+        first = max(first, force_error(d, d.work.error[0], i, c, k) * factor)
+        second = max(second, force_error(d, d.work.error[1], i, c, k) * factor)
     usual = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
     return first / usual, second / usual
 
 
-def force_error(d, error, i):
-    """Return the error [N·m] of the damper and the spring of drive i for the ``error`` of a state.
-
-    The force of a slider is multiplied by the longest link.
-    """
-    c, k = drive_slopes(d, d.trial.state, i)
-    force = k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
-    return force * arm_of_drive(d, i)
+def force_error(d, error, i, c, k):
+    """Return the error [N or N·m] of damper c and spring k of drive i for the ``error`` of a state."""
+    return k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
 
 
 def impact_energy(d):

@@ -116,7 +116,10 @@ DENSE_EVALUATIONS = STAGES - END_STAGE  # number of right-hand sides for the den
 
 
 def weighted_sum(row):
-    """Return a function of (stages, j) for component j of Σ_m row[m] k_m, with the stages k_m as rows."""
+    """Return a function of (stages, j) with the value Σ_m row[m] stages[m, j].
+
+    ``row`` has the coefficient of each stage m that counts.
+    """
     names, coefficients = tuple(row), tuple(row.values())
     count = len(row)
 

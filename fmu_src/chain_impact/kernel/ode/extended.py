@@ -13,8 +13,9 @@ The linear systems of an implicit step are (1 − s A) x = r, for a real and for
 stiff part of the Jacobian. The coordinates of the chain are q, their rates v, and x_q, x_v, x_g, x_ġ and r_q,
 r_v, r_g, r_ġ are the parts of x and r for these and for g and ġ. A point resting on a stiff wall makes the
 equations stiff: the contact's own motions are far faster than the chain's, and decay. Joints with dampers or
-springs make the equations stiff, too; their moments are −C v − S q, up to constants, with the damping c_i and
-the stiffness k_i of joint i, C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of ω_i − ω_{i−1}.
+springs make the equations stiff, too, as does a slider with them; their forces are −C v − S q, up to
+constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and
+g_i the gradient of the rate of its coordinate (chain/drives.py).
 All other terms are left out of A; Newton's iteration takes account of them. For z as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
@@ -27,9 +28,9 @@ clearances. The solution needs no linear algebra except the recursion. With x_v 
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper in joint
+impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of drive
 i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
-wall or a sticking element, has an impedance far larger than the mass of the chain (rows/constraints.py).
+wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
 
 The functions take s, x and a work ``space`` that are all real or all complex. The space holds impedances,
 loads, the resulting motion and factors, of which one ``row`` is used.
@@ -167,13 +168,13 @@ def extended_slopes(d, z):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
         implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
-    take_drive_slopes(d, z)
+    take_drive_slopes(d)
 
 
-def take_drive_slopes(d, z):
-    """Set the slopes of the forces of drives, −∂F/∂q̇ and −∂F/∂q, for z."""
+def take_drive_slopes(d):
+    """Set the slopes of the forces of drives, −∂F/∂q̇ and −∂F/∂q."""
     for i in range(drive_count(d) if d.model.has_springs_or_dampers else 0):
-        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, z, i)
+        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, i)
 
 
 def contact_impedance(d, k, s):

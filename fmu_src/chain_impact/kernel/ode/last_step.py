@@ -177,7 +177,10 @@ def end_at(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point to a ``time`` [s] in the last step, and ensure the dense output."""
+    """Set the communication point of this instance to a ``time`` [s] within the last step.
+
+    The step's interpolant is computed if it does not exist.
+    """
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 

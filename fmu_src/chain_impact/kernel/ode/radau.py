@@ -155,7 +155,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         implicit = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
-            # the middle stage comes last, so that A can be evaluated there
+            # the middle stage comes last, because A, the approximate Jacobian, is evaluated at its state
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
                 implicit.z[j] = implicit.start[j] + implicit.stages[stage, j]

@@ -185,7 +185,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     rows = most_constraints(candidates, elements)
     return record(
-        # change of the coordinates by the impulses; of an angle in rad, rad/s or rad/s²
+        # how much the impulses change each coordinate: its position, speed or acceleration, as stated above
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),

@@ -83,20 +83,20 @@ def joints_loaded(d):
     return d.model.has_armatures != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
 
 
-def solve_space(d, links, space, row, change):
+def solve_space(d, link_vectors, space, row, change):
     """Find the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
     Args:
         d: the instance.
-        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        link_vectors: record with ``x, y``, shape (N+1,): the vectors L_i [m] (entry N is not used).
         space: record of the factors and loads; the motion of the places is stored in ``space.motion``.
         row: the row of the factors.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     to_joints(d, space.load)
-    carry_sites(d, links, space.load)
-    solve(d, links, space, row, change)
-    move_points(d, links, change, space.motion)
+    carry_sites(d, link_vectors, space.load)
+    solve(d, link_vectors, space, row, change)
+    move_points(d, link_vectors, change, space.motion)
 
 
 def solve_contacts(d, row, impulse, change):

@@ -80,8 +80,8 @@ NEGLIGIBLE = 0.1
 # the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
 # impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of pivots in succession without a new least number of violated candidates after which only one
-# candidate changes at a time, until a new least number. This always terminates but takes more pivots.
+# The number of successive pivots without a new least number of violated candidates; after one more, only one
+# candidate changes in a pivot. Single changes terminate for a positive definite W, but take more pivots.
 MAX_STALLED_PIVOTS = 3
 # the least impedance of a sticking element, relative to that of the element with the largest limit
 LEAST_SHARE = 1e-2  # with a smaller impedance, the residual falls too slowly

@@ -339,12 +339,14 @@ def is_open(t, e):
         margin = t.element.limit[e] - abs(t.element.force[e])
         near = abs(value(margin)) <= errors * limit
         return near and (force_drops(t, e) or not negligible(t, margin * (time / mass)))
-    acceleration = tangential_acceleration(t, e)
-    slow = not force_drops(t, e) and abs(value(acceleration)) <= errors * limit / mass
-    return slow and not negligible(t, acceleration * time)
+    slow = not force_drops(t, e) and stops_slowly(t, e)
+    return slow and not negligible(t, tangential_acceleration(t, e) * time)
 
 
 def end_at(t, reason, e):
-    """End the derivatives at the end of the last step because of element e, unless they have ended before."""
+    """Record that derivatives do not exist from the end of the last step on, because of element e.
+
+    Nothing changes if they have ended before. ``reason`` says why they end.
+    """
     if t.trust.reason == TRUSTED:
         mark_untrusted(t, reason, e, value(t.step.end))

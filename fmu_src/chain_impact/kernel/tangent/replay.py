@@ -199,7 +199,7 @@ def take_slopes(d, t):
         implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
     for k in range(d.touch.active_count):
         implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
-    take_drive_slopes(t, implicit.start)
+    take_drive_slopes(t)
 
 
 def iterate_slopes(d, t, h, size):

@@ -116,7 +116,7 @@ def mark_untrusted(t, reason, c, time):
 
 
 def trust(t):
-    """Mark the derivatives as valid from now on."""
+    """Mark the derivatives as valid: forget the reason for which they have ended, if there is one."""
     t.trust.reason = TRUSTED
 
 

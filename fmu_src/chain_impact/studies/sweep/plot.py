@@ -205,7 +205,10 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return how many panels with dots are in a row, about as many in each; ``width`` in inches."""
+    """Return how many panels with dots to put in a row, so that all rows are about equally full.
+
+    ``width`` is that of the figure [inches].
+    """
     most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 

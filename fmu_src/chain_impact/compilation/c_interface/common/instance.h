@@ -45,7 +45,7 @@ struct Instance {
     const Table *table;
     int shares_table; /* 1: another instance owns the table and releases it */
     Word *record; /* the record on which the kernel works */
-    Word *other;  /* a second record, to try values that were set; NULL before its first use */
+    Word *other;  /* a copy of the record, for outputs after values were set; NULL before its first use */
     Phase phase;
     int event_mode;  /* 1: the importer uses event mode */
     int32_t (*advance)(Word *record, double time); /* the function of the kernel that makes steps */

@@ -17,15 +17,16 @@ export class Simulation {
 
   /** `beginEngine` makes an engine for the present scene; `show` shows the parts of a motion, with its scene and a text of its changes. */
   constructor(beginEngine, changes, choice, show) {
-    Object.assign(this, { changes, choice, show, engine: beginEngine() });
-    changes.onOpen(() => {
-      this.engine.end();
-      this.engine = beginEngine();
-    });
+    Object.assign(this, { beginEngine, changes, choice, show });
   }
 
-  /** Simulate, and again after each change. */
+  /** Simulate, and again after each change; another scene has another engine. */
   begin() {
+    this.engine = this.beginEngine();
+    this.changes.onOpen(() => {
+      this.engine.end();
+      this.engine = this.beginEngine();
+    });
     this.changes.onChange(() => {
       this.#notice = "";
       this.soon();

@@ -24,7 +24,7 @@ export function lastBefore(numbers, wanted) {
  * number of a frame may have a fraction: values are then interpolated.
  */
 export class Recording {
-  /** `parts` are `time`, `x` and `y` of the points, `energies`, `forces`, `impacts` and others, from `framesOf`. */
+  /** Keep the fields of `parts`, the result of `framesOf`; number the impacts and find the time of each peak. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];

@@ -49,7 +49,10 @@ export class Changes {
     return this.#valueIn(this.values, name);
   }
 
-  /** Return a value for some changes: the changed value, else a derived value, else the scene's value. */
+  /**
+   * Return the value of `name` with the changes `values`: the changed value; else, if the parameter follows from
+   * others, the value that follows from theirs; else the scene's value.
+   */
   #valueIn(values, name) {
     const { derived } = this.parameters.get(name) ?? {};
     if (name in values || !derived) return values[name] ?? this.starts[name];
