@@ -18,7 +18,7 @@ def wall_lines(axes):
 @pytest.mark.parametrize("model", PLANAR)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
-    motion = motion_of(recording)
+    _, motion, *_ = drawn(recording)
     (low, high) = np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert np.all(recording.points > low)
     assert np.all(recording.points < high)

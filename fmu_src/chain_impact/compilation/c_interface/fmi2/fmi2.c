@@ -111,7 +111,7 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real size, 
 }
 
 FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
-    static const char TEXT[] = "fmi2CancelStep: no step is in progress, as fmi2DoStep returns at the end of one";
+    static const char TEXT[] = "fmi2CancelStep: no step is in progress";
     return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
 }
 
