@@ -29,11 +29,12 @@ def programs() -> dict[str, str]:
 
 if __name__ == "__main__":
     name, *arguments = sys.argv[1:] or [""]
-    if name not in programs():
+    known = programs()
+    if name not in known:
         fault = f"NAME is {name!r}; must be one of:" if name else "NAME is missing; must be one of:"
         print(
             fault,
-            *(f"{program:16} {text}" for program, text in programs().items()),
+            *(f"{program:16} {text}" for program, text in known.items()),
             sep="\n",
             file=sys.stderr,
         )

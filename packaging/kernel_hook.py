@@ -56,8 +56,8 @@ def target() -> str:
     kernels()
     system = import_module("chain_impact.system")
     given = os.environ.get(PLATFORM)
-    if given and given not in platforms():
-        raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(platforms())}")
+    if given and given not in system.PLATFORMS:
+        raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(system.PLATFORMS)}")
     if not (given or system.HOST):
         raise RuntimeError(system.nowhere())
     return given or str(system.HOST)

@@ -55,7 +55,8 @@ def check_wheel(wheel: Path, platform: str) -> None:
         names = archive.namelist()
         (about,) = (name for name in names if name.endswith(".dist-info/WHEEL"))
         tags = [line for line in archive.read(about).decode().splitlines() if line.startswith("Tag: ")]
-    libraries = [name for name in names if Path(name).stem.endswith(tuple(f"-{one}" for one in platforms()))]
+    endings = tuple(f"-{one}" for one in platforms())
+    libraries = [name for name in names if Path(name).stem.endswith(endings)]
     if tags != [f"Tag: {wanted}"] or not wheel.stem.endswith(f"-{wanted}"):
         raise ReleaseError(f"{wheel.name}: its tag is {', '.join(tags)}, and must be {wanted}")
     if not libraries or not all(Path(name).stem.endswith(f"-{platform}") for name in libraries):

@@ -131,6 +131,7 @@ def not_importable():
     return {name for module, names in IMPORTING.items() if find_spec(module) is None for name in names}
 
 
+@cache
 def not_in_quick_tier():
     """Return the names of test files that the README's environment cannot import; it has the compilers."""
     return set(chain.from_iterable(IMPORTING[name] for name in IMPORTING.keys() - {*GROUPS["compiler"]}))

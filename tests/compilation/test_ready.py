@@ -161,7 +161,7 @@ def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
     assert f">={done.stdout.strip()}" == project["requires-python"]
     compilers = project["optional-dependencies"]["compiler"]
     assert sorted(compilers) == sorted(f"{name}=={version}" for name, version in COMPILERS.items())
-    assert [one for one in ready_kernels.REQUIREMENTS if one not in compilers] == ["numpy>=2.0,<3"]
+    assert [*compilers, "numpy>=2.0,<3"] == ready_kernels.REQUIREMENTS
 
 
 def backend(program, **settings):

@@ -162,7 +162,8 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         (
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
             (),
-            "the axes of the joints are not parallel: the robot is not a planar chain; --joints a,c",
+            "arm.urdf: the axes of the joints are not parallel: the robot is not a planar chain; "
+            "--joints a,c",
         ),
         (arm(hinge("a")), ("c",), "arm.urdf: c is not a joint; joints: a"),
         (

@@ -21,7 +21,7 @@ from tests.fmu.zig import zig
 
 pytestmark = pytest.mark.full("takes long")
 
-SEEDS = range(2)
+SEEDS = range(3)
 SEQUENCES, CALLS = 150, 500
 MODEL = "pinned_arm"  # a model with inputs
 NO_COMPILER = pytest.mark.skipif(not shutil.which("cc"), reason="an address sanitizer does not come with zig")

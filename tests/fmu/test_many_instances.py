@@ -117,7 +117,7 @@ def test_a_pythonfmu_instance_leaks_no_more_than_an_empty_slave(all_fmus, foreig
 
 @importing("rod_drop")
 def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
-    """Four threads run the lives of two instances each; then the same instances run in sequence."""
+    """Four threads run the lives of three instances each; then the same instances run in sequence."""
     import sys
     from concurrent.futures import ThreadPoolExecutor
 
@@ -127,11 +127,11 @@ def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
 
     def lives(n):
         one, rows = instances[n], []
-        for _ in range(2):
+        for _ in range(3):
             one.fmu.fmi2FreeInstance(one.fmu.component)
             one.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
             one.start(**{"initial.y": 0.7 + 0.1 * n})
-            rows.append(one.run([0.01 * (i + 1) for i in range(100)]))
+            rows.append(one.run([0.005 * (i + 1) for i in range(200)]))
         return rows
 
     with ThreadPoolExecutor(len(instances)) as pool:

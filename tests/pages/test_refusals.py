@@ -90,7 +90,7 @@ RULED = {
         "contact": {"model": "newton_impact", "wall": {"y_min": {"friction": 0.5}}},
     },
     "no_joint": {"base": "free", "link": {"joint_max": 0.75}},
-    "no_stops": {"base": "pinned", "stops": {"restitution": 0.5}},
+    "no_stops": {"base": "pinned", "stops": {"model": "kuwabara_kono", "restitution": 0.0}},
     "no_frequency": driven("pinned", "base.ax", form="sine", amplitude=1.0, frequency=0.0),
     "steps_jump": driven("pinned", "base.vx", form="steps", times=[0.0, 1.0], values=[0.0, 1.0]),
     "ramp_jumps": driven("pinned", "base.y", form="ramp", final=1.0, duration=1.0, shape="linear"),

@@ -195,7 +195,8 @@ def test_values_that_are_no_input_are_refused_in_one_sentence(inputs, message):
 
 def test_a_scene_without_inputs_says_how_to_have_some():
     message = (
-        r"^FourLinkBox: 'joint\[2\].torque' is not an input of this scene; it has none, \[inputs\] joint_"
+        r"^FourLinkBox: 'joint\[2\].torque' is not an input of this scene; it has none, "
+        r"\[inputs\] joint_torques"
     )
     with pytest.raises(SceneError, match=message):
         simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})

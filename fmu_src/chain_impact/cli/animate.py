@@ -20,7 +20,6 @@ from chain_impact.cli.options import (
     inputs_of,
     scene_of_options,
     settings_of,
-    sides_of,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
@@ -83,12 +82,12 @@ def add(verbs: Verbs) -> None:
 def size(text: str) -> tuple[int, int]:
     """Return width and height in pixels from the text of an argument."""
     least, most = 160, 4096
-    match sides_of(text):
-        case [width, height] if width.is_integer() and height.is_integer():
-            if not all(least <= length <= most for length in (width, height)):
-                raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
-            return int(width), int(height)
-    raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
+    if not all(least <= int(length) <= most for length in (width, height)):
+        raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
+    return int(width), int(height)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -207,23 +207,20 @@ def figure_size(text: str) -> Size:
 
     The height is None for a text without height.
     """
-    sides, (least, most) = sides_of(text), MILLIMETRES
-    if len(sides) not in (1, 2) or not all(least <= side <= most for side in sides):
+    width, cross, height = text.lower().partition("x")
+    least, most = MILLIMETRES
+    try:
+        sides = [float(side) for side in ([width, height] if cross else [width])]
+    except ValueError:
+        sides = [math.nan]
+    if not all(least <= side <= most for side in sides):
         raise argparse.ArgumentTypeError(
             f"{text} must be a width in millimetres, or WIDTHxHEIGHT, for example 120x150; each must be "
             f"{least} … {most}"
         )
     from chain_impact.pictures import MM
 
-    return sides[0] / MM, sides[1] / MM if sides[1:] else None
-
-
-def sides_of(text: str) -> list[float]:
-    """Return the numbers of a text such as ``120x150``, one or several; none if a part is not a number."""
-    try:
-        return [float(side) for side in text.lower().split("x")]
-    except ValueError:
-        return []
+    return sides[0] / MM, sides[1] / MM if cross else None
 
 
 def check_look(options: argparse.Namespace) -> None:

@@ -23,7 +23,7 @@ from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.kernel import hooks
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.laws.law_syntax import LawError
-from chain_impact.system import ARM, HOST, PLATFORMS, X86
+from chain_impact.system import HOST, PLATFORMS, X86
 
 PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the processor
 BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is then on standard error
@@ -157,8 +157,11 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
     """
     # by default numba uses the features of this machine's processor, and writes code in the order of hashes,
     # which Python changes in each run; the code would then differ between machines and between runs
-    cpu = ARM if HOST.startswith("aarch64") else PORTABLE_CPU
-    settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+    settings = {
+        "NUMBA_CPU_NAME": PLATFORMS[HOST].cpu.replace("_", "-"),
+        "NUMBA_CPU_FEATURES": "",
+        "PYTHONHASHSEED": "0",
+    }
     given = [str(law)] if law else []
     done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), what, *given, **settings)
     if done.returncode == BAD_LAW:

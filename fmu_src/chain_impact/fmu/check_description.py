@@ -19,8 +19,9 @@ from chain_impact.fmu.check_variables import (
     variables_of,
 )
 from chain_impact.fmu.findings import DESCRIPTION, Finding, archive_findings
+from chain_impact.fmu.versions import VERSIONS
 
-FMI_VERSIONS = ("2.0", "3.0")
+FMI_VERSIONS = tuple(f"{version}.0" for version in VERSIONS)
 TERMINALS = ("terminalsAndIcons/terminalsAndIcons.xml", "icons/terminalsAndIcons.xml")
 FMI_MODES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
 LISTS = (

@@ -24,7 +24,7 @@ from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_o
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.importer import instantiate, listening, loaded
 from chain_impact.fmu.references import REFERENCE_FILE, check_references
-from chain_impact.fmu.versions import is_fmi_2
+from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
 
 T = TypeVar("T")
 # the largest relative difference of values that count as equal: a start value may be written with six digits
@@ -84,7 +84,7 @@ class Trial:
         If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance"; or
         "<name> fails" if ``without`` is empty.
         """
-        name = name if " " in name else f"fmi{2 if self.is_fmi_2 else 3}{name}"
+        name = name if " " in name else f"fmi{FMI_2 if self.is_fmi_2 else FMI_3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
         try:

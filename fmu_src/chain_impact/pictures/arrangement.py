@@ -93,7 +93,7 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
     if width < WIDE:
         return FIGURE_SIZE
-    return width, HEADS + LABELS + min((width - MARGINS) / ratio, HIGHEST * width) + over_time
+    return width, HEADS + LABELS + _whole_height(ratio, width) + over_time
 
 
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
@@ -136,4 +136,9 @@ def _height_above(ratio: float, width: float) -> float:
     """Return the height of a motion above the other panels, relative to the height of a panel of energies."""
     if width < WIDE:
         return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio) * max(1.0, width / COLUMN)
-    return min((width - MARGINS) / ratio, HIGHEST * width) / ENERGY_HEIGHT
+    return _whole_height(ratio, width) / ENERGY_HEIGHT
+
+
+def _whole_height(ratio: float, width: float) -> float:
+    """Return the height [inches] of a motion that takes the whole width [inches] of a figure."""
+    return min((width - MARGINS) / ratio, HIGHEST * width)

@@ -15,7 +15,7 @@ SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line m
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
-def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> int:
+def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
     A line ends within a part of the text only if the part is longer than a line, or if whole parts need too
@@ -26,9 +26,6 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
         room: the width [pixels].
         parts: the text between two parts.
         more: how many lines more than necessary are allowed, so that no line ends within a part.
-
-    Returns:
-        The number of lines.
     """
     whole = text.get_text()
 
@@ -55,7 +52,6 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
         else:
             low = middle
     text.set_text("\n".join(line.rstrip(parts) for line in lines))
-    return len(lines)
 
 
 def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:

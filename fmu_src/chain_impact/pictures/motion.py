@@ -163,7 +163,7 @@ def strong_times(recording: Recording) -> list[float]:
     ends = [recording.points[0], recording.points[-1]]
     poses = np.array([recording.pose_at(onsets[0]), *ends, *map(recording.pose_at, onsets[1:])])
     kept = apart(poses, STRONG_APART * size_of(recording), always=3)
-    times = [onsets[0], *(onsets[k - 2] for k in kept if k > 2)]  # noqa: PLR2004 - start and end
+    times = [onsets[0], *(onsets[k - 2] for k in kept[3:])]
     return sorted(times[:MOST_STRONG_POSES])
 
 

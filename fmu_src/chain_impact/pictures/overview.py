@@ -92,16 +92,17 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     if timed and "time" not in panel_axes:
         label_time(timed[-1], recording)
     figure.align_ylabels(timed)
-    is_alone = len(panel_axes) == 1 or not is_beside(broadness(recording), figure.get_figwidth())
+    ratio = broadness(recording) if motion is not None else 1.0
+    is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
     legend = legend_beside(motion) if motion is not None and is_narrow(figure) and is_alone else None
     settle(figure, motion)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
         free = room.width - BESIDE_LEGEND * legend.get_window_extent().width if legend else 0.0
-        is_slim = free >= broadness(recording) * room.height
+        is_slim = free >= ratio * room.height
         motion.clear()
         width = free if is_slim else room.width
-        side = max(room.height, min(width, room.height * broadness(recording))) * 72.0 / figure.dpi
+        side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
         band = min(max(BAND, NUMBER / side), MOST_BAND)
         draw_motion(motion, recording, room.height / width, band)
         if is_slim:

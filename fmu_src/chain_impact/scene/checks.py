@@ -19,7 +19,7 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 from chain_impact.scene.reading import SceneError, no_wall, refusal, value_text
 from chain_impact.scene.refusals import LAW_FACTS, RULES
-from chain_impact.scene.rules import ValueOf, holds, number_in, value_at, value_within
+from chain_impact.scene.rules import ValueOf, holds, number_in, of_members, value_at
 from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
@@ -96,8 +96,7 @@ def check_rules(scene: Contents) -> None:
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
         "": [((), whole)],
         "link": [
-            (("chain", "links", i), partial(value_within, link, i, whole))
-            for i, link in enumerate(scene.chain.links)
+            (("chain", "links", i), of_link) for i, of_link in enumerate(of_members(scene.chain.links, whole))
         ],
         "law": [(path, table.get) for path, table in _of_laws(scene).items()],
     }

@@ -112,11 +112,12 @@ def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
 
 
 def names_in(part: Tree) -> Iterator[str]:
-    """Yield the names in a tree."""
+    """Yield the names in a tree, without ``order`` for a member of a list in it."""
     if "name" in part:
         yield part["name"]
+    has_members = part.get("operator") in ("any", "sum")
     for inner in part.get("parts", ()):
-        yield from names_in(inner)
+        yield from (name for name in names_in(inner) if not (has_members and name == "order"))
 
 
 def holds(rule: str, value_of: ValueOf) -> bool:
@@ -128,6 +129,18 @@ def number_in(rule: str, value_of: ValueOf) -> Any:
     """Return the number, or a text, that a rule stands for; None if a value is missing."""
     value = _counted(_function(rule)(value_of))
     return int(value) if value is True or value is False else value
+
+
+def numbers_of(rule: str, members: Collection[Mapping[str, Any]], value_of: ValueOf) -> list[Any]:
+    """Return the number of a rule for each member of a list; members with the same values share it."""
+    names, found = [*names_in(tree(rule))], dict[tuple[Any, ...], Any]()
+    numbers = []
+    for order, (member, of) in enumerate(zip(members, of_members(members, value_of), strict=True)):
+        values = tuple(order if name == "order" else member.get(name) for name in names)
+        if values not in found:
+            found[values] = number_in(rule, of)
+        numbers.append(found[values])
+    return numbers
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
@@ -162,10 +175,7 @@ def _of_members(
     sign: str, members: Callable[[ValueOf], Any], of: Callable[[ValueOf], Any], value_of: ValueOf
 ) -> Any:
     """Return whether a part of a rule holds for any member, or its sum over all members."""
-    values = [
-        of(partial(value_within, member, order, value_of))
-        for order, member in enumerate(_members(members(value_of)))
-    ]
+    values = [of(of_member) for of_member in of_members(_members(members(value_of)), value_of)]
     if sign == "any":
         return any(map(_is_so, values))
     return None if None in values else sum(values)
@@ -178,6 +188,11 @@ def _of_two(
     if first is None or second is None:
         return None if sign in ("+", "*") else False
     return _OF_TWO[sign](first, second) if sign == "in" else _OF_TWO[sign](_counted(first), _counted(second))
+
+
+def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
+    """Return for each member of a list the function that returns the value of a name (``value_within``)."""
+    return [partial(value_within, member, order, value_of) for order, member in enumerate(members)]
 
 
 def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:

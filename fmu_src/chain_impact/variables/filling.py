@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache, partial
+from functools import cache, lru_cache
 from operator import attrgetter
 from typing import Any
 
@@ -22,7 +22,7 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
-from chain_impact.scene.rules import members_in, number_in, value_within
+from chain_impact.scene.rules import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.driving import fill_signals
@@ -77,14 +77,11 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
         part = d
         for name in parts:
             part = part[name]
-        of_members = [
-            partial(value_within, member, order, value_of)
-            for order, member in enumerate(members_in(over, value_of))
-        ]
         if AT not in path:
             part[key] = number_in(rule, value_of)
-        elif of_members:
-            part[key][[number_in(at, of) for of in of_members]] = [number_in(rule, of) for of in of_members]
+        elif members := members_in(over, value_of):
+            places = slice(len(members)) if at == "order" else numbers_of(at, members, value_of)
+            part[key][places] = numbers_of(rule, members, value_of)
     fill_signals(d, scene, structure)
     _fill_materials(d, scene)
 

@@ -18,7 +18,7 @@ from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.names import AT, INPUTS_OF, DataPath
-from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, value_at, value_within
+from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, of_members, value_at, value_within
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.kind import ALWAYS
 
@@ -293,8 +293,7 @@ def add_lists(lists: dict[str, Sequence[Mapping[str, Any]]], scene: Scene) -> No
     for name, row in LISTS.items():
         if row.over:
             members: list[dict[str, Any]] = []
-            for order, member in enumerate(members_in(row.over, value_of)):
-                of_member = partial(value_within, member, order, value_of)
+            for order, of_member in enumerate(of_members(members_in(row.over, value_of), value_of)):
                 if holds(row.has, of_member):
                     values = dict[str, Any]()
                     for key, rule in row.values.items():

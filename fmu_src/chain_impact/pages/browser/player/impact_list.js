@@ -4,7 +4,7 @@ import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
-const FIRST = 10; // number of rows that a page that scrolls shows at first, as in the style sheets
+const FIRST = 10; // number of rows that a page that scrolls shows at first
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // a further column if forces in joints are known
 const TITLES = {
@@ -66,6 +66,7 @@ export class ImpactList {
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
+    this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));

@@ -53,7 +53,8 @@ export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) 
   };
   for (const rule of rules) {
     for (const [path, valueOf] of tables[rule.of]) {
-      keepRules([rule], valueOf, (key) => textAt([...path, ...key.split(".")]), { law: valueOf("law.id") });
+      const words = rule.of === "law" ? { law: valueOf("law.id") } : {};
+      keepRules([rule], valueOf, (key) => textAt([...path, ...key.split(".")]), words);
     }
   }
 }
@@ -68,11 +69,11 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
     if (!key.endsWith("friction")) return undefined;
     return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;
   };
-  const ofStops = (key) => (hasStops && !key.endsWith("friction") ? valueAt(["contact", key]) : undefined);
+  const ofStops = (key) => (key.endsWith("friction") ? undefined : valueAt(["contact", key]));
   return [
     table(["contact"], contact.model, () => undefined),
     ...Object.keys(contact.wall).map((name) => table(["contact", "wall", name], contact.model, ofWall)),
-    table(["stops"], stops.model ?? contact.model, ofStops),
+    ...(hasStops ? [table(["stops"], stops.model ?? contact.model, ofStops)] : []),
   ];
 }
 

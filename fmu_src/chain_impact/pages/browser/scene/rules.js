@@ -1,5 +1,7 @@
 // The rules of `scene/rules.py`, which Python parses: here their trees are evaluated as there.
 
+import { range } from "../base/range.js";
+
 const ARITHMETIC = { "+": (a, b) => a + b, "*": (a, b) => a * b };
 
 const COMPARISONS = {
@@ -63,7 +65,7 @@ export function numberIn(rule, valueOf) {
 /** Return the members of the list that a rule stands for; for a number, as many members without values. */
 export function membersIn(rule, valueOf) {
   const value = valueIn(rule, valueOf);
-  return typeof value === "number" ? Array.from({ length: value }, () => ({})) : listed(value);
+  return typeof value === "number" ? range(value).map(() => ({})) : listed(value);
 }
 
 /** Return the function that returns the value of a name for a member of a list: its own value, or else that of `valueOf`. */
