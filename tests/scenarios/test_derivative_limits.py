@@ -269,7 +269,7 @@ def test_a_joint_that_stops_slowly(less, given):
         dry_link(friction).scene.with_values(values), (), (0.2,), {"joint[1].torque": (1.0 - less) * friction}
     )
     told, result = limits(case, ["link[1].joint_friction"])
-    assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-5)
+    assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-5 if less < 1e-6 else 1e-6)
     assert (told == ()) == given
     if given:
         slope = result.sensitivity("link[1].angle", "link[1].joint_friction")[-1]

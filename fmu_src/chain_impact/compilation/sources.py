@@ -30,7 +30,8 @@ LANGUAGES = (".py", ".c", ".h")
 @cache
 def fingerprint() -> str:
     """Return 16 hexadecimal digits that change only with the sources, the compilers or the platforms."""
-    digest = hashlib.sha256(repr((COMPILERS, PLATFORMS)).encode())
+    platforms = {name: (platform.target, platform.cpu) for name, platform in PLATFORMS.items()}
+    digest = hashlib.sha256(repr((COMPILERS, platforms)).encode())
     for source in sorted(_sources()):
         name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()
         digest.update(len(name).to_bytes(8, "big") + name + len(content).to_bytes(8, "big") + content)

@@ -12,6 +12,7 @@ from chain_impact.kernel.chain.drives import (
     stretch,
 )
 from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate
+from chain_impact.kernel.ode.extended import drive_resistance
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.damped import prepared, random_chain
@@ -35,6 +36,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
         (link.joint_damping * one, link.joint_stiffness * one) for link, one in zip(links, held, strict=True)
     ]
     assert [drive_slopes(d, i) for i in range(d.links)] == own
+    assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]
     assert [resists(k) for _, k in own] == [one > 0.0 for one in held]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics, response
-from chain_impact.kernel.chain.drives import drive_slopes
+from chain_impact.kernel.ode.extended import drive_resistance
 from chain_impact.kernel.rows import compliance, geometry
 from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 from tests.kernel.chains import (
@@ -103,8 +103,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
-        c, k = drive_slopes(d, i)
-        d.work.impedance.joint[i] = time * (c + time * k)
+        d.work.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.join(d, d.work.impedance)
     with_joints = d.model.has_springs_or_dampers or d.model.has_stops
     response.factorize(d, d.work.link, d.work, response.SHIFTED, with_joints)

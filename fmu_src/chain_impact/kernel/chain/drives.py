@@ -138,7 +138,7 @@ def drive_slopes(d, i):
 
     They are c and k; at a limit, and without a joint, they are 0.
     """
-    return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if follows(d, i) else (0.0, 0.0)
+    return largest_slopes(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
 def largest_slopes(d, i):

@@ -160,7 +160,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes of the forces of active contacts and of drives for z, and store its link vectors."""
+    """Set the slopes of the forces of active contacts for z, and store its link vectors."""
     implicit, link = d.implicit, d.work.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
@@ -168,13 +168,6 @@ def extended_slopes(d, z):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
         implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
-    take_drive_slopes(d)
-
-
-def take_drive_slopes(d):
-    """Set the slopes of the forces of drives, −∂F/∂q̇ and −∂F/∂q."""
-    for i in range(drive_count(d) if d.model.has_springs_or_dampers else 0):
-        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, i)
 
 
 def contact_impedance(d, k, s):
@@ -187,7 +180,8 @@ def contact_impedance(d, k, s):
 
 def drive_resistance(d, i, s):
     """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i, from its slopes c and k."""
-    return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
+    c, k = drive_slopes(d, i)
+    return s * (c + s * k)
 
 
 def factorize_shift(d, s, space, row):
@@ -201,9 +195,9 @@ def factorize_shift(d, s, space, row):
     if d.model.has_springs_or_dampers:
         for i in range(d.links):
             space.impedance.joint[i] = drive_resistance(d, i, s)
+        if d.slides:
+            add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     join(d, space.impedance)
-    if d.slides and d.model.has_springs_or_dampers:
-        add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
@@ -215,8 +209,8 @@ def solve_shift(d, s, space, row, x):
         for i in range(drive_count(d)):
             # impulse of damper and spring of drive i: its part of K r_v + s S r_q
             rate, change_of_place = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
-            impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * change_of_place
-            load_drive(d, space.load, i, impulse)
+            _, k = drive_slopes(d, i)
+            load_drive(d, space.load, i, drive_resistance(d, i, s) * rate + s * k * change_of_place)
     for k in range(compliant(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]

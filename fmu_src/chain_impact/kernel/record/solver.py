@@ -251,7 +251,7 @@ def search_dtype(candidates: int) -> np.dtype:
 
 @written_by(
     **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "ode/extended.py"),
-    **dict.fromkeys(("shift", "pairs", "drive_damping", "drive_stiffness"), "ode/extended.py"),
+    **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
     **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
@@ -298,8 +298,6 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
-        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad, −∂F/∂q̇ of drives; of the slider N·s/m
-        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad, −∂F/∂q of drives; of the slider N/m
         # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `work.factors` holds the

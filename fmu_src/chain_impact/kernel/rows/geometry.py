@@ -278,7 +278,7 @@ def to_joints(d, load):
 
 def join(d, impedance):
     """Add to the impedance of each joint the rotor of its drive and the impedance at its place."""
-    if joints_resist(d):
+    if d.model.has_joint_places or d.model.has_armatures:
         square = d.model.longest_link * d.model.longest_link
         for i in range(d.links):
             impedance.joint[i] += drive_inertia(d, i)

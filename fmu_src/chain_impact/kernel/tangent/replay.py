@@ -56,7 +56,6 @@ from chain_impact.kernel.ode.extended import (
     extended_size,
     factorize_real,
     project_clearances,
-    take_drive_slopes,
 )
 from chain_impact.kernel.ode.last_step import (
     accept,
@@ -199,7 +198,6 @@ def take_slopes(d, t):
         implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
     for k in range(d.touch.active_count):
         implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
-    take_drive_slopes(t)
 
 
 def iterate_slopes(d, t, h, size):
