@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
+from chain_impact.results.result import ENERGIES
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.problems import default_scene
@@ -116,6 +117,23 @@ def test_arrays_are_gathered_from_whatever_is_there(result):
     pushed = load_scene("pinned_arm")
     balance = simulate(pushed, 0.1, inputs={"joint[2].torque": 1.0}, output="energy.*").energy
     assert abs(balance["supplied"][-1]) > 0.0
+
+
+def test_the_energies_have_the_loss_by_friction():
+    slid = simulate(load_scene("stick_slip_belt"), 2.0)
+    friction = slid.energy["friction"]
+    assert friction[-1] > 0.01
+    # this scene has no dampers, and its contacts lose nothing
+    lost = slid.energy["supplied"] - slid.energy["total"] + slid.energy["total"][0]
+    np.testing.assert_allclose(friction, lost, rtol=0, atol=1e-6)
+    assert slid.energy.dtype.names == tuple(ENERGIES)
+    few = slid.scene.with_values(
+        {f"outputs.{key}": False for key in ("contacts", "energies", "loads")} | {"outputs.impacts": 0}
+    )
+    unknown = simulate(few, 0.1).energy
+    assert np.isnan(unknown["friction"]).all()
+    assert np.isfinite(unknown["dissipated"]).all()
+    assert not simulate(default_scene(), 0.1).energy["friction"].any()
 
 
 def test_no_outputs_leave_the_impacts(result):

@@ -23,14 +23,22 @@ from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.reading import UnknownNameError, names_matching
 from chain_impact.variables.hints import series_hint
-from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.outputs import OUTPUTS
+from chain_impact.variables.owners import FACTS
+from chain_impact.variables.prepared import PreparedScene, field_at
 from chain_impact.variables.selection import missing_output_hint
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
+ENERGIES = {
+    kind.name.removeprefix("energy."): kind
+    for block in OUTPUTS
+    for kind in block.kinds
+    if kind.name.startswith("energy.")
+}
+"""Energy → its row in the table of outputs."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -220,16 +228,22 @@ class Result(Pictured):
     def energy(self) -> np.ndarray:
         """The energies [J], a structured array of shape (T,).
 
-        Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
-        total + dissipated − supplied is constant.
+        Fields kinetic, potential, elastic, dissipated, supplied, total = kinetic + potential + elastic, and
+        friction, the part of dissipated that dry friction takes; total + dissipated − supplied is constant.
+        The field friction is NaN if no output of the scene needs the integrals over time.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        for name in ENERGIES:
-            if self._has_all or name != "supplied" or self.scene.is_driven:
-                energy[name] = self.outputs[name] if self._has_all else self[f"energy.{name}"]
+        known = self.prepared.structure.known
+        for name, kind in ENERGIES.items():
+            # without friction or a supply, a scene has no such output, and its energy is 0
+            if all(known[condition] for condition in kind.when if condition in FACTS):
+                path = kind.record_path
+                energy[name] = field_at(self.outputs, path) if self._has_all else self[kind.name]
+        if known["friction"] and not known["impulses"]:
+            energy["friction"] = np.nan
         return energy
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -229,13 +230,10 @@ class PreparedScene:
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
-        series = {}
-        for variable in self.motion:
-            values = outputs
-            for name in variable.field.split("."):
-                values = values[name]
-            series[variable.name] = values[(..., *variable.index)]  # type: ignore[arg-type]
-        return series
+        return {
+            variable.name: field_at(outputs, variable.record_path)[(..., *variable.index)]
+            for variable in self.motion
+        }
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an uninitialized instance with the parameters of the scene, an array with one record.
@@ -248,6 +246,14 @@ class PreparedScene:
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)
         return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
+
+
+def field_at(outputs: Any, path: DataPath) -> Any:
+    """Return the field of ``Result.outputs`` with the values at a path in the record."""
+    for name in path[1:]:
+        if isinstance(name, str):
+            outputs = outputs[name]
+    return outputs
 
 
 def kernel_size(scene: Scene) -> int:
