@@ -66,15 +66,36 @@ def test_a_touched_plane_is_a_wall_with_the_friction_of_the_pair(tmp_path, floor
         assert (names, scene.contact.points) == (set(touching), ())
 
 
+CORNERS = [(x, z, 0.0, "") for x in (0.1, 0.3) for z in (-0.12, -0.08)]
 FOOT = {
     "sphere": ('<geom name="heel" size=".02" pos=".3 .1 -.1" mass=".1"/>', [(0.3, -0.1, 0.02, "heel")]),
+    "sphere twice": (
+        '<geom name="heel" size=".02" pos=".3 .1 -.1"/><geom name="twin" size=".02" pos=".3 -.1 -.1"/>',
+        [(0.3, -0.1, 0.02, "heel")],
+    ),
+    "sphere within a sphere that it touches": (
+        '<geom name="inner" size=".01" pos=".3 .1 -.11"/><geom name="outer" size=".02" pos=".3 0 -.1"/>',
+        [(0.3, -0.1, 0.02, "outer")],
+    ),
+    "spheres on one line": (
+        "".join(f'<geom size=".02" pos=".{x} {y} -.1"/>' for y in (0.1, -0.1) for x in (2, 1, 3)),
+        [(x, -0.1, 0.02, "") for x in (0.1, 0.3)],
+    ),
+    "capsule across": (
+        '<geom name="roll" type="capsule" fromto=".3 .1 -.1 .3 -.1 -.1" size=".04"/>',
+        [(0.3, -0.1, 0.04, "roll")],
+    ),
     "capsule": (
         '<geom name="2nd toe" type="capsule" fromto=".3 0 .2 .2 .1 -.1" size=".04" mass=".1"/>',
         [(0.2, -0.1, 0.04, "geom_2nd_toe_1"), (0.3, 0.2, 0.04, "geom_2nd_toe_2")],
     ),
     "box": (
         '<geom type="box" size=".1 .05 .02" pos=".2 0 -.1" mass=".1"/>',
-        [(x, z, 0.0, "") for x in (0.1, 0.3) for z in (-0.12, -0.08)],
+        CORNERS,
+    ),
+    "box turned in the plane": (
+        '<geom type="box" euler="0 90 0" size=".02 .3 .1" pos=".2 0 -.1"/>',
+        CORNERS,
     ),
     "wheel": ('<geom type="cylinder" euler="90 0 0" size=".2 .03" pos=".3 0 0"/>', [(0.3, 0.0, 0.2, "")]),
     "roller": (
@@ -126,6 +147,34 @@ def test_shapes_that_touch_a_floor_become_points_at_their_places(tmp_path, name,
     assert sorted(row[:3] for row in found) == [pytest.approx(row, abs=1e-12) for row in sorted(rows)]
     assert {row[3] for row in found} == {row[3] for row in expected}
     assert not [line for line in done.warnings if "reach" in line]
+
+
+def test_a_roll_whose_axis_has_few_digits_is_one_point(tmp_path):
+    for kind in ("capsule", "cylinder"):
+        roll = f'<geom name="roll" type="{kind}" quat=".7071071 .7071065 0 0" size=".04 .2" pos=".2 0 -.1"/>'
+        scene, _ = read(tmp_path, arm(world=FLOOR.format(""), more=roll))
+        assert [site.radius for _, site in scene.chain.sites if site.name == "roll"] == [0.04]
+
+
+def test_shapes_of_two_links_around_their_joint_are_one_point(tmp_path):
+    wheel = '<geom name="{}" type="cylinder" euler="90 0 0" size="{} .03" pos="{} 0 0"/>'
+    for upper, lower in ((0.1, 0.1), (0.2, 0.1), (0.1, 0.2)):
+        text = arm(world=FLOOR.format(""), more=wheel.format("hub", upper, ".4"))
+        text = text.replace("<site", f"{wheel.format('rim', lower, 0)}<site")
+        scene, _ = read(tmp_path, text)
+        kept = ["hub"] if upper >= lower else ["rim"]
+        assert [site.name for _, site in scene.chain.sites if site.name != "lower"] == kept
+        assert scene.contact.points == ()
+
+
+def test_a_joint_inside_a_shape_of_the_next_link_is_no_point(tmp_path):
+    wheel = '<geom name="hub" type="cylinder" euler="90 0 0" size=".1 .03" pos="{} 0 0"/>'
+    bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
+    egg = '<geom type="ellipsoid" size=".15 .01 .01" pos=".15 0 0" mass="1"/>'
+    for x, points in ((".4", (2,)), (".2", (1, 2))):
+        text = arm(world=FLOOR.format(""), more=wheel.format(x)).replace(bare, egg)
+        text = text.replace('mass="2" ', 'mass="2" contype="0" conaffinity="0"')
+        assert read(tmp_path, text)[0].contact.points == points
 
 
 def starts(scene):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.flat import Plan, near
+from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.conversion.robot import LinkShape
 
@@ -23,17 +23,29 @@ RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
 class Ball(NamedTuple):
-    """A ball that may touch a wall: centre in the plane, shape (2,) [m], radius [m], name of its shape."""
+    """A ball that may touch a wall.
+
+    Attributes:
+        at: centre in the plane, shape (2,) [m].
+        radius: radius [m].
+        name: name of its shape.
+        blur: distance [m] within which places count as equal, because directions that differ by ``PARALLEL``
+            count as parallel.
+    """
 
     at: np.ndarray
     radius: float
     name: str
+    blur: float = ZERO_LENGTH
 
 
 def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
     """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
+    # the largest distance between corners is at most twice the largest distance from the first corner
+    size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
+    blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
     if shape.disc is not None:
         # the projection of `disc` onto the plane; `disc` points along the axis and is as long as the radius
         along = plan.flat(rotation @ shape.disc)
@@ -48,7 +60,7 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
             edge = np.outer(np.cos(rim), across) + np.outer(np.sin(rim), aside)
             centers = (centers[:, np.newaxis] + edge).reshape(-1, 2)
     for at in centers:
-        yield Ball(at, radius, shape.name)
+        yield Ball(at, radius, shape.name, blur)
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
@@ -58,8 +70,43 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return the balls that a straight wall can touch first, in any direction."""
-    return [balls[k] for k in sorted(set(reach(balls).argmax(axis=1).tolist()))] if balls else []
+    """Return the fewest balls with which a straight wall in any direction touches first.
+
+    A ball is left out if a wall that it touches first touches others at the same time, except for round-off.
+    Of balls at the same place, only the first one in the file is left.
+    """
+    if not balls:
+        return []
+    far = reach(balls)
+    first = far >= far.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
+    needed = np.zeros(len(balls), bool)
+    for row in first[np.argsort(first.sum(axis=1), kind="stable")]:
+        if not needed[row].any():
+            needed[row.argmax()] = True
+    return [ball for ball, need in zip(balls, needed, strict=True) if need]
+
+
+def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
+    """Return whether a ball of a link is inside a ball of the next link, whatever the angle between them."""
+    away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
+    return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)
+
+
+def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
+    """Return the balls of each link without those that are always inside a ball of a neighbouring link.
+
+    Args:
+        balls: the balls of each link, from the base to the tip.
+        places: positions of the joints and the tip [m].
+    """
+    kept = [list(found) for found in balls]
+    for i in range(1, len(kept)):
+        joint = places[i]
+        for this, other in ((i, i - 1), (i - 1, i)):
+            kept[this] = [
+                ball for ball in kept[this] if not any(is_within(ball, by, joint) for by in kept[other])
+            ]
+    return kept
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:

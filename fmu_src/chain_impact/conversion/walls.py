@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,16 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
 from chain_impact.conversion.joints import PARALLEL, Chosen, above
-from chain_impact.conversion.points import OUTLINED, Ball, balls_of, outermost, reach, tables_of
+from chain_impact.conversion.points import (
+    OUTLINED,
+    Ball,
+    balls_of,
+    is_within,
+    once_at_joints,
+    outermost,
+    reach,
+    tables_of,
+)
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
 
@@ -82,10 +92,9 @@ class Walls:
             if friction > 0.0:
                 materials[name] = {"friction": friction}
         balls = [outermost(self._balls(i, touching)) for i in range(len(self.parts))]
-        points = self._started(balls)
-        bare = touching - {i for i, found in enumerate(balls) if found}
+        points = self._started(once_at_joints(balls, self.places))
         contact = {
-            **self._points(touching, bare, any(balls)),
+            **self._points(touching, balls),
             **({"wall": materials} if materials else {}),
         }
         self._tell_shapes(touching, balls)
@@ -117,16 +126,24 @@ class Walls:
             self._tell("plane", plane.name, text, differs=True)
         return coefficients[-1]
 
-    def _points(self, touching: set[int], bare: set[int], has_balls: bool) -> dict[str, Any]:
+    def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
         """Return the key ``points`` for [contact]: the joints and ends that touch walls.
 
-        Only links in ``bare``, which touch walls and have no points of their own, touch with joints and ends.
-        The result is empty if all joints and ends touch or no link touches, which needs no key.
+        Only links that touch walls and have no balls touch with joints and ends, unless the joint is inside a
+        ball of the next link. The result is empty if all joints and ends touch or no link touches, which
+        needs no key.
         """
-        if not has_balls and len(touching) in (0, len(self.parts)):
+        if not any(balls) and len(touching) in (0, len(self.parts)):
             return {}
-        ends = {end for i in bare for end in (i, i + 1)}
-        return {"points": sorted(ends - ({0} if self.chosen.base == "pinned" else set()))}
+        ends = {end for i in touching if not balls[i] for end in (i, i + 1)}
+        ends -= {0} if self.chosen.base == "pinned" else set()
+        return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
+
+    def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
+        """Return whether a joint or end is inside a ball of one of the links that it joins."""
+        point = Ball(self.places[end], 0.0, "")
+        around = chain(*balls[max(end - 1, 0) : end + 1])
+        return any(is_within(point, ball, point.at) for ball in around)
 
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
