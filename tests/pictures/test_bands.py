@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.bands import FAST, plot_curves
+from chain_impact.pictures.bands import FAST, merged_dashes, plot_curves
 
 TIME = np.linspace(0.0, 3.0, 20_001)
 
@@ -49,3 +49,14 @@ def test_other_curves_are_lines(curve):
     axes = drawn(curve)
     assert not axes.collections
     assert len(axes.lines) == 1
+
+
+def test_dashes_of_lines_that_merge_leave_each_other_free():
+    turn = np.linspace(0.0, 2.0 * np.pi, 500)
+    loop = np.array([np.cos(turn), np.sin(turn)])
+    base, second, third, apart = merged_dashes([loop, 1.001 * loop[:, ::2], 0.999 * loop, 0.9 * loop])
+    assert (base, apart) == (None, None)
+    length = sum(second[1])
+    drawn_at = [(np.arange(0.0, length, 0.1) + offset) % length < on for offset, (on, _) in (second, third)]
+    assert not np.logical_and(*drawn_at).any()
+    assert not np.logical_or(*drawn_at).all()  # the first line is seen in the gaps

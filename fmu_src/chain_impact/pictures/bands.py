@@ -16,6 +16,9 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 # the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
+# MERGED: the largest usual distance of two lines that merge, relative to the range of all lines; PIECES: the
+# number of points of a line at which this distance is measured; DASH: the length of a dash, in line widths
+MERGED, PIECES, DASH = 0.008, 200, 3.0
 BAND_EDGE, STRIPE = 1.2, 0.7  # [points] the width of the edges of an oscillation's range, and of its stripes
 FAST = "stripes: range of a fast oscillation"
 STRIPED = (0.0, (0.25, 0.35))  # the dashes of the line in the legend, relative to its width
@@ -73,6 +76,45 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
         sum(bool(np.quantile(np.abs(curve - other), share) <= seen) for other in curves[:k])
         for k, curve in enumerate(curves)
     ]
+
+
+def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
+    """Return dashes, as a style of matplotlib, for each line that merges with an earlier one; else None.
+
+    The first of some lines that merge is without dashes, below the others. The dashes of the others are one
+    after the other along the line, with a gap through which the first line is seen.
+
+    Args:
+        lines: x and y of each line, each of shape (2, S), in the same axes.
+    """
+    if not lines:
+        return []
+    low, high = (np.array([end(line, axis=1) for line in lines]) for end in (np.min, np.max))
+    span = high.max(axis=0) - low.min(axis=0)
+    evenly = [_evenly(line / np.where(span > 0.0, span, 1.0)[:, None]) for line in lines]
+    groups: dict[int, list[int]] = {}
+    for k, line in enumerate(evenly):
+        first = next((j for j in groups if _apart(evenly[j], line) <= MERGED), k)
+        groups.setdefault(first, []).append(k)
+    dashes: list[Any] = [None] * len(lines)
+    for group in groups.values():
+        others = group[1:]
+        for place, k in enumerate(others):
+            dashes[k] = (-DASH * place, (DASH, DASH * len(others)))
+    return dashes
+
+
+def _evenly(line: np.ndarray) -> np.ndarray:
+    """Return PIECES points at equal distances along a line of shape (2, S), as shape (2, PIECES)."""
+    way = np.concatenate([[0.0], np.hypot(*np.diff(line)).cumsum()])
+    at = np.linspace(0.0, way[-1], PIECES)
+    return np.array([np.interp(at, way, part) for part in line])
+
+
+def _apart(first: np.ndarray, second: np.ndarray) -> float:
+    """Return the usual distance of two lines: the larger median of the distances from one to the other."""
+    distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
+    return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))
 
 
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:

@@ -1,7 +1,7 @@
 """The picture of a comparison of contact laws: the first impact, and energy over time.
 
-At most six laws have a colour and a name: the reference, the scene's own law, the law that differs most, and
-other common laws. The other laws are grey.
+At most six laws have a colour and a name: the reference, the scene's own law, the law without losses, the law
+that differs most, and other common laws. The other laws are grey.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.bands import MOST_GREY, fill_band
+from chain_impact.pictures.bands import MOST_GREY, fill_band, merged_dashes
 from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
+    INK,
     OCHRE,
     PALETTE,
     give_ticks,
@@ -40,6 +41,17 @@ from chain_impact.studies.law_runs import LawRuns
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
+REFERENCE_LAYER = 3  # matplotlib's zorder of the line of the reference law
+IMPULSE: dict[str, Any] = {
+    "xycoords": ("data", "axes fraction"),
+    "xytext": (2.0, 0.0),
+    "textcoords": "offset points",
+    "rotation": 90,
+    "va": "top",
+    "fontsize": "x-small",
+    "color": INK,
+}
+"""Place and look of the name of an impulse beside its line."""
 BAND_POINTS = 400  # number of penetrations at which the band of the grey loops is computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
@@ -113,28 +125,24 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each.
+    """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each; "" for common laws.
 
     The law that differs most has the restitution in the first impact that is farthest from the restitution
-    with the reference law. If this is the law without losses, which ignores the prescribed restitution, the
-    law that differs most among the others gets a colour as well.
+    with the reference law. The law without losses ignores the prescribed restitution, so it has a colour of
+    its own, and another law differs most.
     """
     reference = comparison.reference
     why = {reference: "reference"}
     why.setdefault(comparison.contact.model, "of the scene")
     expected = comparison[reference].restitution
     off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
-    order = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
-    if LOSSLESS in order[:1]:
-        _add_reason(why, order.pop(0), "e′ differs most, no losses")
-        reason = "e′ differs most with losses"
-    else:
-        reason = "e′ differs most"
-    for law in order[:1]:
-        _add_reason(why, law, reason)
+    if off.pop(LOSSLESS, math.nan) > 0.0:
+        _add_reason(why, LOSSLESS, "no losses")
+    for law in sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])[:1]:
+        _add_reason(why, law, "differs most")
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
-            why.setdefault(run.law, "much used")
+            why.setdefault(run.law, "")
     return why
 
 
@@ -156,9 +164,12 @@ def looks_of(comparison: LawRuns) -> Looks:
     looks: Looks = {}
     for first, laws in twins.items():
         reasons = [why[law] for law in laws if law in why]
-        label = ", ".join(laws) + (f" ({reasons[0]})" if reasons else "")
+        restitution = comparison[first].restitution
+        reached = f"e′ = {restitution:.2f}" if math.isfinite(restitution) else ""
+        told = ", ".join(filter(None, (*reasons[:1], reached)))
+        label = ", ".join(laws) + (f" ({told})" if told else "")
         if comparison.reference in laws:
-            look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": 3}
+            look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": REFERENCE_LAYER}
         elif reasons:
             look = {**next(lines), "linewidth": 1.7, "zorder": 4}
         else:
@@ -185,11 +196,11 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     factors, (depth_unit, force_unit) = zip(*map(prefixed, largest, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
-    for law, loop in loops.items():
-        if not loop.size:
-            axes.axvline(0.0, **looks[law])
-        elif law not in band:
-            axes.plot(*loop, **looks[law])
+    for law in (law for law, loop in loops.items() if not loop.size):
+        axes.axvline(0.0, **looks[law])
+        if looks[law]["color"] == GREY:
+            axes.annotate(f"{law} (impulse)", (0.0, 1.0), **IMPULSE)
+    draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
     axes.set(
         xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]",
         ylabel=f"{name} [{force_unit}]",
@@ -236,13 +247,26 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         time = max((result.time for result in results), key=len)
         curves = [np.interp(time, result.time, result.energy["total"], right=np.nan) for result in results]
         fill_band(axes, time, curves, band_label(comparison, band))
-    for law, look in looks.items():
-        result = comparison[law].result
-        if result is not None and law not in band:
-            axes.plot(result.time, result.energy["total"], **look)
+    courses = {
+        law: np.array([result.time, result.energy["total"]])
+        for law in looks
+        if (result := comparison[law].result) is not None and law not in band
+    }
+    draw_lines(axes, courses, looks)
     axes.set(xlabel="time [s]", ylabel="total energy [J]")
     axes.margins(x=0.0)
     give_ticks(axes)
+
+
+def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
+    """Draw lines, law → shape (2, S); where some lines merge, each of them is seen in its own dashes."""
+    order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
+    coloured = [law for law in order if looks[law]["color"] != GREY]
+    dashes = dict(zip(coloured, merged_dashes([lines[law] for law in coloured]), strict=True))
+    for law, (along, up) in lines.items():
+        (line,) = axes.plot(along, up, **looks[law])
+        if dashes.get(law):
+            line.set_linestyle(dashes[law])
 
 
 def legend_handles(axes: Axes) -> list[Any]:
