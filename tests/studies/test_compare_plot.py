@@ -75,7 +75,7 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
         assert told == ", ".join(filter(None, [reason, f"e′ = {comparison[law].restitution:.2f})"]))
 
 
-def test_the_law_without_losses_has_its_own_line_where_another_law_differs_more():
+def test_the_law_without_losses_has_its_own_line():
     """Else the band of the other laws would reach up to its constant energy."""
     found = compare("bouncing_ball", laws=["zhang_sharf", "hertz", "gharib_hurmuzlu", "newton_impact"])
     why = named_laws(found)
