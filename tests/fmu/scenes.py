@@ -28,6 +28,7 @@ SERVO |= {"link[1].joint_armature": 0.1, "link[2].joint_torque_limit": 2.0, "inp
 SCENES = {
     "body": body,
     "cart": cart,
+    "led_cart": lambda: cart().with_values({"inputs.joint_targets": True}),
     "derivatives": lambda: load_scene("four_link_box").with_values(
         {"outputs.sensitivities": ASKED, "outputs.contacts": False}
     ),

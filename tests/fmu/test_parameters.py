@@ -14,7 +14,7 @@ from tests.fmu.scenes import scene_of
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
 STEP = 2.0**-7  # s; sums of this step are exact, so that all clocks are bit-equal
-STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0}  # s; 1 s for all others
+STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0, "led_cart": 1.0}  # s; 1 s for all others
 
 # The functions without assertions, and those for importing(), run in the clean process.
 
@@ -25,6 +25,7 @@ TUNED = {
     "knee": (0.5, {"stop.restitution": 0.9, "stop.stiffness": 3e4, "wall.x_max.restitution": 0.75}),
     "thrown": (0.25, {"wall.y_min.friction": 0.05, "contact.restitution": 0.1}),
     "servo": (0.5, {"link[1].joint_stiffness": 40.0, "link[2].joint_damping": 0.0}),
+    "led_cart": (0.375, {"slider.stiffness": 9.0, "slider.damping": 0.1}),
 }
 """Scene → time [s], after the first impact or during a sliding contact, and the values set then."""
 CASES = [
@@ -94,7 +95,8 @@ def test_tunable_parameters_can_be_set_between_steps(fmus, clean, model):
     found = dict(zip(names, np.transpose(rows), strict=True))
     for name in found.keys() - {name for name in found if name.startswith("solver.")}:
         assert found[name][-1] == chain.get(name), name
-    assert found["point[2].x"][-1] != never.get("point[2].x")
+    tip = f"point[{len(chain.scene.chain.links)}].x"
+    assert found[tip][-1] != never.get(tip)
 
 
 @importing("rod_drop")

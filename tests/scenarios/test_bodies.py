@@ -4,8 +4,9 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from chain_impact import simulate
+from chain_impact import Chain, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict
 from tests.helpers.tools.differences import slope
 
@@ -164,6 +165,54 @@ def test_a_spring_and_a_damper_along_the_line_are_those_of_an_oscillator():
     omega = np.sqrt(stiffness / mass - decay**2)
     swing = -rest * np.cos(omega * run.time) + (0.5 - decay * rest) / omega * np.sin(omega * run.time)
     np.testing.assert_allclose(run["slider.position"], rest + np.exp(-decay * run.time) * swing, atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
+def test_a_slider_with_targets_has_a_spring_to_set_at_any_time(method):
+    """Under gravity along the line, each phase is the decay to its own equilibrium from the state before."""
+    mass, rest, pull = 3.0, 0.1, 9.81
+    own = {"mass": 2.0, "damping": 0.6, "stiffness": 30.0, "rest_position": rest, "angle": -np.pi / 2}
+    servo = on_slider(
+        {},
+        own,
+        initial={"angles": [-np.pi / 2], "slider_velocity": 0.5},
+        inputs={"joint_targets": True},
+        solver={"method": method, "tolerance": 1e-11},
+    )
+    chain, at = Chain(servo), np.array([0.0, 0.5])
+    begin = chain.get("energy.kinetic") + chain.get("energy.potential")
+    for until, (damping, stiffness) in ((0.4, (0.6, 30.0)), (0.9, (2.5, 75.0)), (1.5, (0.0, 12.0))):
+        chain.set({"slider.damping": damping, "slider.stiffness": stiffness})
+        rates = np.array([[0.0, 1.0], [-stiffness / mass, -damping / mass]])
+        level = np.array([rest + mass * pull / stiffness, 0.0])
+        at = level + expm(rates * (until - chain.time)) @ (at - level)
+        chain.step_to(until)
+        np.testing.assert_allclose(chain.get(["slider.position", "slider.velocity"]), at, atol=1e-9)
+        kept = chain.get("energy.kinetic") + chain.get("energy.potential") - chain.get("energy.supplied")
+        assert kept == pytest.approx(begin, abs=1e-7)
+    fixed = Chain(on_slider({}, own, initial={"angles": [0.0]}))
+    fixed.step_to(0.1)
+    with pytest.raises(SceneError, match="fixed parameter"):
+        fixed.set("slider.stiffness", 1.0)
+
+
+def test_a_derivative_by_a_stiffness_that_is_set_on_the_way():
+    """The derivative is by a constant that is added to both values."""
+    own = {"mass": 2.0, "damping": 0.3, "stiffness": 20.0, "rest_position": 0.05}
+    given = {"initial": {"angles": [-0.5]}, "inputs": {"joint_targets": True}, "solver": {"tolerance": 1e-12}}
+    servo = on_slider({}, own, **given, outputs={"sensitivities": ["slider.stiffness"]})
+
+    def end(change):
+        chain = Chain(servo)
+        chain.set("slider.stiffness", 20.0 + change)
+        chain.step_to(0.3)
+        chain.set("slider.stiffness", 60.0 + change)
+        chain.step_to(0.7)
+        return chain.get(["slider.position", "sensitivity.slider.stiffness.slider.position"])
+
+    found, exact = end(0.0)[1], slope(lambda change: end(change)[0], 0.0, 0.05, 6)
+    assert found == pytest.approx(exact, rel=1e-7)
+    assert abs(found) > 1e-5
 
 
 def test_a_force_on_the_carriage_that_changes_with_time_does_its_work():

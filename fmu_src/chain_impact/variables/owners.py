@@ -119,7 +119,7 @@ FACTS = {
 """Name → fact of a scene, after the facts that its rule names. The keys of [inputs] and [outputs] are facts,
 too, as ``inputs.tip_force``."""
 OWN_CONDITIONS = {
-    "has_target": "the target of the joint's spring is an input",
+    "has_target": "the target of the joint's or slider's spring is an input",
     "target_is_parameter": "the target of the joint's or slider's spring is a parameter",
     "may_have_friction": "the joint, slider or contact may have dry friction",
     "in_file": "the file has the point; it is not a corner of a box",
@@ -195,7 +195,8 @@ OWNER_KINDS = {
         over="slider",
         numbers={"at": "links"},
         conditions={
-            "target_is_parameter": "not inputs.joint_targets",
+            "has_target": "inputs.joint_targets",
+            "target_is_parameter": "not has_target",
             "may_have_friction": "slider_friction",
         },
     ),

@@ -123,7 +123,6 @@ PARAMETERS = (
             joint_stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
             joint_rest_angle={
                 "record_path": ("given", "target", AT),
-                "tunable": "has_target",
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET,
             },
@@ -163,8 +162,8 @@ PARAMETERS = (
             record_path=("drive", KEY, AT),
             angle={"record_path": ("slider", "angle")},
             mass={"record_path": ("slider", "mass")},
-            damping={"record_path": ("given", "drive_damping", AT)},
-            stiffness={"record_path": ("given", "drive_stiffness", AT)},
+            damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
+            stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
             rest_position={
                 "record_path": ("given", "target", AT),
                 "when": ("target_is_parameter",),
