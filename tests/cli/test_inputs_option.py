@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import cli as command_line, load_scene, parse_scene, simulate
-from chain_impact.scene.signals import with_inputs
+from chain_impact.scene.asked_inputs import with_inputs
 from tests.helpers.scenes.signal_arm import ARM, PUSH, TIMES, TORQUE
 
 VALUES = {TORQUE: np.sin(20.0 * TIMES), PUSH: np.cos(9.0 * TIMES)}

@@ -1,6 +1,6 @@
 """FMUs of scenes with signals: such an FMU contains its tables and needs no external input."""
 
-# Tests: fmu/run.py, scene/signals.py
+# Tests: fmu/run.py, scene/asked_inputs.py, scene/signals.py
 
 import zipfile
 
@@ -10,8 +10,8 @@ import pytest
 
 from chain_impact import SceneError, build_fmu, simulate
 from chain_impact.fmu.run import record_fmu
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.scene import parse_scene
-from chain_impact.scene.signals import with_inputs
 from tests.helpers.scenes.signal_arm import ARM, TIMES, TORQUE, with_table
 from tests.tiers import needs_compilers
 

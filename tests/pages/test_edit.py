@@ -12,9 +12,9 @@ import pytest
 from quickjs import JSException
 
 from chain_impact import SceneError, load_scene, model_names
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
-from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.owners import OWNER_KINDS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.structure import structure_of

@@ -10,8 +10,8 @@ from chain_impact import SceneError, SimulationError, load_scene, model_names, s
 from chain_impact.kernel import status
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.view import framed, pin_mark, radius_of
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.candidates import parts_in_words
-from chain_impact.scene.signals import with_inputs
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.scenes.law_texts import SINH

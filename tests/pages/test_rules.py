@@ -3,12 +3,15 @@
 # Tests: pages/browser/scene/rules.js
 # Tests: pages/browser/scene/owners.js
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from chain_impact.scene.facts import FACTS, LISTS
 from chain_impact.scene.refusals import RULES, SIGNAL_RULES
 from chain_impact.scene.rules import holds, names_in, number_in, tree
-from chain_impact.variables.owners import COUNTS_OF, FACTS, LISTS, OWNER_KINDS, RECORD
+from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD
 from tests.pages.javascript import function_of
 from tests.scene.rule_cases import CASES, VALUES
 
@@ -27,9 +30,27 @@ TRIALS = 10
 
 
 def in_both(script, rules, values):
-    """Return whether each rule holds and its number, in Python and in a page."""
+    """Return whether each rule holds and its number, in Python and in a page.
+
+    A file has only the keys of a table that have a value; in Python, the other keys are None.
+    """
     page = script.evaluate(EVALUATED, [[tree(rule) for rule in rules], values])
+    values = {name: in_tables(value) if "." in name else value for name, value in values.items()}
     return [[holds(rule, values.get), number_in(rule, values.get)] for rule in rules], page
+
+
+def in_tables(value):
+    """Return a list of tables in a file as Python has it, and any other value unchanged."""
+    is_list = isinstance(value, list) and any(isinstance(entry, dict) for entry in value)
+    return [Table(**entry) for entry in value] if is_list else value
+
+
+class Table(SimpleNamespace):
+    """A table of a scene, in which a missing key is None."""
+
+    def __getattr__(self, name):
+        """Return None for a key that the file leaves out."""
+        return
 
 
 def collect(part, texts, lists):
@@ -62,6 +83,10 @@ def test_all_rules_have_the_same_value_for_any_values(script, seed):
 
     values = values_of(names) | {"order": 1}
     values |= {name: [values_of(sorted(inner)) for _ in range(seed % 4)] for name, inner in lists.items()}
+    for name in {name for name in lists if "." in name}:
+        values[name] = [
+            {key: value for key, value in table.items() if value is not None} for table in values[name]
+        ]
     values["inputs.wall_motion"] = ["*", "other"][: seed % 3]
     python, page = in_both(script, ALL_RULES, values)
     assert page == python

@@ -1,6 +1,6 @@
 """Dry friction in the scene: keys, defaults, names, and refused values."""
 
-# Tests: scene/contents.py, scene/tables.py
+# Tests: scene/contents.py, scene/facts.py, scene/tables.py
 
 import pytest
 

@@ -9,8 +9,8 @@ import warnings
 import pytest
 
 from chain_impact import SceneError, SceneWarning, load_scene, simulate
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict
-from chain_impact.scene.signals import with_inputs
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.signal_arm import ARM
 from tests.helpers.tools.refusal import refusal

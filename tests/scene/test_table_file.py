@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
-from chain_impact.scene.signals import with_inputs
 from chain_impact.scene.table_file import gap_hints, read_table
 from tests.helpers.tools.refusal import refusal
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.signals import with_inputs
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.variables import common
 from chain_impact.variables.prepared import PreparedScene
 

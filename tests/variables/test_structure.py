@@ -9,7 +9,10 @@ import pytest
 
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.counts import COUNTS
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.chain_tables import Link
+from chain_impact.scene.facts import FACTS, LISTS
+from chain_impact.scene.names import INPUTS_OF
 from chain_impact.scene.rules import names_in, tree
 from chain_impact.scene.scene import scene_keys
 from chain_impact.scene.tables import Inputs, Material, Outputs
@@ -17,8 +20,6 @@ from chain_impact.variables import outputs
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import (
     COUNTS_OF,
-    FACTS,
-    LISTS,
     OWN_CONDITIONS,
     OWNER_KINDS,
     RECORD,
@@ -106,12 +107,21 @@ def test_no_owner_changes_what_holds_for_its_scene():
 )
 def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     structure = structure_of(scene)
-    known = structure.known
-    assert tuple(wall["name"] for wall in structure.lists["moving_walls"]) == scene.moving_walls
-    assert known["friction"] == scene.has_friction
-    assert known["contact_friction"] == scene.has_contact_friction
-    assert known["skewed"] == scene.chain.is_skewed
-    assert known["supply"] == scene.is_driven
+    known, links, slider, contact = structure.known, scene.chain.links, scene.chain.slider, scene.contact
+    asked, walls = scene.inputs.wall_motion, scene.half_planes
+    moving = [name for name in scene.wall_names if name in walls and {"*", name} & {*asked}]
+    assert [wall["name"] for wall in structure.lists["moving_walls"]] == moving
+    own = [value for wall in contact.wall.values() for value in (wall.friction, wall.static_friction)]
+    coefficients = contact.friction + contact.static_friction
+    rubs = bool(point_wall_pairs(scene)) and (coefficients > 0.0 or own != [None] * len(own))
+    assert known["contact_friction"] == rubs
+    jointed = links if scene.chain.base != "free" else links[1:]
+    in_joints = any(link.joint_friction for link in jointed)
+    assert known["friction"] == (rubs or in_joints or (slider is not None and slider.friction > 0.0))
+    assert known["skewed"] == any(link.center_of_mass_offset for link in links)
+    limits = [slider and slider.force_limit, *(link.joint_torque_limit for link in links)]
+    asks = [getattr(scene.inputs, key) for key in INPUTS_OF]
+    assert known["supply"] == (any(asks) or limits != [None] * len(limits))
     assert known["has_base_joint"] == scene.chain.has_base_joint
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
+from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.models import model_names, scene_path
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.scene.signals import with_inputs
 from chain_impact.scene.similar_names import nearest
 from chain_impact.simulation.record_scene import with_settings
 

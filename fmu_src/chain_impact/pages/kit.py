@@ -2,9 +2,9 @@
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
-``variables/listing.py`` does, and the tables in ``variables/owners.py``, which the page evaluates. The index
-of a word in the record depends on the same numbers. The data contain the coefficients from which the page
-computes the index (compilation/affine.py). shared.py has the constants that all pages have.
+``variables/listing.py`` does, and the tables of scene/facts.py and variables/owners.py, which the page
+evaluates. The index of a word in the record depends on the same numbers. The data contain the coefficients
+from which the page computes the index (compilation/affine.py). shared.py has the constants of all pages.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.scene.facts import ALWAYS, FACTS, LISTS
 from chain_impact.scene.key_rules import Derived, allowed, keys, without_none
 from chain_impact.scene.names import AT, DataPath
 from chain_impact.scene.reading import entry_type
@@ -32,10 +33,10 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.driving import acting
 from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
-from chain_impact.variables.kind import ALWAYS, MOTION, Block, Kind, filled
+from chain_impact.variables.kind import MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
-from chain_impact.variables.owners import COUNTS_OF, FACTS, LISTS, OWNER_KINDS, RECORD, Owner
+from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 

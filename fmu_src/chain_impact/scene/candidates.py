@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import product
 
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.contents import Contents
 
 
-def candidates(scene: Scene) -> list[tuple[int, int]]:
+def candidates(scene: Contents) -> list[tuple[int, int]]:
     """Return the pairs (point, index in ``scene.wall_names``) that can touch.
 
     The pairs of a point and an existing wall come first. The stops of joints follow, with the number of the
@@ -19,7 +19,7 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
-def parts_in_words(scene: Scene) -> list[str]:
+def parts_in_words(scene: Contents) -> list[str]:
     """Return words for each part of a scene that can be the reason for a fault, numbered as ``fault.part``.
 
     These parts are the candidates, then the links, then the base at the wall of each pair of a point and a
@@ -36,13 +36,13 @@ def parts_in_words(scene: Scene) -> list[str]:
     return [*touching, *stops, *links, *(f"the base at the wall {names[wall]}" for _, wall in pairs[:points])]
 
 
-def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
+def stop_pairs(scene: Contents) -> list[tuple[int, int]]:
     """Return the stops of joints as pairs (joint, index in ``scene.wall_names``)."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
-def point_wall_pairs(scene: Scene) -> list[tuple[int, int]]:
+def point_wall_pairs(scene: Contents) -> list[tuple[int, int]]:
     """Return the pairs of a point and a wall that can touch."""
     numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
     pairs = product(scene.touching_points, scene.half_planes.items())

@@ -124,23 +124,6 @@ class ChainTable:
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
 
     @property
-    def is_skewed(self) -> bool:
-        """Whether the centre of mass of some link lies beside the link's line."""
-        return any(link.center_of_mass_offset != 0.0 for link in self.links)
-
-    @property
-    def has_limits(self) -> bool:
-        """Whether the drive of some joint, or of the slider, has a largest torque or force."""
-        limits = [link.joint_torque_limit for link in self.links]
-        limits += [self.slider.force_limit] if self.slider else []
-        return any(limit is not None for limit in limits)
-
-    @property
-    def is_body(self) -> bool:
-        """Whether a link has points, or a centre of mass beside its line, or the base slides."""
-        return self.is_skewed or self.slider is not None or any(link.points for link in self.links)
-
-    @property
     def has_base_joint(self) -> bool:
         """Whether a joint connects link 1 with the base: the base is pinned, or slides."""
         return self.base != "free"
@@ -149,11 +132,6 @@ class ChainTable:
     def sites(self) -> tuple[tuple[int, Site], ...]:
         """Pairs (index of a link, point on it), in the order of the points' numbers, which begin at N + 1."""
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
-
-    @property
-    def joints(self) -> range:
-        """The numbers of the joints, which are the numbers of their links; a free base has no joint 1."""
-        return range(1 if self.has_base_joint else 2, len(self.links) + 1)
 
     @property
     def stops(self) -> tuple[tuple[int, str], ...]:

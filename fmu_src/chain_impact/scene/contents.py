@@ -115,53 +115,15 @@ class Contents:
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
         """Return whether a point never reaches a wall: it is at a base that slides parallel to the wall."""
-        slider, sites = self.chain.slider, self.chain.sites
-        behind = point - len(self.chain.links) - 1
+        slider = self.chain.slider
+        if slider is None:
+            return False
+        sites, behind = self.chain.sites, point - len(self.chain.links) - 1
         at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
-        if slider is None or not at_base:
+        if not at_base:
             return False
         along = plane.normal[0] * math.cos(slider.angle) + plane.normal[1] * math.sin(slider.angle)
         return abs(along) < PARALLEL
-
-    @property
-    def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls that inputs move, in the order of their numbers."""
-        asked = self.inputs.wall_motion
-        if not asked:
-            return ()
-        there = self.half_planes
-        names = (name for name in self.wall_names if name in there)
-        return tuple(name for name in names if name in asked or "*" in asked)
-
-    @property
-    def has_contact_friction(self) -> bool:
-        """Whether contacts are possible and may have dry friction.
-
-        They may have it if a coefficient of [contact] is above 0, or if a wall has its own, even 0.
-        """
-        if not (self.may_touch and self.contact.wall):
-            return False
-        for material in self.contact.wall.values():
-            if material.friction is not None or material.static_friction is not None:
-                return True
-        return self.contact.friction > 0.0 or self.contact.static_friction > 0.0
-
-    @property
-    def friction_joints(self) -> tuple[int, ...]:
-        """The numbers of the joints with dry friction."""
-        links = self.chain.links
-        return tuple(joint for joint in self.chain.joints if links[joint - 1].joint_friction > 0.0)
-
-    @property
-    def is_driven(self) -> bool:
-        """Whether something may supply energy: an input, or a drive with a limited torque or force."""
-        return self.inputs.any or self.chain.has_limits
-
-    @property
-    def has_friction(self) -> bool:
-        """Whether a contact, a joint or a slider may have dry friction."""
-        slides = self.chain.slider is not None and self.chain.slider.friction > 0.0
-        return self.has_contact_friction or bool(self.friction_joints) or slides
 
     @property
     def law_names(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.text_file import comma_in
 from chain_impact.scene.unit_text import number_hint
 
-LISTS = ("chain.links", "walls")
+LISTS_OF_TABLES = ("chain.links", "walls")
 """The tables that a file may have several times, each headed by ``[[…]]``."""
 _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
@@ -95,7 +95,7 @@ def fault_hint(text: str, fault: str) -> str:
         return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""
     if head:
         name = ".".join(map(str, _steps(head[2])))
-        if name in LISTS and head[1] == "[":
+        if name in LISTS_OF_TABLES and head[1] == "[":
             return f"; of several, each begins with [[{name}]]"
         return ""
     if degrees := _DEGREES.search(line):

@@ -4,8 +4,9 @@ A rule is written like an expression of Python. From strong to weak, its parts a
 
 - numbers, texts in quotes, and names of values, such as ``chain.base``
 - ``given(name)``: the value is not missing; ``any(list, rule)``: the rule holds for a member of a list;
-  ``sum(list, rule)``: the sum of a number over the members. In such a rule, a name stands for a value of the
-  member, if it has one, and ``order`` for its index in the list.
+  ``sum(list, rule)``: the sum of a number over the members. In such a rule, ``order`` is the index of a
+  member in the list. Another name without a dot is a key of the member if the list is in the scene's file, as
+  ``chain.links``; for any other list, it is a value of the member, if the member has it.
 - ``a*b``, then ``a + b``; a condition counts as 0 or 1
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
 - ``not``, then ``and``, then ``or``
@@ -131,16 +132,10 @@ def number_in(rule: str, value_of: ValueOf) -> Any:
     return int(value) if value is True or value is False else value
 
 
-def numbers_of(rule: str, members: Collection[Mapping[str, Any]], value_of: ValueOf) -> list[Any]:
-    """Return the number of a rule for each member of a list; members with the same values share it."""
-    names, found = [*names_in(tree(rule))], dict[tuple[Any, ...], Any]()
-    numbers = []
-    for order, (member, of) in enumerate(zip(members, of_members(members, value_of), strict=True)):
-        values = tuple(order if name == "order" else member.get(name) for name in names)
-        if values not in found:
-            found[values] = number_in(rule, of)
-        numbers.append(found[values])
-    return numbers
+def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any]:
+    """Return the number of a rule for each member of a list."""
+    number = partial(number_in, rule)
+    return _for_members(number, tuple(names_in(tree(rule))), members, value_of)
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
@@ -161,7 +156,7 @@ def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
     sign, of = part["operator"], [_function_of(inner) for inner in part["parts"]]
     if sign in ("any", "sum"):
-        return partial(_of_members, sign, of[0], of[1])
+        return partial(_of_members, sign, of[0], of[1], tuple(names_in(part["parts"][1])))
     if sign in _OF_ALL:
         of_all = _OF_ALL[sign]
         return lambda value_of: of_all(_is_so(each(value_of)) for each in of)
@@ -172,13 +167,31 @@ def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
 
 
 def _of_members(
-    sign: str, members: Callable[[ValueOf], Any], of: Callable[[ValueOf], Any], value_of: ValueOf
+    sign: str,
+    members: Callable[[ValueOf], Any],
+    of: Callable[[ValueOf], Any],
+    names: Sequence[str],
+    value_of: ValueOf,
 ) -> Any:
     """Return whether a part of a rule holds for any member, or its sum over all members."""
-    values = [of(of_member) for of_member in of_members(_members(members(value_of)), value_of)]
+    values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":
         return any(map(_is_so, values))
     return None if None in values else sum(values)
+
+
+def _for_members(
+    of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
+) -> list[Any]:
+    """Return the value of a part of a rule for each member; members with equal values of names share it."""
+    found, values = dict[tuple[Any, ...], Any](), []
+    for order, member in enumerate(members):
+        own = member.get if isinstance(member, dict) else partial(getattr, member)
+        key = tuple([order if name == "order" else own(name, None) for name in names])
+        if key not in found:
+            found[key] = of(partial(value_within, member, order, value_of))
+        values.append(found[key])
+    return values
 
 
 def _of_two(
@@ -201,7 +214,7 @@ def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
         return order
     if isinstance(member, dict):
         return member[name] if name in member else value_of(name)
-    return getattr(member, name) if hasattr(member, name) else value_of(name)
+    return value_of(name) if "." in name else getattr(member, name)
 
 
 def _members(value: Any) -> Collection[Any]:

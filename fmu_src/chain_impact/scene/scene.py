@@ -21,6 +21,7 @@ from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.chain_tables import Link
 from chain_impact.scene.contents import Contents, named_point_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
+from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
@@ -70,6 +71,31 @@ class Scene(Contents):
         """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
+
+    @property
+    def moving_walls(self) -> tuple[str, ...]:
+        """The names of the walls that inputs move, in the order of their numbers."""
+        return tuple(wall["name"] for wall in SceneFacts(self)["moving_walls"])
+
+    @property
+    def has_contact_friction(self) -> bool:
+        """Whether contacts are possible and may have dry friction."""
+        return bool(SceneFacts(self)["contact_friction"])
+
+    @property
+    def friction_joints(self) -> tuple[int, ...]:
+        """The numbers of the joints with dry friction."""
+        return friction_joints(self)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether something may supply energy: an input, or a drive with a limited torque or force."""
+        return bool(SceneFacts(self)["supply"])
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether a contact, a joint or a slider may have dry friction."""
+        return bool(SceneFacts(self)["friction"])
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> "Scene":
         """Return the scene with some values changed, `{"contact.restitution": 0.5}`.

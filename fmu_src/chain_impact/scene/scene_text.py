@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.tables import Material
 from chain_impact.scene.unit_text import of_power
 
@@ -25,7 +26,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)
-    rubbing = scene.friction_joints
+    rubbing = friction_joints(scene)
     dry = f"; dry friction in joints {_listed(rubbing)}" if rubbing else ""
     yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]

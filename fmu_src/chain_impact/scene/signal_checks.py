@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+from chain_impact.scene.asked_inputs import how_asked, inputs_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal, value_text
@@ -12,7 +13,7 @@ from chain_impact.scene.refusals import SIGNAL_RULES
 from chain_impact.scene.rules import holds
 from chain_impact.scene.signal import Samples, Signal, unit_of
 from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joined_by
-from chain_impact.scene.signals import driven_alone, family, how_asked, inputs_of
+from chain_impact.scene.signals import driven_alone, family
 from chain_impact.scene.unit_text import unit_text
 
 # the smallest speed that counts as motion, relative to the largest speed of a sine; a smaller speed is

@@ -16,8 +16,6 @@ from chain_impact.scene.key_rules import Derived
 from chain_impact.scene.names import DataPath, sensitivity_name
 
 NEXT = "{next}"
-ALWAYS = "always"
-"""The condition that all scenes meet."""
 MOTION = "motion"
 """The part of the record with the given motions."""
 MOTIONS = ("position", "velocity", "acceleration")

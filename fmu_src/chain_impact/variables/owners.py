@@ -1,123 +1,34 @@
 """The tables of conditions, counts and owners of variables, and of numbers in a record that follow from them.
 
 Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables, which are in the
-language of scene/rules.py. Each of them finds only some LISTS of a scene by itself. Example: a link with
-``joint_friction`` is a member of "links" with ``has_friction``, so it is an owner of the kind "joint with
-friction", which has the outputs of dry friction; it makes the fact "friction" hold, so that the record has
-room for these outputs.
+language of scene/rules.py and name the facts and lists of scene/facts.py. Example: a link with
+``has_friction`` in the list "links" is an owner of the kind "joint with friction", which has the outputs of
+dry friction; the record has room for them, because the fact "friction" holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.names import AT, INPUTS_OF, DataPath
-from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, of_members, value_at, value_within
+from chain_impact.scene.facts import ALWAYS, FACTS, LISTS, SceneFacts
+from chain_impact.scene.names import AT, DataPath
+from chain_impact.scene.rules import ValueOf, holds, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.kind import ALWAYS
+from chain_impact.scene.tables import Inputs, Outputs
+
+FLAGS = [
+    f"{name}.{entry.name}"
+    for name, table in (("inputs", Inputs), ("outputs", Outputs))
+    for entry in fields(table)
+]
+"""The keys of [inputs] and [outputs], which are conditions, too; a list counts as its length."""
 
 
-class Members(NamedTuple):
-    """A list of a scene: what its members are, and how they follow from another list, if they do.
-
-    Attributes:
-        meaning: what the members are, and the values that each member has.
-        over: the list whose members can be members; "" for a list that each language finds by itself.
-        has: the rule by which one of them is a member.
-        values: name → rule for each value of a member.
-    """
-
-    meaning: str
-    over: str = ""
-    has: str = "1"
-    values: Mapping[str, str] = {}
-
-
-LISTS = {
-    "sites": Members("points of links; link and entry: indices; corner: of a box, from 1, or 0; label"),
-    "candidates": Members(
-        "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, a joint's stop has "
-        "none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop"
-    ),
-    "walls": Members("numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it"),
-    "lines": Members("walls at any angle; name"),
-    "laws": Members("contact laws, a user's law last; name"),
-    "signals": Members("driven inputs; name: of the signal; input; knot_count"),
-    "steps": Members(
-        "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
-    ),
-    "links": Members(
-        "jointed: a joint holds it; has_friction: this joint has dry friction",
-        over="chain.links",
-        values={
-            "jointed": "chain.base != 'free' or order > 0",
-            "has_friction": "jointed and joint_friction > 0",
-        },
-    ),
-    "moving_walls": Members(
-        "walls that inputs move; name; number: index among the walls",
-        over="walls",
-        has="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
-        values={"name": "name", "number": "order"},
-    ),
-}
-"""Name → list of a scene. In a rule, a name without a dot is a list, a member's value, a fact or a count."""
-
-
-class Fact(NamedTuple):
-    """A fact of a scene: the rule by which it holds, or its number, and its meaning."""
-
-    rule: str
-    meaning: str
-
-
-FACTS = {
-    ALWAYS: Fact("1", "all scenes have this"),
-    "free": Fact("chain.base == 'free'", "no base holds the chain"),
-    "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
-    "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
-    "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
-    "skewed": Fact(
-        "any(chain.links, center_of_mass_offset != 0)",
-        "the centre of mass of some link lies beside the link's line",
-    ),
-    "pairs": Fact("sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"),
-    "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
-    "slider_stops": Fact("sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"),
-    "contacts": Fact("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
-    "own_stop_law": Fact("given(stops.model)", "stops have another law than walls"),
-    "law": Fact("contacts or stops and not own_stop_law", "the law of contacts acts"),
-    "contact_friction": Fact(
-        "pairs and (contact.friction > 0 or contact.static_friction > 0 or "
-        "any(contact.wall, given(friction) or given(static_friction)))",
-        "a contact may have dry friction: a coefficient is above 0, or a wall has its own, even 0",
-    ),
-    "joint_friction": Fact("any(links, has_friction)", "a joint has dry friction"),
-    "slider_friction": Fact("chain.slider.friction > 0", "the slider has dry friction"),
-    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
-    "has_inputs": Fact(
-        " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
-        "inputs act on the chain without contact",
-    ),
-    "has_limits": Fact(
-        "given(chain.slider.force_limit) or any(chain.links, given(joint_torque_limit))",
-        "a drive has a largest torque or force",
-    ),
-    "supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
-    "impulses": Fact(
-        "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
-        "some output needs the impulses of contacts",
-    ),
-    "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
-}
-"""Name → fact of a scene, after the facts that its rule names. The keys of [inputs] and [outputs] are facts,
-too, as ``inputs.tip_force``."""
 OWN_CONDITIONS = {
     "has_target": "the target of the joint's or slider's spring is an input",
     "target_is_parameter": "the target of the joint's or slider's spring is a parameter",
@@ -288,31 +199,11 @@ def values_of(
     return value_of
 
 
-def add_lists(lists: dict[str, Sequence[Mapping[str, Any]]], scene: Scene) -> None:
-    """Add the lists that follow from other lists to the lists of a scene."""
-    value_of = values_of({}, lists, scene)
-    for name, row in LISTS.items():
-        if row.over:
-            members: list[dict[str, Any]] = []
-            for order, of_member in enumerate(of_members(members_in(row.over, value_of), value_of)):
-                if holds(row.has, of_member):
-                    values = dict[str, Any]()
-                    for key, rule in row.values.items():
-                        values[key] = number_in(rule, partial(value_within, values, order, of_member))
-                    members.append(values)
-            lists[name] = members
-
-
-def known_of(
-    flags: Mapping[str, int], lists: Mapping[str, Sequence[Mapping[str, Any]]], scene: Scene
-) -> dict[str, int]:
-    """Return ``flags`` with the facts and counts of a scene, and the lengths of its lists."""
-    known = {**flags}
-    value_of = values_of(known, lists, scene)
-    for name, fact in FACTS.items():
-        known[name] = int(number_in(fact.rule, value_of))
-    counts = {name: number_in(rule, value_of) for name, rule in COUNTS_OF.items()}
-    return known | {name: len(members) for name, members in lists.items()} | counts
+def known_of(facts: SceneFacts) -> dict[str, int]:
+    """Return the flags, facts and counts of a scene, and the lengths of its lists."""
+    counts = {name: number_in(rule, facts.value_of) for name, rule in COUNTS_OF.items()}
+    lengths = {name: len(facts[name]) for name in LISTS}
+    return {name: facts[name] for name in (*FLAGS, *FACTS)} | lengths | counts
 
 
 def owners_of(

@@ -16,6 +16,7 @@ from typing import Any
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.chain_tables import Link, Site, Slider
 from chain_impact.scene.contents import Contents
+from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
 from chain_impact.scene.signal import Signal
@@ -29,7 +30,7 @@ from chain_impact.scene.tables import (
     Stops,
     Wall,
 )
-from chain_impact.variables.kind import ALWAYS, LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
+from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices: contact laws, and methods of the solver."""

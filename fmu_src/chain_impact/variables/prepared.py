@@ -14,6 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.compilers import GENERAL
 from chain_impact.kernel.record.counts import Counts
+from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_by
@@ -259,10 +260,11 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 def kernel_size(scene: Scene) -> int:
     """Return the size by which ``kernel_library`` finds the kernel of a scene: its number of links.
 
-    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or the chain ``is_body``.
+    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or a link is a body.
     """
-    moves = scene.inputs.base_motion or scene.moving_walls
-    return GENERAL if moves or scene.chain.is_body or scene.signals else len(scene.chain.links)
+    facts = SceneFacts(scene)
+    is_general = scene.signals or facts["body"] or facts["motions"]
+    return GENERAL if is_general else len(scene.chain.links)
 
 
 def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:

@@ -21,8 +21,8 @@ from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import BASE_BEYOND_WALL, EVENT_STORM, NO_ROOM, STEP_TOO_SMALL, TOO_MUCH_WORK
 from chain_impact.results.result import Result
+from chain_impact.scene.asked_inputs import inputs_of
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.scene.signals import inputs_of
 from chain_impact.simulation.instance import SimulationError
 from tests.helpers.campaigns.random_parts import Draw
 from tests.helpers.models.body_model import BodyModel

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import loose_links
+from chain_impact.scene.asked_inputs import inputs_of
 from chain_impact.scene.scene import Scene, with_values
-from chain_impact.scene.signals import inputs_of
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_parts import (
     HARD_WORK,

@@ -1,10 +1,10 @@
 // The structure of a scene: its facts and lists, and the conditions, counts and owners of variables that follow from them by the
-// tables of `owners.py`.
+// tables of `facts.py` and `owners.py`.
 
 import { mapped } from "../base/mapped.js";
 import { inFile } from "../base/paths.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
-import { holds, membersIn, numberIn, valuesWithin } from "./rules.js";
+import { holds, membersIn, numberIn, valuesOfMembers } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -26,7 +26,7 @@ export function valuesOfScene(file, lists, known) {
   return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
 }
 
-/** Return the lists of a scene, see `owners.py`. */
+/** Return the lists of a scene, see `facts.py`. */
 function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }, kit) {
   const { STOP_CODES } = SHARED.kernel;
   const lists = {
@@ -46,11 +46,10 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
   };
   const valueOf = valuesOfScene(file, lists, {});
   for (const [name, { over, has, values }] of Object.entries(kit.lists)) {
-    lists[name] = membersIn(over, valueOf).flatMap((member, order) => {
-      const ofMember = valuesWithin(member, order, valueOf);
+    lists[name] = valuesOfMembers(over, valueOf).flatMap((ofMember) => {
       const own = {};
       if (!holds(has, ofMember)) return [];
-      for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, valuesWithin(own, order, ofMember));
+      for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, (inner) => own[inner] ?? ofMember(inner));
       return [own];
     });
   }

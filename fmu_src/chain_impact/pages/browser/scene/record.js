@@ -1,7 +1,7 @@
 // The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
 
 import { valuesOfScene } from "./owners.js";
-import { membersIn, numberIn, valuesWithin } from "./rules.js";
+import { numberIn, valuesOfMembers } from "./rules.js";
 import { putSignals } from "./signals.js";
 
 /** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
@@ -38,10 +38,7 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
   const valueOf = valuesOfScene(file, lists, known);
   for (const [name, { number, over, at }] of Object.entries(kit.record)) {
-    membersIn(over, valueOf).forEach((member, order) => {
-      const ofMember = valuesWithin(member, order, valueOf);
-      put(name, numberIn(number, ofMember), numberIn(at, ofMember));
-    });
+    valuesOfMembers(over, valueOf).forEach((ofMember) => put(name, numberIn(number, ofMember), numberIn(at, ofMember)));
   }
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   for (const { name, ownerKind, word, given, givenIf, type, owner, missing } of rows) {

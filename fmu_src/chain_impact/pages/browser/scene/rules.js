@@ -16,7 +16,7 @@ const COMPARISONS = {
 /** Return the value of a part of a rule, of a condition 0 or 1; null if it is missing. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? numbered(valueOf(name)) : constant;
-  if (operator === "any" || operator === "sum") return ofMembers(operator, listed(valueIn(parts[0], valueOf)), parts[1], valueOf);
+  if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
   if (operator === "and") return numbered(parts.every((part) => holds(part, valueOf)));
   if (operator === "or") return numbered(parts.some((part) => holds(part, valueOf)));
   if (operator === "not") return numbered(!holds(parts[0], valueOf));
@@ -27,10 +27,10 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
   return numbered((ARITHMETIC[operator] ?? COMPARISONS[operator])(counted(first), counted(second)));
 }
 
-/** Return whether a part of a rule holds for any member, or its sum over all members. */
-function ofMembers(operator, members, of, valueOf) {
-  if (operator === "any") return numbered(members.some((member, order) => holds(of, valuesWithin(member, order, valueOf))));
-  const values = members.map((member, order) => valueIn(of, valuesWithin(member, order, valueOf)));
+/** Return whether a part of a rule holds for any member, or its sum over all members; `members`: from `valuesOfMembers`. */
+function ofMembers(operator, members, of) {
+  if (operator === "any") return numbered(members.some((valueOf) => holds(of, valueOf)));
+  const values = members.map((valueOf) => valueIn(of, valueOf));
   return values.includes(null) ? null : values.reduce((sum, value) => sum + value, 0);
 }
 
@@ -68,7 +68,14 @@ export function membersIn(rule, valueOf) {
   return typeof value === "number" ? range(value).map(() => ({})) : listed(value);
 }
 
-/** Return the function that returns the value of a name for a member of a list: its own value, or else that of `valueOf`. */
-export function valuesWithin(member, order, valueOf) {
-  return (name) => (name === "order" ? order : name in member ? member[name] : valueOf(name));
+/**
+ * Return for each member of the list that a rule stands for the function that returns the value of a name: `order`, a value of the
+ * member, or else that of `valueOf`. A member of a list in the file has all keys of its table, even those that the file leaves out.
+ */
+export function valuesOfMembers(rule, valueOf) {
+  const isInFile = rule.name?.includes(".");
+  return membersIn(rule, valueOf).map((member, order) => (name) => {
+    if (name === "order") return order;
+    return name in member || (isInFile && !name.includes(".")) ? member[name] : valueOf(name);
+  });
 }

@@ -1,0 +1,232 @@
+"""The table of the facts and lists of a scene: what it has, by rules (rules.py), each told once.
+
+A page evaluates the same table (pages/browser/scene/owners.js). Each language finds only some LISTS by
+itself. Example: a link with ``joint_friction`` is a member of "links" with ``has_friction``, which makes the
+facts "joint_friction" and "friction" hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
+from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.names import INPUTS_OF
+from chain_impact.scene.rules import holds, members_in, number_in, of_members, value_at, value_within
+from chain_impact.scene.signals import driven_by
+
+ALWAYS = "always"
+"""The fact that holds for all scenes."""
+
+
+class Members(NamedTuple):
+    """A list of a scene: what its members are, and how they follow from another list, if they do.
+
+    Attributes:
+        meaning: what the members are, and the values that each member has.
+        over: the list whose members can be members; "" for a list that each language finds by itself.
+        has: the rule by which one of them is a member.
+        values: name → rule for each value of a member.
+    """
+
+    meaning: str
+    over: str = ""
+    has: str = "1"
+    values: Mapping[str, str] = {}
+
+
+LISTS = {
+    "sites": Members("points of links; link and entry: indices; corner: of a box, from 1, or 0; label"),
+    "candidates": Members(
+        "pairs, stops, slider_stops; n: point or joint; wall: index; name: of the wall, a joint's stop has "
+        "none; stop: code of the stop, 0 for none; at_joint: it is a joint's stop"
+    ),
+    "walls": Members("numbered walls; name; exists: it is a wall, no stop; touched: a point can touch it"),
+    "lines": Members("walls at any angle; name"),
+    "laws": Members("contact laws, a user's law last; name"),
+    "signals": Members("driven inputs; name: of the signal; input; knot_count"),
+    "steps": Members(
+        "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
+    ),
+    "links": Members(
+        "jointed: a joint holds it; has_friction: this joint has dry friction",
+        over="chain.links",
+        values={
+            "jointed": "chain.base != 'free' or order > 0",
+            "has_friction": "jointed and joint_friction > 0",
+        },
+    ),
+    "moving_walls": Members(
+        "walls that inputs move; name; number: index among the walls",
+        over="walls",
+        has="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
+        values={"name": "name", "number": "order"},
+    ),
+}
+"""Name → list of a scene. In a rule, a name without a dot is a list, a member's value, a fact or a count."""
+
+
+class Fact(NamedTuple):
+    """A fact of a scene: the rule by which it holds, or its number, and its meaning."""
+
+    rule: str
+    meaning: str
+
+
+FACTS = {
+    ALWAYS: Fact("1", "all scenes have this"),
+    "free": Fact("chain.base == 'free'", "no base holds the chain"),
+    "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
+    "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
+    "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
+    "skewed": Fact(
+        "any(chain.links, center_of_mass_offset != 0)",
+        "the centre of mass of some link lies beside the link's line",
+    ),
+    "pairs": Fact("sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"),
+    "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
+    "slider_stops": Fact("sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"),
+    "contacts": Fact("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
+    "own_stop_law": Fact("given(stops.model)", "stops have another law than walls"),
+    "law": Fact("contacts or stops and not own_stop_law", "the law of contacts acts"),
+    "contact_friction": Fact(
+        "pairs and (contact.friction > 0 or contact.static_friction > 0 or "
+        "any(contact.wall, given(friction) or given(static_friction)))",
+        "a contact may have dry friction: a coefficient is above 0, or a wall has its own, even 0",
+    ),
+    "joint_friction": Fact("any(links, has_friction)", "a joint has dry friction"),
+    "slider_friction": Fact("chain.slider.friction > 0", "the slider has dry friction"),
+    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
+    "has_inputs": Fact(
+        " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
+        "inputs act on the chain without contact",
+    ),
+    "has_limits": Fact(
+        "given(chain.slider.force_limit) or any(chain.links, given(joint_torque_limit))",
+        "a drive has a largest torque or force",
+    ),
+    "motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
+    "body": Fact("skewed or slider or sites", "links are bodies with points or on a slider, not only rods"),
+    "supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
+    "impulses": Fact(
+        "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
+        "some output needs the impulses of contacts",
+    ),
+    "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
+}
+"""Name → fact of a scene, after the facts that its rule names. The keys of [inputs] and [outputs] are facts,
+too, as ``inputs.tip_force``."""
+
+
+class SceneFacts(dict[str, Any]):
+    """The facts and lists of a scene by name, each found when it is first asked for.
+
+    Also the flags ``inputs.tip_force`` and so on: the keys of [inputs] and [outputs].
+    """
+
+    def __init__(self, scene: Contents) -> None:
+        super().__init__()
+        self.scene = scene
+
+    def __missing__(self, name: str) -> Any:
+        """Find a fact as a number, a list as its members, and a flag as a number."""
+        value: Any
+        if name in FACTS:
+            value = int(number_in(FACTS[name].rule, self.value_of))
+        elif name in LISTS:
+            value = self._members(LISTS[name]) if LISTS[name].over else FOUND[name](self)
+        elif "." in name:
+            flag = value_at(self.scene, name)
+            value = len(flag) if isinstance(flag, tuple) else int(flag)
+        else:
+            raise KeyError(name)
+        self[name] = value
+        return value
+
+    def value_of(self, name: str) -> Any:
+        """Return the value of a name in a rule: a key of the scene's file has a dot."""
+        return value_at(self.scene, name) if "." in name else self[name]
+
+    def _members(self, row: Members) -> list[dict[str, Any]]:
+        """Return the members of a list that follows from another list."""
+        found = list[dict[str, Any]]()
+        for order, of_member in enumerate(of_members(members_in(row.over, self.value_of), self.value_of)):
+            if holds(row.has, of_member):
+                values = dict[str, Any]()
+                for key, rule in row.values.items():
+                    values[key] = number_in(rule, partial(value_within, values, order, of_member))
+                found.append(values)
+        return found
+
+
+def friction_joints(scene: Contents) -> tuple[int, ...]:
+    """Return the numbers of the joints with dry friction."""
+    return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
+
+
+def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
+    return [
+        {"link": i, "entry": j, "corner": j + 1 if j < link.corners else 0, "label": site.name}
+        for i, link in enumerate(facts.scene.chain.links)
+        for j, site in enumerate(link.points)
+    ]
+
+
+def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
+    scene, names = facts.scene, facts.scene.wall_names
+    at_walls = [
+        {"n": point, "wall": wall, "stop": AT_WALL, "at_joint": False, "name": names[wall]}
+        for point, wall in point_wall_pairs(scene)
+    ]
+    at_joints = [
+        {"n": joint, "wall": stop, "stop": STOP_CODES[names[stop]], "at_joint": True}
+        for joint, stop in stop_pairs(scene)
+    ]
+    of_slider = [
+        {"n": 0, "wall": names.index(stop), "stop": STOP_CODES[stop], "at_joint": False, "name": stop}
+        for stop in scene.slider_stops
+    ]
+    return [*at_walls, *at_joints, *of_slider]
+
+
+def _walls(facts: SceneFacts) -> list[dict[str, Any]]:
+    scene, existing = facts.scene, facts.scene.half_planes
+    touched = {candidate["wall"] for candidate in facts["candidates"] if candidate["stop"] == AT_WALL}
+    return [
+        {"name": name, "exists": name in existing, "touched": w in touched}
+        for w, name in enumerate(scene.wall_names)
+    ]
+
+
+def _signals(facts: SceneFacts) -> list[dict[str, Any]]:
+    return [
+        {"name": signal.signal, "input": signal.input, "knot_count": signal.knots}
+        for signal in driven_by(facts.scene)
+    ]
+
+
+def _steps(facts: SceneFacts) -> list[dict[str, Any]]:
+    signals = driven_by(facts.scene)
+    first = accumulate((signal.knots for signal in signals), initial=0)
+    return [
+        {"name": signal.signal, "input": signal.input, "entry": k, "knot": knot + k}
+        for signal, knot in zip(signals, first, strict=False)
+        if signal.is_steps
+        for k in range(signal.knots)
+    ]
+
+
+FOUND: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
+    "sites": _sites,
+    "candidates": _candidates,
+    "walls": _walls,
+    "lines": lambda facts: [{"name": wall.name} for wall in facts.scene.walls],
+    "laws": lambda facts: [{"name": name} for name in facts.scene.law_names],
+    "signals": _signals,
+    "steps": _steps,
+}
+"""Name → function that finds a list that follows from no other list."""
