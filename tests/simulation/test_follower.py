@@ -94,3 +94,19 @@ def test_long_smooth_functions_and_many_pieces_are_allowed():
     held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), lines=False)
     beside = follower(lambda t: math.sin(9.0 * t), 1e-11).with_held(held, np.array([0]))
     assert len(beside.start) == 5000
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_a_jump_of_a_derivative_is_found_where_it_is(order):
+    """The values alone show it only up to a root of round-off: 1e-8 s for an acceleration."""
+    start = 0.337
+    pieces = follower(lambda t: 0.2 + 0.5 * t * t + max(0.0, t - start) ** order, 1e-15).pieces(0.0, 1.0)
+    nearest = min((abs(piece.start - start), piece.start) for piece in pieces)[1]
+    assert nearest == pytest.approx(start, abs=1e-12)
+
+
+def test_two_functions_that_bend_at_one_time_have_pieces_that_meet_there():
+    bends = lambda t: [max(0.0, t - 0.337) ** 2, abs(t - 0.337)]  # noqa: E731
+    both = Follower(lambda times: np.array([bends(t) for t in times.tolist()]), 1.0, 4e-15)
+    starts = [piece.start for piece in both.pieces(0.0, 1.0)]
+    assert min(abs(time - 0.337) for time in starts) < 1e-12

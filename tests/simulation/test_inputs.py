@@ -203,7 +203,7 @@ def test_a_scene_without_inputs_says_how_to_have_some():
 
 
 def test_an_interpolation_is_one_of_three():
-    with pytest.raises(SceneError, match="interpolation = 'cubic' must be follow, hold or linear"):
+    with pytest.raises(SceneError, match="interpolation = 'cubic' must be follow, hold, linear or spline"):
         simulate(load_scene("pinned_arm"), inputs={ELBOW: 1.0}, interpolation="cubic")
 
 

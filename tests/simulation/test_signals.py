@@ -7,12 +7,13 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PPoly
 
 from chain_impact import Chain, SceneError, simulate
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals, travel_of_sines
 from chain_impact.scene.scene import parse_scene
-from chain_impact.scene.signal_values import value_at_start
+from chain_impact.scene.signal_values import spline_of_position, value_at_start
+from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TABLE, TARGET, TIMES, TORQUE, with_table
 from tests.helpers.tools.differences import slope
@@ -126,9 +127,7 @@ def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
     settings = {"tolerance": 1e-12}
     run, same = simulate(driven(name), **settings), by_python(name, **settings)
     for output in ("link[1].angle", "link[2].angle", "link[2].angular_velocity", "energy.supplied"):
-        # a kink of a motion given as a function is located within the square root of round-off
-        error = 1e-7 if name == "trapezoid" else 1e-10
-        np.testing.assert_allclose(run[output], same[output], rtol=0.0, atol=error, err_msg=output)
+        np.testing.assert_allclose(run[output], same[output], rtol=0.0, atol=1e-10, err_msg=output)
     np.testing.assert_allclose(run.impacts["onset"], same.impacts["onset"], rtol=0.0, atol=1e-10)
     one, _, function = FORMS[name]
     before = [t - 1e-13 for t in run.time]  # before a jump, the earlier value
@@ -289,6 +288,41 @@ def test_a_table_moves_the_base_alike_whenever_the_run_ends(tmp_path):
         np.testing.assert_allclose(run["base.y"][before], expected[before], rtol=0.0, atol=1e-14)
     assert run["base.y"][run.time >= 0.7] == pytest.approx(0.03, abs=1e-15)
     assert run["base.vy"][run.time >= 0.7] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.1])
+def test_the_acceleration_of_a_spline_jumps_only_at_the_ends_of_its_table(begin):
+    times = begin + np.array([0.0, 0.13, 0.2, 0.35, 0.4])
+    heights = np.array([0.01, -0.05, 0.02, 0.0, 0.03])
+    at, powers = spline_of_position(times, heights, 0.9)
+    spline = PPoly(powers.T[::-1], at)
+    np.testing.assert_allclose(spline(times), heights, rtol=0.0, atol=1e-15)
+    for order, size in ((0, 0.05), (1, 1.0), (2, 50.0)):
+        before, after = (spline.derivative(order)(at[1:-1] + side) for side in (-1e-9, 1e-9))
+        np.testing.assert_allclose(before, after, rtol=0.0, atol=1e-6 * size)
+    speed = spline.derivative()
+    assert speed(at[-1]) == pytest.approx(0.0, abs=1e-13)
+    if begin > 0.0:  # otherwise the run begins with the table, and its rows give the velocity
+        assert speed(at[0]) == pytest.approx(0.0, abs=1e-15)
+    else:
+        inside = CubicSpline(times, heights)
+        assert speed(0.0) == pytest.approx(float(inside(0.0, 1)), rel=1e-12)
+
+
+@pytest.mark.parametrize(("one", "size"), [(HEIGHT, 0.02), (TABLE, 0.02), ("base.vy", 0.2), (TORQUE, 1.0)])
+@pytest.mark.parametrize("times", [TIMES, 0.1 + TIMES, 3.0 * TIMES])
+def test_a_spline_of_a_table_is_that_of_samples_in_python(tmp_path, one, size, times):
+    """Also where the table ends with a speed before the run ends."""
+    columns = {"time": times, one: size * np.sin(1.0 + 9.0 * times)}
+    run = simulate(with_table(tmp_path, [one], columns, 'interpolation = "spline"'), tolerance=1e-12)
+    arm = parse_scene(ARM, "arm.toml")
+    for inputs in (tmp_path / "drive.csv", {one: (times, columns[one])}):
+        same = simulate(arm, tolerance=1e-12, inputs=inputs, interpolation="spline")
+        for name in ("link[2].angle", "energy.supplied", "point[2].y"):
+            np.testing.assert_allclose(run[name], same[name], rtol=0.0, atol=1e-10, err_msg=name)
+    course = DifferentiatedRun(arm, ["link[1].mass"], ["link[2].angle"], tmp_path / "drive.csv", "spline")
+    found = course.run(np.array([0.5]), run.time).values[:, 0]
+    np.testing.assert_allclose(found, run["link[2].angle"], rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("begin", [-0.35, 0.0, 0.1, 0.45])

@@ -76,7 +76,7 @@ def add(verbs: Verbs) -> None:
         choices=INTERPOLATIONS,
         default=INTERPOLATIONS[0],
         help="inputs between two rows of data: follow keeps each value, but joins a motion by a spline; "
-        "hold keeps each value; linear joins values; default: %(default)s",
+        "hold keeps each value; linear and spline join values; default: %(default)s",
     )
     fit.add_argument(
         "--rank-laws", "--laws", dest="laws", action="store_true", help="fit every contact law, and rank them"

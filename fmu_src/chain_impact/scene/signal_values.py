@@ -26,7 +26,7 @@ CLOSED = 1e-9
 
 def value_at_start(signal: Signal, driven: str, stop: float) -> float:
     """Return the value at t = 0 of an input that a signal drives, in a run until ``stop`` [s]."""
-    knots = knots_of(signal)
+    knots = knots_of(signal, driven)
     row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
     write_signal({"signal": row, "knot": knot}, 0, signal, driven, stop)
     d = signals_view(row, knot)
@@ -48,7 +48,7 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
     """
     fields = d["signal"]
     first, order = int(fields["first"][j]), int(fields["order"][j])
-    rows = slice(first, first + knots_of(signal))
+    rows = slice(first, first + knots_of(signal, driven))
     fields["form"][j] = list(FORMS).index(signal.form)
     fields["shape"][j] = SHAPES.index(signal.shape or SHAPES[0])
     fields["last"][j], fields["segment"][j] = rows.stop - 1, first
@@ -62,11 +62,13 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
         d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
 
 
-def knots_of(signal: Signal) -> int:
-    """Return the number of polynomials that a signal needs for each input."""
+def knots_of(signal: Signal, driven: str) -> int:
+    """Return the number of polynomials that a signal needs for an input that it drives."""
     if signal.samples is not None:
         count = len(signal.samples.times)
-        return count - is_closed(signal) if signal.period else count + 1
+        if signal.period:
+            return count - is_closed(signal)
+        return count + 1 + (count > 1 and is_position(driven) and joined_by(signal, driven) == "spline")
     if (knots := FORMS[signal.form].knots) is None:
         return len(signal.times or ())
     return TRAPEZOID_KNOTS if signal.shape == "trapezoid" else knots
@@ -119,7 +121,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     period = signal.period
     if period and not is_closed(signal):
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
-    powers = _interpolated(signal, driven, at, values, stop)
+    at, powers = _interpolated(signal, driven, at, values, stop)
     if not period:
         # the first value also acts before its time, and the last value acts from its time until the end
         constants = np.zeros((2, powers.shape[1]))
@@ -140,29 +142,58 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     return at, powers, gain if period else 0.0
 
 
-def _interpolated(signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float) -> np.ndarray:
-    """Return the coefficients of the polynomials between rows, for powers of the time since the row.
+def _interpolated(
+    signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the starts of polynomials and the end, shape (R + 1,) [s], and the coefficients, shape (R, P).
 
-    A single row has no polynomial.
+    The coefficients are for powers of the time since the start of the polynomial. A single row has none.
     """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
-        return values[:-1, np.newaxis]
+        return at, values[:-1, np.newaxis]
     if kind == "linear":
-        return np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
+        return at, np.stack([values[:-1], np.diff(values) / np.diff(at)], axis=1)
     from scipy.interpolate import CubicSpline
 
     if signal.period:
-        return np.asarray(CubicSpline(at, values, bc_type="periodic").c[::-1].T)
-    begin = "clamped" if is_position(driven) and at[0] > 0.0 else "not-a-knot"
-    powers = np.array(CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T)
-    if is_position(driven) and at[-1] < stop:
-        # the signal ends before the run: its last piece becomes a cubic that ends at rest; the other pieces
-        # must not depend on the end of the run, and stay
-        x, v, h = powers[-1, 0], powers[-1, 1], at[-1] - at[-2]
-        mean = (values[-1] - x) / h
-        powers[-1] = x, v, (3.0 * mean - 2.0 * v) / h, (v - 2.0 * mean) / h**2
-    return powers
+        return at, np.asarray(CubicSpline(at, values, bc_type="periodic").c[::-1].T)
+    if is_position(driven):
+        return spline_of_position(at, values, stop)
+    return at, np.asarray(CubicSpline(at, values).c[::-1].T)
+
+
+def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a cubic spline that moves a base or a wall: starts and end, and coefficients of its polynomials.
+
+    The spline is at rest at an end of the table that lies within the run, where the motion begins or ends.
+    Its acceleration does not jump within the table. The last interval has two polynomials.
+
+    Args:
+        at: the times of the rows, increasing, shape (T,) [s], T ≥ 2.
+        values: the positions, shape (T,) [m].
+        stop: the end of the run [s].
+
+    Returns:
+        The starts of the T polynomials, and the end, shape (T + 1,) [s]; and the coefficients of the powers
+        of the time since the start, shape (T, 4).
+    """
+    from scipy.interpolate import CubicSpline
+
+    begin = "clamped" if at[0] > 0.0 else "not-a-knot"
+    powers = CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T
+    h = 0.5 * (at[-1] - at[-2])
+    # a, b, c, d: the terms of the powers of the time after h
+    a, b, c, d = powers[-1] * h ** np.arange(4.0)
+    last = d
+    if at[-1] < stop:
+        # only the last interval may depend on the end of the run: d and ``last``, the cubic terms of its two
+        # halves, give the position of the last row and the velocity 0 there
+        way = values[-1] - a
+        d = (3.0 * way - 5.0 * b - 8.0 * c) / 12.0
+        last = way - 2.0 * b - 4.0 * c - 7.0 * d
+    halves = np.array([[a, b, c, d], [a + b + c + d, b + 2.0 * c + 3.0 * d, c + 3.0 * d, last]])
+    return np.insert(at, -1, at[-2] + h), np.concatenate([powers[:-1], halves / h ** np.arange(4.0)])
 
 
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:

@@ -51,7 +51,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
     if not scene.signals:
         return ()
     driven = [
-        Driven(name, input_name, family(input_name), knots_of(signal), signal.form == "steps")
+        Driven(name, input_name, family(input_name), knots_of(signal, input_name), signal.form == "steps")
         for name, signal in scene.signals.items()
         for input_name in signal.input
     ]

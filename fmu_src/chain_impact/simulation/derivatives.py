@@ -9,7 +9,7 @@ the time and the reason.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from chain_impact.recording.text import toucher_name
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import InputCourse, input_course
+from chain_impact.simulation.inputs import Given, InputCourse, by_name, input_course
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
 from chain_impact.variables.indices import WORD, first_word, word_index
@@ -234,7 +234,7 @@ class DifferentiatedRun:
         scene: SceneSource,
         parameters: Sequence[str],
         outputs: Sequence[str],
-        inputs: Mapping[str, Any] | None = None,
+        inputs: Given | None = None,
         interpolation: str = "follow",
     ) -> None:
         """Prepare runs with derivatives of some outputs with respect to some parameters, all by name.
@@ -243,7 +243,7 @@ class DifferentiatedRun:
             scene: a scene, or an argument of ``load_scene``.
             parameters: P real parameters and inputs of the FMU.
             outputs: W outputs of the FMU.
-            inputs: name of an input → its signal over time, as ``simulate`` takes it.
+            inputs: name of an input → its signal over time, or a table, as ``simulate`` takes them.
             interpolation: the interpolation of the inputs, as for ``simulate``.
 
         Raises:
@@ -252,7 +252,9 @@ class DifferentiatedRun:
             SimulationError: when the scene cannot start.
         """
         self._prepared = PreparedScene(scene_of(scene))
-        self._inputs, self._interpolation = dict(inputs or {}), interpolation
+        stop = self._prepared.scene.simulation.stop_time
+        self._inputs = {} if inputs is None else dict(by_name(inputs, stop))
+        self._interpolation = interpolation
         varied = varied_by(self._prepared, parameters)
         self._paths = [variable.set_path for variable in varied]
         columns = columns_named(self._prepared, outputs)

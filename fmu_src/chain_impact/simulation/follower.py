@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
@@ -39,10 +40,12 @@ NOISE = 4  # if more than NOISE parts in succession are shorter than SHORTEST, t
 FINE = 1 / 65536
 CALLS = 15_000  # the largest number of calls in a run for short pieces, jumps and kinks; more raise an error
 CALLS_PER_PIECE = 50  # the limit CALLS is raised by this number for each piece of the held signals
-SIMPLE = 4  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
+SIMPLE = 5  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
 # a value belongs to the nearer of two polynomials only if its distance is less than NEARER times the other
 # distance
 NEARER = 0.1
+NEWTON_STEPS = 4  # the number of Newton steps to the zero of a polynomial close by
+TINY = 1e-300  # a number > 0 that takes the place of an allowed error of 0
 # round-off of a time, relative to the time; because of it, each value of a function has an error, too
 RESOLVED = 1e-14
 # if two pieces differ where they meet by more than this, relative to the allowed error, there is a jump
@@ -239,7 +242,26 @@ class Follower:
             before, after = self._narrowed(left, right, until)
             if after - before > until:
                 return None
+            if before == after:
+                before = after = self._kink(left, right, before)
         return before, after
+
+    def _kink(self, left: Piece, right: Piece, time: float) -> float:
+        """Return the time of a kink near a ``time`` [s] at which two pieces of low degree have one value.
+
+        If the k-th derivative jumps at t₀, the pieces differ by c (t − t₀)ᵏ, which round-off hides near t₀.
+        The derivative of order k − 1 of this difference has a simple zero, so it shows t₀.
+        """
+        unit = min(time - left.start, right.end - time)
+        difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
+        allowed = np.maximum(DROPPED * self._accuracy, VALUE_ROUND_OFF) * self._scale
+        column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(allowed, TINY)).argmax()]
+        found = 0.0
+        for order in range(SIMPLE):
+            x = _zero(polynomial.polyder(column, order))
+            if abs(x) < 1.0 and (np.abs(polynomial.polyval(x, difference)) <= allowed).all():
+                found = x
+        return time + found * unit
 
     def _simple(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate and of a low degree; else None."""
@@ -333,3 +355,14 @@ class Follower:
                 rough[k] |= (np.abs(missed) > 2.0 * allowed[k]).any(axis=0)
         self._refused += rough.sum(axis=0)
         return [None if failed else piece for failed, piece in zip(rough.any(axis=1), pieces, strict=True)]
+
+
+def _zero(powers: np.ndarray) -> float:
+    """Return the zero of a polynomial near 0, by Newton's method; infinity if the polynomial is constant."""
+    x, rates = 0.0, polynomial.polyder(powers)
+    for _ in range(NEWTON_STEPS):
+        rate = float(polynomial.polyval(x, rates))
+        if rate == 0.0:
+            return math.inf
+        x -= float(polynomial.polyval(x, powers)) / rate
+    return x

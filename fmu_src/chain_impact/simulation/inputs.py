@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
-from chain_impact.scene.names import AXES, INPUTS_OF, DataPath, input_asked
+from chain_impact.scene.names import INPUTS_OF, DataPath, input_asked
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
@@ -20,8 +20,9 @@ from chain_impact.simulation.follower import RESOLVED, Follower, NotSmoothError
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
-    Channel,
     Motion,
+    as_function,
+    channels_of,
     contradictions,
     jumps,
     made_continuous,
@@ -29,7 +30,7 @@ from chain_impact.simulation.motions import (
     refuse_jumps,
 )
 from chain_impact.simulation.pieces import Pieces, joined_points
-from chain_impact.variables.kind import MOTION, MOTIONS
+from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
@@ -37,9 +38,9 @@ InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 Signal = InputSource  # the name that users import
 Given = Mapping[str, InputSource] | TableSource
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
-Interpolation = Literal["follow", "hold", "linear"]
+Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between the calls of its function: see ``simulate``."""
-INTERPOLATIONS = ("follow", "hold", "linear")
+INTERPOLATIONS = ("follow", "hold", "linear", "spline")
 # the allowed error of an input that is followed, relative to its largest value, is FINER times the solver's
 # tolerance
 FINER = 1e-3
@@ -130,7 +131,7 @@ def input_course(
     Args:
         prepared: the scene that the inputs drive, prepared.
         inputs: name of an input of the FMU → its signal; or a table of inputs.
-        interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
+        interpolation: ``follow``, ``hold``, ``linear`` or ``spline``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
             first communication point is later.
 
@@ -138,10 +139,10 @@ def input_course(
         SceneError: when a name is not an input of the scene, or a signal is invalid.
     """
     scene = prepared.scene
-    if not isinstance(inputs, Mapping) or TIME in inputs:
-        inputs = _inputs_in_table(cast("TableSource", inputs), scene.simulation.stop_time)
+    inputs = by_name(inputs, scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
-        allowed = "must be follow, hold or linear"
+        *others, last = INTERPOLATIONS
+        allowed = f"must be {', '.join(others)} or {last}"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
     begins = len(times) > 0 and times[0] == 0.0
     run = times if begins else np.union1d(0.0, times)
@@ -158,8 +159,7 @@ def input_course(
     def called(name: str, time: float) -> float:
         return functions[name](time)
 
-    lines = interpolation == "linear"
-    motions = [motion_of(channel, given, stop, called, lines=lines) for channel in channels]
+    motions = [motion_of(channel, given, stop, called, interpolation=interpolation) for channel in channels]
     pieces, moving = _pieces_of(prepared, signals, motions, called, interpolation=interpolation, run=run)
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
@@ -202,17 +202,25 @@ def _pieces_of(
 ) -> tuple[Pieces, np.ndarray]:
     """Return the signals and, after them, the motions as polynomials; and the columns of the motions.
 
-    Polynomials follow motions and, with the interpolation ``follow``, functions. All other signals are held
-    or joined by lines between the points of a grid: the communication points ``run`` and the samples.
+    Polynomials follow motions and, with the interpolations ``follow`` and ``spline``, functions; with
+    ``spline`` also samples. All other signals are held or joined by lines between the points of a grid: the
+    communication points ``run`` and the samples.
     """
     scene, same = prepared.scene, SAME_TIME * run[-1]
-    breaks = np.concatenate([np.zeros(0), *(motion.breaks for motion in motions)])
+    splines = {
+        name: as_function(name, signal, called, joined="spline")
+        for name, signal in signals.items()
+        if interpolation == "spline" and isinstance(signal, tuple)
+    }
+    breaks = np.concatenate(
+        [np.zeros(0), *(motion.breaks for motion in motions), *(at for _, at in splines.values())]
+    )
     samples = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
     grid = run
     if samples or len(breaks):
         grid = _with_samples(run, np.concatenate([breaks, *samples]), same)
-    follows = interpolation == "follow" and run[-1] > 0.0
-    followed = [name for name, signal in signals.items() if callable(signal) and follows]
+    follows = interpolation in ("follow", "spline") and run[-1] > 0.0
+    followed = [name for name, signal in signals.items() if follows and (callable(signal) or name in splines)]
     values = [
         np.zeros(len(grid))
         if name in followed
@@ -226,7 +234,8 @@ def _pieces_of(
     columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
     if len(columns):
         functions: dict[str, Callable[[Any], Any]] = {
-            name: partial(_values_at, called, name) for name in followed
+            name: splines[name][0] if name in splines else partial(_values_at, called, name)
+            for name in followed
         }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         is_force = columns < len(signals)
@@ -238,9 +247,11 @@ def _pieces_of(
     return pieces, moving
 
 
-def _inputs_in_table(table: TableSource, stop: float) -> Mapping[str, InputSource]:
-    """Return the columns of a table of inputs, by the names of the inputs."""
-    read = read_table(table)
+def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
+    """Return inputs by their names; those in a table, for a run until ``stop`` [s], as samples."""
+    if isinstance(inputs, Mapping) and TIME not in inputs:
+        return cast("Mapping[str, InputSource]", inputs)
+    read = read_table(cast("TableSource", inputs))
     times, columns = samples_of(read, stop)
     warn(read.source, gap_hints(times))
     return {name: (times, values) for name, values in columns.items()}
@@ -253,18 +264,6 @@ def _hint(prepared: PreparedScene, name: Any) -> str:
     other = not isinstance(name, str) or name.startswith(("joint", "tip"))
     how = None if other else input_asked(name)
     return f"{how} makes it" if how else inputs_text(variable.name for variable in prepared.inputs)
-
-
-def channels_of(prepared: PreparedScene) -> list[Channel]:
-    """Return the channels of the moving base and walls in their order, with the names of their inputs."""
-    names = {variable.record_path: variable.name for variable in prepared.inputs}
-    scene, channels = prepared.scene, []
-    for j in range(prepared.sizes.channels):
-        position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
-        base = scene.inputs.base_motion and j < len(AXES)
-        start = scene.initial.position[j] if base else 0.0
-        channels.append(Channel(position, velocity, acceleration, start))
-    return channels
 
 
 def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:

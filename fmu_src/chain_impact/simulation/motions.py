@@ -17,9 +17,13 @@ import numpy as np
 from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.rows.geometry import OVERLAP
 from chain_impact.scene.checks import start_hint
+from chain_impact.scene.names import AXES
 from chain_impact.scene.reading import SceneError
+from chain_impact.scene.signal_values import is_position, spline_of_position
 from chain_impact.simulation.follower import Follower
 from chain_impact.simulation.pieces import Pieces, joined_points
+from chain_impact.variables.kind import MOTION, MOTIONS
+from chain_impact.variables.prepared import PreparedScene
 
 # the arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
@@ -70,13 +74,25 @@ class Channel:
         return tuple(name for name in (self.position, self.velocity, self.acceleration) if name)
 
 
+def channels_of(prepared: PreparedScene) -> list[Channel]:
+    """Return the channels of the moving base and walls in their order, with the names of their inputs."""
+    names = {variable.record_path: variable.name for variable in prepared.inputs}
+    scene, channels = prepared.scene, []
+    for j in range(prepared.sizes.channels):
+        position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
+        base = scene.inputs.base_motion and j < len(AXES)
+        start = scene.initial.position[j] if base else 0.0
+        channels.append(Channel(position, velocity, acceleration, start))
+    return channels
+
+
 def motion_of(
     channel: Channel,
     signals: Mapping[str, Any],
     stop: float,
     called: Callable[[str, float], float],
     *,
-    lines: bool,
+    interpolation: str,
 ) -> Motion:
     """Return the motion of a channel: from its position if given, else from its velocity or acceleration.
 
@@ -87,14 +103,15 @@ def motion_of(
         signals: name of an input → number, function, or samples (times, values).
         stop: end of the run [s].
         called: function of (name, time) that returns the value of a user's function.
-        lines: whether samples are joined by straight lines; else samples of a belt's speed are held, and all
-            others, of a position, velocity or acceleration, are joined by a cubic spline.
+        interpolation: ``linear`` or ``spline``: how samples are joined; else samples of a belt's speed are
+            held, and all others, of a position, velocity or acceleration, are joined by a cubic spline.
     """
     given = next((name for name in channel.names if name in signals), None)
     if given is None:
         return Motion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
     belt = not channel.position
-    value, breaks = as_function(given, signals[given], called, joined=_way_of_joining(lines=lines, belt=belt))
+    joined = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
+    value, breaks = as_function(given, signals[given], called, joined=joined, stop=stop)
     for _ in range(channel.names.index(given) + belt):
         value, breaks = _integrated(value, breaks, stop)
     if given == channel.position or belt:
@@ -102,31 +119,30 @@ def motion_of(
     return Motion(given, lambda times: channel.start + value(times), breaks)
 
 
-def _way_of_joining(*, lines: bool, belt: bool) -> str:
-    """Return how samples are joined, for ``as_function``: "lines", "held" or "spline"."""
-    return "lines" if lines else "held" if belt else "spline"
-
-
 def as_function(
-    name: str, signal: Any, called: Callable[[str, float], float], *, joined: str
+    name: str, signal: Any, called: Callable[[str, float], float], *, joined: str, stop: float = math.inf
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return a signal as a function of one or several times, and the times at which it may not be smooth.
 
-    ``joined`` says how samples are joined: by "lines", "held" until the next sample, or by a "spline".
+    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline", as the
+    rows of a table are. ``stop`` is the end of the run [s].
     """
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
     if isinstance(signal, float):
         return lambda times: np.full(np.shape(times), signal), np.zeros(0)
     at, values = signal
-    if joined == "lines":
+    if joined == "linear":
         return lambda times: np.interp(times, at, values), at
     if joined == "held" or len(at) == 1:
         return lambda times: values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)], at
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicSpline, PPoly
 
-    spline = CubicSpline(at, values)
-    return lambda times: spline(np.clip(times, at[0], at[-1])), at
+    spline, breaks = CubicSpline(at, values), at
+    if is_position(name):
+        breaks, powers = spline_of_position(at, values, stop)
+        spline = PPoly(powers.T[::-1], breaks)
+    return lambda times: spline(np.clip(times, at[0], at[-1])), breaks
 
 
 def _integrated(

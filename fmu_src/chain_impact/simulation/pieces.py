@@ -30,6 +30,15 @@ class Piece:
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
         return np.asarray(np.vander(x, DEGREE + 1, increasing=True) @ self.powers)
 
+    def series(self, time: float, unit: float) -> np.ndarray:
+        """Return the coefficients of the powers of (t − ``time``)/``unit`` [s], shape (DEGREE + 1, M)."""
+        scale = 2.0 / (self.end - self.start)
+        x, powers, rows = (time - self.start) * scale - 1.0, self.powers, []
+        for k in range(DEGREE + 1):
+            rows.append(np.polynomial.polynomial.polyval(x, powers) * (unit * scale) ** k / math.factorial(k))
+            powers = np.polynomial.polynomial.polyder(powers)
+        return np.array(rows)
+
 
 @dataclass(frozen=True)
 class Pieces:

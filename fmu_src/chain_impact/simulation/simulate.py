@@ -65,10 +65,12 @@ def simulate(
       communication point, as in an FMU. Samples act as with ``follow``.
     - ``linear``: samples, and a function's values at communication points, are joined by straight lines,
       which the solver follows.
+    - ``spline``: functions act as with ``follow``; samples of any input are joined by a cubic spline.
 
     The solver follows a motion of the base or a wall with velocity and acceleration. Samples of a position or
     velocity are joined by a cubic spline, or by straight lines with ``linear``, because the motion must not
-    jump. If the position is given, a given velocity or acceleration is only compared with the position. With
+    jump; the spline of a position is at rest at its first and last sample if these are within the run. If
+    the position is given, a given velocity or acceleration is only compared with the position. With
     ``hold`` the motion is the same as in an FMU (docs/drive.md).
 
     The first sample also acts before its time, and the last sample acts until the end. A row of the result
@@ -93,7 +95,7 @@ def simulate(
             position, and a base stays at its initial position. A table of samples is allowed as well: a CSV
             or Parquet file, a table of pandas or polars, or columns, with the column ``time`` and one for
             each input.
-        interpolation: how inputs act: ``follow``, ``hold`` or ``linear``.
+        interpolation: how inputs act: ``follow``, ``hold``, ``linear`` or ``spline``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. The derivative with respect to an

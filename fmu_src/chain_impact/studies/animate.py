@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animate import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import InputSource, input_course
+from chain_impact.simulation.inputs import Given, Interpolation, input_course
 from chain_impact.simulation.instance import Instance, WordRows, structured
 from chain_impact.simulation.simulate import simulate
 
@@ -75,7 +74,8 @@ def record_slowly(
     impact_time: float = IMPACT_TIME,
     progress: Progress | None = None,
     *,
-    inputs: Mapping[str, InputSource] | None = None,
+    inputs: Given | None = None,
+    interpolation: Interpolation = "follow",
 ) -> Result:
     """Simulate a scene twice: first to find the impacts, then with dense rows near each impact.
 
@@ -86,6 +86,7 @@ def record_slowly(
         impact_time: duration of each impact on the screen [s]; 0 for no slow motion.
         progress: called with the finished fraction, 0 to 1, if given.
         inputs: as for ``simulate``.
+        interpolation: as for ``simulate``.
 
     Raises:
         SceneError: when the scene cannot be read, or an input is invalid.
@@ -94,14 +95,19 @@ def record_slowly(
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
-    result = simulate(scene, inputs=inputs, progress=lambda done: show(done / 2))
+    result = simulate(scene, inputs=inputs, interpolation=interpolation, progress=lambda done: show(done / 2))
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
     # an impact that is too weak for slow motion also gets dense rows, so that the rows have its peak force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
-    course = input_course(result.prepared, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    course = input_course(
+        result.prepared,
+        {} if inputs is None else inputs,
+        interpolation,
+        np.union1d(shown, others.clip(0.0, stop)),
+    )
     instance = Instance(result.prepared, course, varied=())
     rows = WordRows(len(course.times), result.prepared.output_words)
     done, _ = instance.run(course, rows, lambda part: show(0.5 + part / 2))
