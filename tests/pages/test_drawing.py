@@ -1,7 +1,7 @@
 """The drawing of a recording: arrows of forces and their scale, friction, stops, the trace, labels."""
 
 # Tests: pages/browser/drawing/chain_drawing.js, pages/browser/drawing/trace.js
-# Tests: pages/browser/drawing/scale_strip.js
+# Tests: pages/browser/drawing/scale_strip.js, pages/browser/drawing/rings.js
 
 import math
 import re
@@ -27,6 +27,8 @@ RULER = """() => [...document.querySelectorAll('.ruler-text')].map((text) =>
   [text.textContent, text.x.baseVal[0].value - document.querySelector('.ruler').x1.baseVal.value])"""
 ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
+CROSSED = function_of("drawing", "crossedTexts")
+"""The texts that a ring, a link or an edge of the drawing crosses."""
 DISTANCES = function_of("drawing", "distancesOfNumbers")
 """The distances of the visible numbers from their points [pixels]."""
 PLACE = function_of("drawing", "placeOfLabel")
@@ -208,6 +210,20 @@ def test_numbers_and_forces_are_on_no_other_text_and_no_dot(show_recording, mode
             assert page.evaluate(ON_OTHERS) == []
             numbers |= set(page.locator(".ring-number").all_text_contents())
     assert {"#1", "#2", "#3"} <= numbers
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+@pytest.mark.parametrize("model", ["sliding_rod", "stick_slip_belt", "thrown_brick"])
+def test_no_label_is_on_a_ring_a_link_or_an_edge(show_recording, model, viewport):
+    recording, texts = record_slowly(model), set()
+    page = show_recording(recording, viewport=viewport)
+    stop = recording.time[-1]
+    for time in (*np.linspace(0.1, 0.9, 5) * stop, *(recording.impacts["onset"][:5] + 2e-3)):
+        go_to(page, time)
+        assert page.evaluate(ON_OTHERS) == []
+        assert page.evaluate(CROSSED) == []
+        texts |= set(page.locator(".force-text, .ring-number, .point-number").all_text_contents())
+    assert any(text.endswith("with friction") for text in texts)
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])

@@ -17,6 +17,28 @@ export const onOthers = () => {
     .map((other) => [one[0], other[0]]));
 };
 
+export const crossedTexts = () => {
+  const seen = (kinds) => [...document.querySelectorAll(kinds)].filter((one) => getComputedStyle(one).visibility === "visible");
+  const { width, height } = document.querySelector("#scene").getBoundingClientRect();
+  const circles = seen(".ring").filter((ring) => Number(ring.getAttribute("opacity")) > 0.15)
+    .map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
+  const onLinks = seen("polyline.link").flatMap((link) => [...link.points].slice(1).flatMap(({ x, y }, k) => {
+    const from = link.points[k];
+    return Array.from({ length: 101 }, (_, part) => [from.x + ((x - from.x) * part) / 100, from.y + ((y - from.y) * part) / 100]);
+  }));
+  return seen(".force-text, .ring-number, .point-number").filter((text) => {
+    const box = text.getBBox();
+    // the letters are lower than the box, which has space above and below them
+    const [left, right, top, bottom] = [box.x, box.x + box.width, box.y + 0.2 * box.height, box.y + 0.8 * box.height];
+    const isOnRing = circles.some(([x, y, radius]) => {
+      const nearest = Math.hypot(Math.max(left - x, x - right, 0), Math.max(top - y, y - bottom, 0));
+      return nearest < radius && Math.hypot(Math.max(x - left, right - x), Math.max(y - top, bottom - y)) > radius;
+    });
+    const isOnLink = onLinks.some(([x, y]) => x > left && x < right && y > top && y < bottom);
+    return isOnRing || isOnLink || left < 0 || right > width || bottom > height;
+  }).map((text) => text.textContent);
+};
+
 export const ringsAndNumbers = () => {
   const middleOf = ({ x, y, width, height }) => [x + width / 2, y + height / 2];
   const of = (kind) => [...document.querySelectorAll(kind)];

@@ -1,15 +1,17 @@
 // The camera of a drawing: the map from metres to pixels.
 
+const LABEL_ROOM = 12; // [pixels] the size of a label, which a number beside a wall at the edge of the view needs
+
 /**
  * A map from metres to pixels, with y upwards, that shows a view in a drawing of some size, below a strip of some height. If
  * the drawing is larger than the view needs, the anchor gives the fraction of the free space to the left of and below the view.
  */
 export class Camera {
   constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {
-    const free = Math.max(height - strip, 1);
-    this.scale = Math.min(width / (x1 - x0), free / (y1 - y0));
-    this.left = beside * (width - this.scale * (x1 - x0)) - this.scale * x0;
-    this.bottom = height - below * (free - this.scale * (y1 - y0)) + this.scale * y0;
+    const [across, up] = [width, height - strip].map((size) => Math.max(size - 2 * LABEL_ROOM, 1));
+    this.scale = Math.min(across / (x1 - x0), up / (y1 - y0));
+    this.left = LABEL_ROOM + beside * (across - this.scale * (x1 - x0)) - this.scale * x0;
+    this.bottom = height - LABEL_ROOM - below * (up - this.scale * (y1 - y0)) + this.scale * y0;
     this.rectangle = [
       [-this.left / this.scale, (this.bottom - height) / this.scale],
       [(width - this.left) / this.scale, this.bottom / this.scale],

@@ -8,6 +8,7 @@ import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { LabelSpace, positionsAround } from "./label_positions.js";
+import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { traceFinder, traceOf } from "./trace.js";
 
@@ -16,13 +17,6 @@ const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of f
 const FORCE_MULTIPLES = [1, 1.5, 2, 3, 4, 5]; // distances from an arrow's head to its label that are tried, relative to the first one
 const { TAIL } = SHARED.pacing; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
-const RING_TIME = 0.25; // [s] simulated time for which the position of an impact is marked
-// [pixels] width of a ring, and difference in width between successive rings at one position
-const [RING, RINGS_APART] = [20, 7];
-const SAME = 12; // [pixels] largest distance of rings that count as being at one position
-const OWN = 0.8; // largest distance of a number from its ring, relative to the distance from any other ring
-const NUMBERED_PART = 0.5; // part of RING_TIME for which a ring has its number
-const NUMBERS = 8; // largest number of recent impacts with a number
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
@@ -31,7 +25,7 @@ const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
 // a stop, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
-const NAME_MULTIPLES = [1, 1.4]; // distances that are tried, relative to BESIDE: farther away, a number would belong to no point
+const NAME_MULTIPLES = [1, 1.25, 1.5]; // distances that are tried, relative to BESIDE: farther away, a number would belong to no point
 const NUMBERED = 12; // largest number of links with which points have numbers
 const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
 
@@ -210,10 +204,11 @@ export class ChainDrawing {
     [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
     [...this.dots.map(([point]) => all[point]), ...this.lettersBehind()].forEach((at) => this.labelSpace.reserveAround(at));
+    const rings = this.#drawRings(frame);
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
     texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
     this.#drawNames(all, bodies);
-    this.#drawRings(frame);
+    this.#numberRings(rings);
   }
 
   /** Draw numbers and names of points; a name without a free position is left out. */
@@ -288,29 +283,27 @@ export class ChainDrawing {
     return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
   }
 
-  /**
-   * Draw rings at recent impacts, which widen and fade; at one position, each begins wider than the one before began. A number
-   * stands nearer to its own ring than to any other, or is left out.
-   */
+  /** Draw rings at recent impacts, and keep labels off them; return the rings, as `ringsOf` does. */
   #drawRings(frame) {
     const { recording } = this;
-    const now = recording.timeAt(frame);
-    this.rings.clear();
-    const recent = recording.impacts.filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact));
+    const recent = recentImpacts(recording, frame).filter((impact) => this.#isShown(impact));
     const places = recent.map(({ onset, point, wall }) => this.#contactPosition(recording.frameAt(onset), point, wall));
-    const apart = ([x0, y0], [x1, y1]) => Math.hypot(x1 - x0, y1 - y0);
-    recent.forEach(({ onset, number }, k) => {
-      const age = (now - onset) / RING_TIME;
-      const { position, away } = places[k];
-      const same = places.slice(0, k).filter((other) => apart(other.position, position) < SAME).length;
-      const width = RING + RINGS_APART * same + RING * Math.sqrt(age);
-      this.rings.circle(width).center(...position).addClass("ring").opacity((1 - age) ** 2);
-      if (recent.length - k > NUMBERS || age > NUMBERED_PART) return;
+    const rings = ringsOf(recent, places, recording.timeAt(frame));
+    this.rings.clear();
+    rings.forEach((ring) => {
+      this.rings.circle(2 * ring.radius).center(...ring.position).addClass("ring").opacity(ring.opacity);
+      if (ring.isSeen) this.labelSpace.reserveRing(ring);
+    });
+    return rings;
+  }
+
+  /** Write the numbers of impacts beside their rings; a number that has no place there is left out. */
+  #numberRings(rings) {
+    rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
+      const { number, position, away, radius } = ring;
       const text = `#${number}`;
-      const others = places.filter((other) => apart(other.position, position) >= SAME);
-      const isNearest = (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));
-      const candidates = positionsAround(position, [-away[1], away[0]], RING / 2 + BESIDE / 2);
-      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isNearest);
+      const candidates = positionsAround(position, [-away[1], away[0]], radius + BESIDE / 2);
+      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
       if (!label) return;
       const [x, y] = label.at;
       this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number");
@@ -331,7 +324,7 @@ export class ChainDrawing {
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.labelSpace.reserveAround([x, y], STOP_DOT / 2);
-        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, [forceText(force, 3, unitsOf({ atStop: true }).force)], "force"]);
         return;
       }
       if (sticks) {
@@ -340,7 +333,7 @@ export class ChainDrawing {
       // the text says so if it includes friction: the list of impacts has the force without it
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? [`${whole} with friction`, whole] : [whole]));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
@@ -359,15 +352,15 @@ export class ChainDrawing {
     const most = Math.max(...sized.map(({ size }) => size));
     return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ n, x, y, size }) => {
       const position = camera.toScreen(...recording.pointAt(frame, n - 1));
-      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? forceText(size) : "");
+      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? [forceText(size)] : []);
     });
   }
 
   /**
-   * Draw the arrow of a force [N] from a position in a direction; return a list with its text for `#label`, empty without a text or
+   * Draw the arrow of a force [N] from a position in a direction; return a list with its texts for `#label`, empty without a text or
    * for a short arrow.
    */
-  #arrow([x, y], [dx, dy], force, kind, text) {
+  #arrow([x, y], [dx, dy], force, kind, texts) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
@@ -375,19 +368,22 @@ export class ChainDrawing {
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
     this.labelSpace.reserveLine([at(0, 0), at(length, 0)]);
-    return text && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, text, kind]] : [];
+    return texts.length && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, texts, kind]] : [];
   }
 
   /**
-   * Write a text at the first free place around a position, first in a direction; without a free place, in this direction all the
-   * same.
+   * Write the first of some texts, from long to short, that has a free place around a position, at its first free place from a
+   * direction on; nothing if none has one.
    */
-  #label(position, direction, distance, text, kind) {
+  #label(position, direction, distance, texts, kind) {
     const candidates = positionsAround(position, direction, distance, FORCE_MULTIPLES);
-    const free = this.labelSpace.findPosition(text, FORCE_TEXT, candidates);
-    const label = free ?? candidates[0];
-    if (!free) this.labelSpace.reserveText(text, FORCE_TEXT, label);
-    const [x, y] = label.at;
-    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
+    for (const text of texts) {
+      const label = this.labelSpace.findPosition(text, FORCE_TEXT, candidates);
+      if (label) {
+        const [x, y] = label.at;
+        this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
+        return;
+      }
+    }
   }
 }

@@ -1,15 +1,19 @@
 // Positions for labels, at which a label covers neither another label nor anything that is drawn.
 
-// approximate width of a letter and height of a line, relative to the size of the letters
-const [LETTER_WIDTH, LINE_HEIGHT] = [0.72, 1.2];
+// approximate widths of a letter and of a narrow letter, and height of a line, relative to the size of the letters
+const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
+const NARROW = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
 const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
 const AVOIDED = 16; // number of candidates, two rounds of directions, that a label tries further to keep off what it should avoid
+const FROM_EDGE = 3; // [pixels] distance between a text and an edge of the drawing, which would cut the outline of the text
+const BESIDE_RING = 2; // [pixels] distance between a text and the middle of the line of a ring
 const HALF = 7; // [pixels] half the side of the square that is kept free for a mark, and includes the outline of a text beside it
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {
-  const width = LETTER_WIDTH * size * text.length;
+  const narrow = text.match(NARROW)?.length ?? 0;
+  const width = size * (LETTER_WIDTH * (text.length - narrow) + NARROW_WIDTH * narrow);
   const left = x - { start: 0, middle: 0.5, end: 1 }[anchor] * width;
   return [left, y - (LINE_HEIGHT * size) / 2, left + width, y + (LINE_HEIGHT * size) / 2];
 }
@@ -30,19 +34,32 @@ function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   return from < to;
 }
 
+/** Return whether the box of a text meets the line of a ring. */
+function meetsRing([left, top, right, bottom], { position: [x, y], radius }) {
+  const nearest = Math.hypot(Math.max(left - x, x - right, 0), Math.max(top - y, y - bottom, 0));
+  const farthest = Math.hypot(Math.max(x - left, right - x), Math.max(y - top, bottom - y));
+  return nearest < radius + BESIDE_RING && farthest > radius - BESIDE_RING;
+}
+
 export class LabelSpace {
   #taken = []; // the used boxes
+  #rings = []; // the used rings: {position, radius}
   #lines = []; // the used lines: pairs of positions
   #avoided = []; // functions that tell whether a box covers what labels should avoid if they can
 
   /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
   constructor(width, height, strip) {
-    this.limits = [0, strip, width, height];
+    this.limits = [FROM_EDGE, strip, width - FROM_EDGE, height - FROM_EDGE];
   }
 
   /** Keep labels away from the surroundings of a position. */
   reserveAround([x, y], half = HALF) {
     this.#taken.push([x - half, y - half, x + half, y + half]);
+  }
+
+  /** Keep labels away from the line of a ring, {position, radius}. */
+  reserveRing(ring) {
+    this.#rings.push(ring);
   }
 
   /** Keep labels away from the lines that connect successive positions. */
@@ -77,12 +94,7 @@ export class LabelSpace {
     const [left, top, right, bottom] = this.limits;
     if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
     if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
-    return !this.#lines.some((line) => isCrossed(box, line));
-  }
-
-  /** Mark the place of a text as used, whatever it covers. */
-  reserveText(text, size, { at, anchor }) {
-    this.#take(boxOf(text, at, size, anchor));
+    return !this.#rings.some((ring) => meetsRing(box, ring)) && !this.#lines.some((line) => isCrossed(box, line));
   }
 
   #take([left, top, right, bottom]) {
