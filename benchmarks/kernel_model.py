@@ -69,9 +69,9 @@ MARGIN = 5e-2
 def rate_at(d, y, out):
     """Set the first components of f(y)."""
     d.statistics.rhs_evaluations += 1
-    rate_from_state(d, y, d.work.stage[0])
+    rate_from_state(d, y, d.scratch.stage[0])
     for j in range(len(y)):
-        out[j] = d.work.stage[0, j]
+        out[j] = d.scratch.stage[0, j]
 
 
 @compiled
@@ -110,8 +110,8 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
     def stop(d, time, y):
         size = len(d.step.state) - left_out
         for j in range(len(d.step.state)):
-            d.work.y[j] = y[j] if j < size else 0.0
-        reset_step(d, time, d.work.y)
+            d.scratch.y[j] = y[j] if j < size else 0.0
+        reset_step(d, time, d.scratch.y)
         return 0
 
     return {
@@ -159,9 +159,9 @@ def switch(d, clock, values, found):
     value, slope = least_event(d, y)
     if slope < 0.0 and abs(value) < -slope * POLISH:
         dt = -value / slope
-        rate_from_state(d, y, d.work.stage[0])
+        rate_from_state(d, y, d.scratch.stage[0])
         for j in range(len(y)):
-            y[j] += dt * d.work.stage[0, j]
+            y[j] += dt * d.scratch.stage[0, j]
         clock[0] += dt
     hop = np.inf
     locate_points(d, y)
@@ -226,7 +226,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         The steps made.
     """
     size, n = len(d.step.state) - PLAIN, d.links + 2
-    y, z, stage = vector(values, size), d.work.y, d.work.stage
+    y, z, stage = vector(values, size), d.scratch.y, d.scratch.stage
     highest, deepest = -np.inf, 0.0
     for step in range(count):
         energy, deep, _ = looked_at(d, y)

@@ -70,7 +70,7 @@ def test_every_field_is_where_numpy_has_it(what, sizes):
 
 def test_tables_of_candidates_and_elements_are_last_in_the_record():
     """So the offsets of all other fields are constants in a kernel for a fixed number of links."""
-    for path in ("step", "work", "statistics", "friction"):
+    for path in ("step", "scratch", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
                 assert {per(field.offset, count) for count in ("candidates", "elements")} == {0}

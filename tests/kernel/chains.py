@@ -111,7 +111,7 @@ def touch(d: Plain, candidates: Iterable[int]) -> None:
 
 def press_in(d: Plain, c: int, depth: float) -> None:
     """Move the wall of candidate c so that its located point is ``depth`` [m] inside the wall."""
-    d.candidate.offset[c] = along(normal_row(d, c), d.work.position) - d.contact.radius + depth
+    d.candidate.offset[c] = along(normal_row(d, c), d.scratch.position) - d.contact.radius + depth
 
 
 def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:
@@ -150,7 +150,7 @@ def vectors(record: Any) -> np.ndarray:
 
 def located(d: Plain) -> np.ndarray:
     """Return the located points of a record, as complex numbers, shape (N+1,)."""
-    return np.asarray(vectors(d.work.position) @ (1.0, 1.0j))
+    return np.asarray(vectors(d.scratch.position) @ (1.0, 1.0j))
 
 
 def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:

@@ -54,20 +54,20 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
 
     The points are located and accelerated at its end.
     """
-    step, work = d.step, d.work
+    step, scratch = d.step, d.scratch
     nodes = np.linspace(0.1, 1.0, DENSE_COEFFICIENTS)
     values = np.array([motion.at(size * t) - motion.at(0.0) for t in nodes])
     step.dense[:] = np.linalg.solve(basis(nodes).T, values)
     step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
-    work.rate_start[:], work.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
+    scratch.rate_start[:], scratch.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
     step.start, step.clock, step.time = start, start, start
     step.end = start + step.state_end[time_at(d.links)]
     step.size, step.kept, step.regularized = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
-    step.dense_for, step.rate_known, work.at_end = SOLVER, 1, 1
+    step.dense_for, step.rate_known, scratch.at_end = SOLVER, 1, 1
     step.breaks += 1
     locate_points(d, step.state_end)
-    accelerate_points(d, step.state_end, work.rate_end)
+    accelerate_points(d, step.state_end, scratch.rate_end)
 
 
 def points_of(d: Plain, y: np.ndarray) -> np.ndarray:

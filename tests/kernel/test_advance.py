@@ -26,8 +26,8 @@ def started():
     return begun(load_scene("four_link_box"))
 
 
-def advance(d, time, work=UNLIMITED):
-    return loop.advance(d, time, UNLIMITED, work)
+def advance(d, time, cost_limit=UNLIMITED):
+    return loop.advance(d, time, UNLIMITED, cost_limit)
 
 
 @pytest.mark.parametrize(("error", "status"), [(2.0, STEP_TOO_SMALL), (math.nan, NOT_FINITE)])
@@ -53,7 +53,7 @@ def test_a_run_ends_when_its_energy_drifts(monkeypatch):
 def test_a_call_pauses_after_its_work_and_goes_on():
     whole, parts, calls = started(), started(), 0
     assert advance(whole, 0.6) == OK
-    while (status := advance(parts, 0.6, work=loop.work_done(parts) + 100)) == PAUSED:
+    while (status := advance(parts, 0.6, cost_limit=loop.cost_so_far(parts) + 100)) == PAUSED:
         calls += 1
     assert status == OK
     assert calls > 3
@@ -88,9 +88,9 @@ def at_end_of_a_step(events=(), **more):
 def test_a_call_stops_where_the_log_is_full():
     d = at_end_of_a_step()
     d.contact_log.count, d.contact_log.collected = 8, 5
-    assert loop.advance(d, 0.01, 3, loop.work_done(d) + 10**6) == LOG_FULL
+    assert loop.advance(d, 0.01, 3, loop.cost_so_far(d) + 10**6) == LOG_FULL
     assert d.step.end == 0.0
-    assert loop.advance(d, 0.01, 4, loop.work_done(d) + 10**6) == OK
+    assert loop.advance(d, 0.01, 4, loop.cost_so_far(d) + 10**6) == OK
     assert d.step.end >= 0.01
 
 
@@ -128,10 +128,10 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
     loop.ensure_rate(d)
     monkeypatch.setattr(last_step, "rate_from_state", lambda _d, _y, rate: rates.append(rate.copy()))
-    d.work.rate_end[:] = np.arange(len(d.work.y))
+    d.scratch.rate_end[:] = np.arange(len(d.scratch.y))
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)
-    assert d.work.rate_start.tolist() == list(range(len(d.work.y)))
+    assert d.scratch.rate_start.tolist() == list(range(len(d.scratch.y)))
     assert d.statistics.rhs_evaluations - before == len(rates) == changed
 
 

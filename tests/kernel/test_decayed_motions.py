@@ -36,8 +36,8 @@ def finite(*numbers):
 @pytest.mark.parametrize("other", [0.0, 1.0, -3.0])
 def test_an_explicit_step_with_a_faded_error_is_accepted(size, other):
     _, d = chain(np.random.default_rng(0), 3)
-    d.work.stage[:] = 0.0
-    d.work.stage[6], d.work.stage[7] = size, other * size
+    d.scratch.stage[:] = 0.0
+    d.scratch.stage[6], d.scratch.stage[7] = size, other * size
     error = explicit.estimate(d, 0.1)
     assert 0.0 <= error < 1e-80
     control.conclude(d, error, 1.0)

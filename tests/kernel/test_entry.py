@@ -5,11 +5,11 @@ import pytest
 
 from chain_impact.kernel import entry
 from chain_impact.kernel.advance import advance
+from chain_impact.kernel.cost import UNLIMITED
 from chain_impact.kernel.entry import advance_awhile, advance_to, observe_now, run_each, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED
-from chain_impact.kernel.work import UNLIMITED
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
@@ -94,7 +94,7 @@ def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
 def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
     looks = [Runs().word("peaks", "force"), Runs().word("step", "end")]
     whole = Runs().run([1e4, 3e4], looks)[1]
-    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 60)
+    monkeypatch.setattr(entry, "cost_of_a_call", lambda _: 60)
     runs, rows, stiffness, done, calls = Runs(), np.full((2, 2), -1.0), [1e4, 3e4], 0, 0
     continuing = 0
     while done < 2:
@@ -132,7 +132,7 @@ def test_rows_end_where_the_solver_does():
 def test_a_call_returns_awhile_before_its_time(monkeypatch):
     d = Runs().d
     initialize(d, 0.0)
-    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 20)
+    monkeypatch.setattr(entry, "cost_of_a_call", lambda _: 20)
     assert advance_awhile(d, STOP) == PAUSED
     assert 0.0 < d.step.end < STOP
     assert advance_to(d, STOP) == OK

@@ -31,7 +31,7 @@ def prepared(base, count, touching=(), **more):
     scene, d = chain(rng, count, base, **options)
     y = struck(rng, d, touching)
     d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
-    d.work.moment[:] = 9.0  # moments of another state
+    d.scratch.moment[:] = 9.0  # moments of another state
     joints = relative_motion(count)[:, 2:]
     if base == "free":
         joints[0] = 0.0  # a free base has no joint
@@ -49,7 +49,7 @@ def rates(d, rate):
 @BASES
 def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
     _, d, y, _ = prepared(base, count)
-    d.work.moment[:] = 0.5
+    d.scratch.moment[:] = 0.5
     equations.add_spring_moments(d, y)
     h = 1e-6
     for i in range(count):
@@ -57,7 +57,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
         ahead[2 + i] += h
         behind[2 + i] -= h
         slope = (spring_energy(d, ahead) - spring_energy(d, behind)) / (2 * h)
-        assert d.work.moment[i] - 0.5 == pytest.approx(-slope, rel=1e-7, abs=1e-7)
+        assert d.scratch.moment[i] - 0.5 == pytest.approx(-slope, rel=1e-7, abs=1e-7)
 
 
 @BASES
@@ -67,11 +67,11 @@ def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     scene, d, y, joints = prepared(base, count)
     d.model.has_springs = sprung
     dissipated, supplied = equations.joint_moments(d, y)
-    found = d.work.moment.copy()
+    found = d.scratch.moment.copy()
     if sprung:
-        d.work.moment[:] = 0.0
+        d.scratch.moment[:] = 0.0
         equations.add_spring_moments(d, y)
-        found -= d.work.moment
+        found -= d.scratch.moment
     damping = np.array([link.joint_damping for link in scene.chain.links])
     relative = joints @ omega_of(d, y)
     expected = joints.T @ (d.inputs.motor[:-1] - damping * relative)
@@ -89,14 +89,14 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     scene, d, y, _ = prepared(base, count, springs=resisting, dampers=resisting, inputs=inputs)
     rng, rate = np.random.default_rng(5), np.full(len(y), np.nan)
     loads = rng.normal(size=(count + 1, 2))
-    set_vectors(d.work.load, loads)
+    set_vectors(d.scratch.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
     if inputs or d.model.has_springs_or_dampers:
         powers = equations.joint_moments(d, y)
-        moments = d.work.moment.copy()
-        d.work.moment[:] = 9.0
+        moments = d.scratch.moment.copy()
+        d.scratch.moment[:] = 9.0
     else:
-        d.work.moment[:] = 0.0
+        d.scratch.moment[:] = 0.0
     equations.free_rate_from_loads(d, y, 1.5, rate)
     angles, free = y[2 : count + 2], free_coordinates(d)
     force = generalized_force(scene, angles, omega_of(d, y), loads, moments)
@@ -118,21 +118,21 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.rate_from_points(d, y, rate)
-    loads = vectors(d.work.load)
+    loads = vectors(d.scratch.load)
     equations.free_rate_from_loads(d, y, active_contacts.apply_contacts(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
-    assert (vectors(d.work.load) == loads).all()
+    assert (vectors(d.scratch.load) == loads).all()
     equations.rate_from_state(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # without the walls: rigid walls have no forces here
     make_rigid(d)
     active_contacts.clear_loads(d)
-    only_inputs = vectors(d.work.load)
+    only_inputs = vectors(d.scratch.load)
     equations.free_rate_from_loads(d, y, 0.0, expected)
-    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
     equations.free_rate_from_inputs(d, y, rate)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
-    assert (vectors(d.work.load) == only_inputs).all()
+    assert (vectors(d.scratch.load) == only_inputs).all()
     assert np.abs(rate[:-2] - whole[:-2]).max() > 1.0
 
 
@@ -162,24 +162,24 @@ def test_in_free_flight_no_point_is_located():
     _, d = chain(rng, 3)
     y = random_state(rng, d)
     rate, other = np.full(len(y), np.nan), np.full(len(y), np.nan)
-    d.work.position.x[:] = 77.0
+    d.scratch.position.x[:] = 77.0
     equations.rate_from_state(d, y, rate)
-    assert (d.work.position.x == 77.0).all()
+    assert (d.scratch.position.x == 77.0).all()
     kinematics.locate_points(d, y)
     equations.rate_from_points(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed gives the input's power
     d.model.has_inputs, d.inputs.tip_force[0] = 1, 2.0
-    d.work.velocity.x[:] = 77.0
+    d.scratch.velocity.x[:] = 77.0
     equations.rate_from_state(d, y, rate)
-    assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
-    assert d.work.velocity.x[3] != 77.0
+    assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.scratch.velocity.x[3])
+    assert d.scratch.velocity.x[3] != 77.0
     # a contact also needs located points, without any input
     d.model.has_inputs = 0
     touch(d, [2])
-    d.work.velocity.x[:] = 77.0
+    d.scratch.velocity.x[:] = 77.0
     equations.rate_from_state(d, y, rate)
-    assert d.work.velocity.x[3] != 77.0
+    assert d.scratch.velocity.x[3] != 77.0
 
 
 def test_the_inputs_are_those_at_the_time_of_the_state():

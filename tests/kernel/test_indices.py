@@ -12,12 +12,12 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.advance import advance, advance_to_onset
+from chain_impact.kernel.cost import UNLIMITED
 from chain_impact.kernel.entry import trajectory
 from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.work import UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.kernel.columns import Columns
 from tests.helpers.kernel.plain import Plain, Table, record_of

@@ -91,31 +91,31 @@ CLEARED = {
     "touch": ("active", "active_index", "number", "active_count", "compliant_count"),
     "impact": ("count", "last_wall", "last_speed"),
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
-    "limits": ("event_count", "work_count", "call_count", "other_work"),
+    "limits": ("event_count", "cost_count", "call_count", "other_cost"),
     "contact_log": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
     "fault": ("part",),
     "search": ("known_for",),
     "step": ("breaks",),
-    "work": ("moment",),
+    "scratch": ("moment",),
     "quadrature": ("total",),
     "latest": ("wall", *IMPACTS),
 }
 LEFT = {(record, field): 0 for record, fields in CLEARED.items() for field in fields}
 LEFT |= {("touch", "event"): NONE, ("impact", "last_point"): -1, ("latest", "point"): -1}
-LEFT |= dict.fromkeys([("impact", "last_time"), ("limits", "event_start"), ("limits", "work_start")], 3.0)
+LEFT |= dict.fromkeys([("impact", "last_time"), ("limits", "event_start"), ("limits", "cost_start")], 3.0)
 
 
 def test_a_start_clears_everything_of_an_earlier_run():
     _, d = prepared()
     d.latest.kept = 4
-    d.work.load.joint[:] = 9.0
+    d.scratch.load.joint[:] = 9.0
     for record, field in LEFT:
         d.numpy_record[record][field] = 5
     clear_run(d, 3.0)
     for (record, field), value in LEFT.items():
         assert np.all(d.numpy_record[record][field] == value), (record, field)
-    assert not d.work.load.joint.any()
+    assert not d.scratch.load.joint.any()
     assert d.latest.kept == 4
     assert len(d.latest.point) == LATEST
 
@@ -129,15 +129,15 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
         name: d.numpy_record[name].tobytes() for name in ("model", "law", "step", "statistics", "balance")
     }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
-    d.limits.event_start = d.limits.work_start = 9.0
-    d.step.breaks, d.statistics.steps, d.given.changed, d.work.y[:] = 7, 7, 1, 9.0
+    d.limits.event_start = d.limits.cost_start = 9.0
+    d.step.breaks, d.statistics.steps, d.given.changed, d.scratch.y[:] = 7, 7, 1, 9.0
     monkeypatch.setattr(hooks, "on_start", told.append)
     assert initialize(d, 2.0) == OK
     assert told == [d]
     for name, values in first.items():
         assert d.numpy_record[name].tobytes() == values, name
     assert d.step.time == d.step.start == d.step.end == d.impact.last_time == 2.0
-    assert d.limits.event_start == d.limits.work_start == 2.0
+    assert d.limits.event_start == d.limits.cost_start == 2.0
     assert d.given.changed == 0
     assert d.step.method == EXPLICIT
 
@@ -160,7 +160,7 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     d.given.drive_damping[:] = 1e4
     d.solver.method = list(SOLVER_METHODS).index(method) + 1
     assert initialize(d, 0.0) == OK
-    size = size_in_flight(d, d.step.state, d.work.rate_start)
+    size = size_in_flight(d, d.step.state, d.scratch.rate_start)
     assert first_size(d) == size
     assert stable(d, size) < 0.1 * size
     assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable(d, size))
@@ -247,7 +247,7 @@ def test_a_start_that_is_not_finite_also_in_its_energy_is_refused(place, value):
         _, d = prepared()
         d.candidate.offset[:] = -math.inf
         assert check_start(d) == OK
-        (d.step.state if place == "state" else d.work.rate_start)[j] = value
+        (d.step.state if place == "state" else d.scratch.rate_start)[j] = value
         speed = place == "state" and 5 <= j < 10
         refused = not math.isfinite(value) or speed
         assert check_start(d) == (NOT_FINITE if refused else OK)

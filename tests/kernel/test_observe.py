@@ -151,7 +151,7 @@ def test_accelerations_follow_the_equations_and_not_the_interpolant(seen):
     scale = np.abs(expected).max()
     np.testing.assert_allclose(out.angular_acceleration, expected[2:], rtol=0, atol=1e-6 * scale)
     np.testing.assert_allclose(out.point_acceleration[0], expected[:2], rtol=0, atol=1e-6 * scale)
-    np.testing.assert_allclose(out.point_acceleration, vectors(d.work.acceleration), rtol=0, atol=0)
+    np.testing.assert_allclose(out.point_acceleration, vectors(d.scratch.acceleration), rtol=0, atol=0)
 
 
 def test_energies_are_those_of_the_state(seen):
@@ -166,11 +166,11 @@ def test_energies_are_those_of_the_state(seen):
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
-def test_an_observation_counts_no_work(theta):
+def test_an_observation_counts_no_cost(theta):
     d = seen_at(theta).d
-    work = d.statistics.rhs_evaluations, d.limits.other_work
+    before = d.statistics.rhs_evaluations, d.limits.other_cost
     fill_outputs(d)
-    assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
+    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == before
 
 
 def test_a_holding_force_is_seen_as_long_as_it_pushes():
@@ -178,12 +178,12 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
         d, c, _ = held_tip(0.2, [force])
         d.step.time = 0.1
         d.quadrature.count, d.quadrature.total[c] = 0, 6.0
-        work = d.limits.other_work
+        before = d.limits.other_cost
         fill_outputs(d)
         assert d.output.force[c] == pytest.approx(shown, rel=1e-9)
         assert d.output.penetration[c] == d.output.penetration_rate[c] == 0.0
         assert d.output.impulse[c] == 6.0
-        assert d.limits.other_work == work
+        assert d.limits.other_cost == before
 
 
 def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
@@ -296,5 +296,5 @@ def test_a_stop_has_its_moment_and_its_depth_as_outputs(stopped):
 def test_the_moment_of_a_stop_acts_on_both_links(stopped):
     """So the momentum of the chain does not change."""
     d, _, high, rate = stopped
-    assert not vectors(d.work.load).any()
-    assert d.work.load.x[d.links + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)
+    assert not vectors(d.scratch.load).any()
+    assert d.scratch.load.x[d.links + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)

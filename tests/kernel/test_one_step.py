@@ -121,7 +121,7 @@ def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
 
 def test_a_refused_step_may_be_the_last_that_the_work_allows(monkeypatch):
     trials = Trials(monkeypatch, [20.0, 0.5])
-    monkeypatch.setattr(loop, "work_exceeded", lambda _: True)
+    monkeypatch.setattr(loop, "cost_exceeded", lambda _: True)
     assert trials.run()[0] == TOO_MUCH_WORK
     assert len(trials.sizes) == 1
 

@@ -8,13 +8,13 @@ import pytest
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.kernel.advance import advance, set_output_time
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.cost import UNLIMITED, cost_so_far
 from chain_impact.kernel.entry import advance_to
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.work import UNLIMITED, work_done
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.kernel.plain import Plain, record_of
@@ -62,7 +62,7 @@ def near_first_onset(scene):
     instance, d = Instance(scene), record_of(scene)
     instance.advance(0.999999 * impacts["onset"][0] if len(impacts) else 0.0)
     d.copy_values(Plain(instance.record))
-    d.step.rate_known = d.work.at_end = 0  # the stamps begin without a state
+    d.step.rate_known = d.scratch.at_end = 0  # the stamps begin without a state
     stamp(d)
     return d
 
@@ -74,7 +74,7 @@ def test_random_scenes_read_only_what_belongs_to_their_states(kind):
         scene = random_scenes.scene(getattr(random_scenes, kind) + seed)
         d = near_first_onset(scene.with_values({"solver.work_limit": 1e4}))
         with watched(), np.errstate(all="ignore"):
-            advance(d, scene.simulation.stop_time, UNLIMITED, work_done(d) + 150)
+            advance(d, scene.simulation.stop_time, UNLIMITED, cost_so_far(d) + 150)
             set_output_time(d, d.step.end)
             observe(d)
 
@@ -92,7 +92,7 @@ def test_a_read_of_another_state_is_found():
     other = y + 1e-9
     with watched():
         kinematics.locate_points(d, y)
-        kinematics.accelerate_points(d, y, d.work.rate_end)
+        kinematics.accelerate_points(d, y, d.scratch.rate_end)
         gap_acceleration(d, 0)
         kinematics.locate_points(d, other)
         clearance(d, 0)

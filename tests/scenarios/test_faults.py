@@ -1,4 +1,4 @@
-"""Difficult scenes for the search for events, the count of work and the energy balance."""
+"""Difficult scenes for the search for events, the count of the cost and the energy balance."""
 
 import math
 
@@ -28,10 +28,10 @@ def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tabl
     return scene_from_dict(table, "chain")
 
 
-def work(instance):
+def cost(instance):
     """Return all that is counted against solver.work_limit."""
     record = instance.record
-    return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_work"])
+    return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_cost"])
 
 
 # --- gliding along a wall, at no distance ------------------------------------------------------------------
@@ -50,7 +50,7 @@ def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gr
         instance = Instance(chain(4, start, box=WALL, gravity=gravity, contact={"model": law}))
         assert instance.advance(1.0) == OK
         assert instance.record["impact"]["count"] == 0
-        costs.append(work(instance))
+        costs.append(cost(instance))
     assert costs[0] <= 3 * costs[1]
 
 
@@ -63,7 +63,7 @@ def test_a_chain_flush_with_a_slanted_wall_falls_along_it_at_little_cost(law, gr
     scene = chain(4, start, box=WALL, gravity=gravity, contact={"model": law})
     instance = Instance(turned(scene, turn))
     assert instance.advance(1.0) == OK
-    assert work(instance) < 1000
+    assert cost(instance) < 1000
 
 
 # --- loose tolerances --------------------------------------------------------------------------------------
@@ -124,17 +124,18 @@ def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
         assert balance(result) < 1e-6
 
 
-# --- all work counts ---------------------------------------------------------------------------------------
+# --- all calculations count
+# ----------------------------------------------------------------------------------
 
 
-def test_the_search_for_events_counts_as_work():
+def test_the_search_for_events_counts_as_cost():
     """The limit permits the evaluations, but not the searches over the points of a long chain at rest."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
     instance = Instance(scene)
     assert instance.advance(1.0) == OK
     evaluations = int(instance.record["statistics"]["rhs_evaluations"])
-    assert work(instance) > evaluations + 40
+    assert cost(instance) > evaluations + 40
     with pytest.raises(SimulationError) as caught:
         simulate(with_values(scene, {("solver", "work_limit"): float(evaluations)}), stop_time=1.0)
     assert caught.value.status == TOO_MUCH_WORK
@@ -175,7 +176,7 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
     while record["impact"]["count"] < 2:
         assert instance.advance(math.nextafter(record["step"]["end"], math.inf)) == OK
     assert record["touch"]["active_count"] == 2
-    used = record["work"]["rate_start"].copy()
+    used = record["scratch"]["rate_start"].copy()
     record["step"]["time"] = record["step"]["start"]
     instance.observe()
     output = record["output"]

@@ -88,7 +88,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
         "contact_log",
         "statistics",
         "output",
-        "work",
+        "scratch",
     ):
         assert not any(instance[0][field].tobytes()), field
 

@@ -7,6 +7,16 @@ communication point has passed the event. ``d`` is the record of the instance (r
 """
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.cost import (
+    UNLIMITED,
+    begin_call,
+    check_cost,
+    check_events,
+    cost_exceeded,
+    cost_so_far,
+    count_rejected_step,
+    count_step,
+)
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base import check_base, end_at_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_output_time
@@ -76,16 +86,6 @@ from chain_impact.kernel.status import (
     TOO_MUCH_WORK,
     set_status,
 )
-from chain_impact.kernel.work import (
-    UNLIMITED,
-    begin_call,
-    check_events,
-    check_work,
-    count_rejected_step,
-    count_step,
-    work_done,
-    work_exceeded,
-)
 
 # [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
 LONGEST_STEP = 1.0
@@ -93,20 +93,20 @@ LONGEST_STEP = 1.0
 SHORTEST_STEP = 1e-18
 
 
-def advance(d, time, log_capacity, work):
+def advance(d, time, log_capacity, cost_limit):
     """Advance the instance to ``time`` [s], which must not be before the instance's present time.
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
         finished contacts are not collected, or the log of dry friction has no room for another step; the run
-        can continue after the caller has collected them. PAUSED: the work since the start of the run exceeds
-        ``work`` evaluations; the run can continue.
+        can continue after the caller has collected them. PAUSED: the cost since the start of the run exceeds
+        ``cost_limit`` evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
     while status == OK and d.step.end < time:
         if log_is_full(d, log_capacity):
             return LOG_FULL
-        if work_done(d) > work:
+        if cost_so_far(d) > cost_limit:
             return PAUSED
         status = advance_one_step(d)
     if status == OK:
@@ -122,7 +122,7 @@ def log_is_full(d, capacity):
 
 
 def advance_to_onset(d, time):
-    """Advance as ``advance`` does, without limits on log and work, but at most to the first onset.
+    """Advance as ``advance`` does, without limits on log and cost, but at most to the first onset.
 
     The onset is not applied yet. An onset at the present time counts if no earlier call has stopped at it,
     for example at the start of a run with a point at a wall.
@@ -195,7 +195,7 @@ def advance_one_step(d):
 
 
 def set_output_time(d, time):
-    """Set the communication point to ``time`` [s] in the last step; count the work of a call from now on."""
+    """Set the communication point to ``time`` [s] in the last step; count the cost of a call from now on."""
     set_own_output_time(d, time)
     begin_call(d)
 
@@ -261,7 +261,7 @@ def take_step(d):
         end_at_base(d)
     if status == OK and d.signals > 0:
         end_at_segment(d)
-    return status if status != OK else check_work(d)
+    return status if status != OK else check_cost(d)
 
 
 def check_solved(d, status):
@@ -287,7 +287,7 @@ def find_step(d):
             control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
-        if work_exceeded(d):
+        if cost_exceeded(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
     return control.no_step(d)
@@ -355,10 +355,10 @@ def begin_step(d):
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
@@ -381,9 +381,9 @@ def apply_pending_events(d):
     ensure_rate(d)
     update_peaks(d)
 
-    rate = d.work.rate_start
-    for j in range(len(d.work.y)):
-        rate[j] = d.work.rate_end[j]
+    rate = d.scratch.rate_start
+    for j in range(len(d.scratch.y)):
+        rate[j] = d.scratch.rate_end[j]
     if events > 0:
         commit_quadratures(d)
         jumped = apply_events(d)
@@ -395,5 +395,5 @@ def apply_pending_events(d):
 
 def set_first_stage(d):
     """Set the first stage of a step: the rate at the start, converted to the step's integration variable."""
-    regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
+    regularize(d, d.step.state_end, d.scratch.rate_start, d.scratch.stage[0])
     set_quadrature_stage_at_end(d, 0)

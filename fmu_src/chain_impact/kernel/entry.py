@@ -9,6 +9,14 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
 from chain_impact.kernel.chain.inputs import CHANNEL, input_field
 from chain_impact.kernel.chain.signals import knot_count
+from chain_impact.kernel.cost import (
+    UNLIMITED,
+    allow_any_length,
+    cost_of_a_call,
+    cost_so_far,
+    counted_cost,
+    uncount_cost,
+)
 from chain_impact.kernel.events.contact_log import collect, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
@@ -22,14 +30,6 @@ from chain_impact.kernel.status import (
     LOG_FULL,
     OK,
     PAUSED,
-)
-from chain_impact.kernel.work import (
-    UNLIMITED,
-    allow_any_length,
-    counted_work,
-    uncount_work,
-    work_done,
-    work_of_a_call,
 )
 
 
@@ -115,7 +115,7 @@ def advance_to(d, time):
 
 def advance_awhile(d, time):
     """Advance as ``advance_to`` does, but return PAUSED after about a second, so that the caller can stop."""
-    return advance(d, time, UNLIMITED, work_done(d) + work_of_a_call(d))
+    return advance(d, time, UNLIMITED, cost_so_far(d) + cost_of_a_call(d))
 
 
 def observe_now(d):
@@ -138,7 +138,7 @@ def observe_trial(d):
 
     No run can continue from the instance afterwards. After a fault all outputs stay unchanged.
     """
-    counted = counted_work(d)
+    counted = counted_cost(d)
     keep_state(d)
     status = reinit(d)
     if status == OK:
@@ -146,7 +146,7 @@ def observe_trial(d):
         return_to_kept_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
     return status
 
 
@@ -168,10 +168,10 @@ def trajectory(d, words, times, spans, rows, of_state):
         finished contacts is full, or when a second of computing is over.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
-    work = work_done(d) + work_of_a_call(d)
+    cost_limit = cost_so_far(d) + cost_of_a_call(d)
     for row in range(len(times)):
         allow_any_length(d)
-        if advance(d, times[row], log_capacity, work) != OK:
+        if advance(d, times[row], log_capacity, cost_limit) != OK:
             return row
         if of_state:
             observe_state(d)
@@ -207,21 +207,21 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         The number of complete runs. If the number is smaller than requested, a second of computing was over,
         and the next run has begun.
     """
-    work = work_of_a_call(d) + (work_done(d) if continuing else 0)
+    cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):
         if r > 0 or not continuing:
             for j in range(len(indices)):
                 words[indices[j]] = values[r, j]
             initialize(d, 0.0)
-        if finish_run(d, end_times[r], work) == PAUSED:
+        if finish_run(d, end_times[r], cost_limit) == PAUSED:
             return r
-        work -= work_done(d)
+        cost_limit -= cost_so_far(d)
         for j in range(len(output_indices)):
             rows[r, j] = words[output_indices[j]]
     return len(rows)
 
 
-def finish_run(d, end_time, work):
+def finish_run(d, end_time, cost_limit):
     """Advance to ``end_time`` [s], and return a status.
 
     Contacts that still last at the end are logged, because the outputs of peaks come from the log.
@@ -230,7 +230,7 @@ def finish_run(d, end_time, work):
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:
-        status = advance(d, end_time, log_capacity, work)
+        status = advance(d, end_time, log_capacity, cost_limit)
         collect(d)
         clear_changes(d)
     if status == OK:

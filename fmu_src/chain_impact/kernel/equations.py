@@ -76,15 +76,15 @@ def mechanical_energy(d, y):
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         # the centre of mass, at c from the proximal joint: p_C = p_i + c, v_C = v_i + ω c⊥
-        cx, cy = ratio * d.work.link.x[i], ratio * d.work.link.y[i]
+        cx, cy = ratio * d.scratch.link.x[i], ratio * d.scratch.link.y[i]
         if d.skewed:
             beside = d.model.offset_ratio[i]
-            cx, cy = cx - beside * d.work.link.y[i], cy + beside * d.work.link.x[i]
-        vx = d.work.velocity.x[i] - omega * cy
-        vy = d.work.velocity.y[i] + omega * cx
+            cx, cy = cx - beside * d.scratch.link.y[i], cy + beside * d.scratch.link.x[i]
+        vx = d.scratch.velocity.x[i] - omega * cy
+        vy = d.scratch.velocity.y[i] + omega * cx
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
-        x = d.work.position.x[i] + cx
-        y_ = d.work.position.y[i] + cy
+        x = d.scratch.position.x[i] + cx
+        y_ = d.scratch.position.y[i] + cy
         potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
     if d.slides:
         of_motion, of_height = carriage_energy(d, y)
@@ -153,12 +153,12 @@ def free_rate_from_loads(d, y, dissipated, rate):
         dissipated += damped
     if d.slides:
         force, damped, of_drive = drive_power(d, y, n)
-        d.work.thrust = force - stored_force(d, y, n)
+        d.scratch.thrust = force - stored_force(d, y, n)
         dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
-    carry_sites(d, d.work.link, d.work.load)
+    carry_sites(d, d.scratch.link, d.scratch.load)
     if d.model.has_armatures:
         geared_accelerations(d, y, rate)
     else:
@@ -187,16 +187,16 @@ def joint_moments(d, y):
     dissipated, supplied = 0.0, 0.0
     # without inputs the tip has no force, and its velocity, which is unknown in flight, is not read
     if d.model.has_inputs:
-        force, velocity, tip = d.inputs.tip_force, d.work.velocity, d.links
+        force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
     for i in range(d.links):
         torque = 0.0
         if i >= first_joint(d):
             torque, damped, of_drive = drive_power(d, y, i)
             dissipated, supplied = dissipated + damped, supplied + of_drive
-        d.work.moment[i] = torque
+        d.scratch.moment[i] = torque
         if i > 0:
-            d.work.moment[i - 1] -= torque
+            d.scratch.moment[i - 1] -= torque
     if d.model.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
     if d.model.has_springs:
@@ -209,7 +209,7 @@ def joint_moments(d, y):
 def add_place_moments(d):
     """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
     for i in range(d.links):
-        add_joint_moment(d, i, d.model.longest_link * d.work.load.x[joint_place(d, i)])
+        add_joint_moment(d, i, d.model.longest_link * d.scratch.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):
@@ -220,6 +220,6 @@ def add_spring_moments(d, y):
 
 def add_joint_moment(d, i, torque):
     """Add a torque [N·m] in the proximal joint of link i: +torque on link i, and −torque on link i − 1."""
-    d.work.moment[i] += torque
+    d.scratch.moment[i] += torque
     if i > 0:
-        d.work.moment[i - 1] -= torque
+        d.scratch.moment[i - 1] -= torque

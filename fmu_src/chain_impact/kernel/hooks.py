@@ -1,4 +1,4 @@
-"""The hooks: functions that a run calls at fixed points, for work in addition to the plain run.
+"""The hooks: functions that a run calls at fixed points, for what is done in addition to the plain run.
 
 The functions of this module do nothing. A kernel that carries derivatives is linked with the functions of
 HOOKS in kernel/tangent/entry.py instead. A user's contact law (kernel/forces/user_law.py) is linked in the

@@ -9,6 +9,9 @@ from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at, velocity_at
+from chain_impact.kernel.cost import (
+    begin_windows,
+)
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base import check_base
 from chain_impact.kernel.events.contact_log import clear_log
@@ -59,9 +62,6 @@ from chain_impact.kernel.status import (
     refuse_link,
     set_status,
 )
-from chain_impact.kernel.work import (
-    begin_windows,
-)
 
 
 def initialize(d, time):
@@ -90,8 +90,8 @@ def initialize(d, time):
 def set_start(d, time):
     """Set walls, state, loads and modes of dry friction at the start of a run, at ``time`` [s]."""
     place_walls(d)
-    set_initial_state(d, d.work.y)
-    reset_step(d, time, d.work.y)
+    set_initial_state(d, d.scratch.y)
+    reset_step(d, time, d.scratch.y)
     clear_loads(d)
     if d.loads > 0:
         start_loads(d, time)
@@ -123,7 +123,7 @@ def clear_run(d, time):
     """
     clear(d.step)
     clear(d.trial)
-    clear(d.work)
+    clear(d.scratch)
     clear(d.implicit.pairs.load)
     clear(d.implicit.pairs.impedance)
     clear(d.search)
@@ -256,8 +256,8 @@ def refuse_value(d, k, i):
 
 def first_size(d):
     """Return a first step size [s], from how fast the links turn; the error control adapts the size later."""
-    rate_from_state(d, d.step.state, d.work.rate_start)
-    return size_in_flight(d, d.step.state, d.work.rate_start)
+    rate_from_state(d, d.step.state, d.scratch.rate_start)
+    return size_in_flight(d, d.step.state, d.scratch.rate_start)
 
 
 def check_start(d):
@@ -267,8 +267,8 @@ def check_start(d):
     wall, if a joint or the slider is beyond a stop, or if no forces are found.
     """
     locate_points(d, d.step.state)
-    for j in range(len(d.work.y)):
-        if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):
+    for j in range(len(d.scratch.y)):
+        if not math.isfinite(d.step.state[j] + d.scratch.rate_start[j]):
             return NOT_FINITE
     kinetic, potential = mechanical_energy(d, d.step.state)
     if not math.isfinite(kinetic + potential + stored_energy(d, d.step.state)):

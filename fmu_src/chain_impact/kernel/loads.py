@@ -23,6 +23,7 @@ import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
+from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.ode.control import IMPLICIT
@@ -38,7 +39,6 @@ from chain_impact.kernel.rows.geometry import (
     stop_moment,
     tangent_row,
 )
-from chain_impact.kernel.work import counted_work, uncount_work
 
 # The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
 # where the forces may rise and fall often.
@@ -75,14 +75,14 @@ def set_load_peak(d, i, square):
 def link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
-        vx, vy = at_center(d, d.work.velocity, i)
+        vx, vy = at_center(d, d.scratch.velocity, i)
         x[i], y[i] = d.model.mass[i] * vx, d.model.mass[i] * vy
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to f_i [N] for the accelerated points, from the forces of each candidate."""
     for i in range(d.links):
-        ax, ay = at_center(d, d.work.acceleration, i)
+        ax, ay = at_center(d, d.scratch.acceleration, i)
         x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
         y[i] = d.model.mass[i] * (ay - d.model.gravity[1])
     for k in range(d.touch.active_count):
@@ -165,7 +165,7 @@ def load_wall(d, c):
     """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
-    x, y = d.work.position.x[place], d.work.position.y[place]
+    x, y = d.scratch.position.x[place], d.scratch.position.y[place]
     if wall >= len(WALLS):
         x -= d.walls.x[wall - len(WALLS)]
         y -= d.walls.y[wall - len(WALLS)]
@@ -212,9 +212,9 @@ def fill_load_peaks(d):
 def update_load_peaks(d):
     """Update the largest forces in the joints, since the start and during each contact, for the last step.
 
-    The evaluations do not count as work, because loads are outputs.
+    The evaluations do not count as cost, because loads are outputs.
     """
-    transmitted, touch, counted = d.transmitted, d.touch, counted_work(d)
+    transmitted, touch, counted = d.transmitted, d.touch, counted_cost(d)
     ensure_dense(d, OUTPUTS)
     search_step(d)
     for i in range(d.links):
@@ -227,7 +227,7 @@ def update_load_peaks(d):
     # after the search: set the forces, and the values that follow from them, to those at the end of the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
 
 
 def search_step(d):
@@ -273,7 +273,7 @@ def rises_between(left, top, right, highest):
 
 def load_joints_at(d, theta):
     """Set ``transmitted.x`` and ``.y`` to the forces in the joints at the fraction θ of the last step."""
-    y, rate = d.work.y, d.work.rate
+    y, rate = d.scratch.y, d.scratch.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)
     rate_from_points(d, y, rate)

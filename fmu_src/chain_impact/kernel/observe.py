@@ -19,6 +19,7 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
+from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import apply_true_contacts
@@ -30,7 +31,6 @@ from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_with
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever_of_candidate, stop_moment
-from chain_impact.kernel.work import counted_work, uncount_work
 
 
 def observe(d):
@@ -41,9 +41,9 @@ def observe(d):
 
 def observe_state(d):
     """Fill the STATE_OUTPUTS of record/instance.py at ``step.time``; no other output is valid then."""
-    counted = counted_work(d)
+    counted = counted_cost(d)
     fill_state(d, fraction(d, d.step.time))
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
 
 
 def fill_outputs(d):
@@ -52,7 +52,7 @@ def fill_outputs(d):
     The active contacts are those of the step that contains this time: an event at its end, which the solver
     has already found, is not visible yet.
     """
-    counted, theta = counted_work(d), fraction(d, d.step.time)
+    counted, theta = counted_cost(d), fraction(d, d.step.time)
     fill_motion(d, theta)
     fill_quadratures(d, theta)
     if d.loads > 0:
@@ -63,26 +63,26 @@ def fill_outputs(d):
         combine_impulses(d)
     if d.loads > 0:
         fill_load_peaks(d)
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
 
 
 def refill_motion(d):
     """Fill all outputs again except impulses, peaks and friction energy, with the values at ``step.time``."""
-    counted = counted_work(d)
+    counted = counted_cost(d)
     fill_motion(d, fraction(d, d.step.time))
     if d.model.has_stops:
         combine_forces(d)
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
 
 
 def fill_motion(d, theta):
     """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
-    n, out, work, y, rate = d.links, d.output, d.work, d.work.y, d.work.rate
+    n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.y, d.scratch.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
     refine_rate(d, theta, y, rate)
     accelerate_points(d, y, rate)
-    fill_points(d, work.acceleration, out.point_acceleration)
+    fill_points(d, scratch.acceleration, out.point_acceleration)
     for i in range(n):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     if d.slides:
@@ -105,7 +105,7 @@ def fill_points(d, vectors, out):
 
 def fill_state(d, theta):
     """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step, and leave the points located."""
-    n, out, y = d.links, d.output, d.work.y
+    n, out, y = d.links, d.output, d.scratch.y
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
@@ -114,9 +114,9 @@ def fill_state(d, theta):
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
-    work = d.work
-    fill_points(d, work.position, out.point_position)
-    fill_points(d, work.velocity, out.point_velocity)
+    scratch = d.scratch
+    fill_points(d, scratch.position, out.point_position)
+    fill_points(d, scratch.velocity, out.point_velocity)
     for i in range(n):
         out.angle[i], out.joint_angle[i] = y[ANGLES + i], relative(y, ANGLES, i)
         out.angular_velocity[i] = y[omega_at(n) + i]

@@ -125,8 +125,8 @@ class Stamped(np.ndarray):
 
 def stamp(d: Plain) -> None:
     """Let the groups of an instance carry stamps, which functions write while they are ``watched``."""
-    stamps, work = Stamps(d), d.work
-    groups = [(getattr(work, group), axis, group) for group in GROUPS for axis in "xy"]
+    stamps, scratch = Stamps(d), d.scratch
+    groups = [(getattr(scratch, group), axis, group) for group in GROUPS for axis in "xy"]
     forces = [(d.touch, "force", "contact"), *([(d.element, "force", "friction")] if d.elements else [])]
     for part, field, group in groups + forces:
         numbers = getattr(part, field).view(Stamped)

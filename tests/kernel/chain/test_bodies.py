@@ -161,9 +161,9 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     for s, site in enumerate(sites):
         position, jacobian, bias = reference.point(*site)
         for vectors, value in (
-            (d.work.position, position),
-            (d.work.velocity, jacobian @ reference.v),
-            (d.work.acceleration, jacobian @ wanted + bias),
+            (d.scratch.position, position),
+            (d.scratch.velocity, jacobian @ reference.v),
+            (d.scratch.acceleration, jacobian @ wanted + bias),
         ):
             found = vectors.x[2 * n + 1 + s], vectors.y[2 * n + 1 + s]
             np.testing.assert_allclose(found, value, rtol=0.0, atol=1e-10 * max(1.0, np.abs(wanted).max()))
@@ -180,22 +180,22 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
     d, y, reference, rng = moving
     n, mass, force = d.links, reference.mass.copy(), np.zeros(d.links + 2)
     locate_points(d, y)
-    no_impedance(d, d.work.impedance)
-    clear_loads_of(d, d.work.load)
+    no_impedance(d, d.scratch.impedance)
+    clear_loads_of(d, d.scratch.load)
     for s, site in enumerate(sites_of(reference)):
         place, (_, jacobian, _) = 2 * n + 1 + s, reference.point(*site)
         amount, angle, load = rng.uniform(0.0, 10.0), rng.uniform(0.0, math.pi), rng.normal(size=2)
         normal = np.array([math.cos(angle), math.sin(angle)])
-        d.work.impedance.xx[place] = amount * normal[0] ** 2
-        d.work.impedance.xy[place] = amount * normal[0] * normal[1]
-        d.work.impedance.yy[place] = amount * normal[1] ** 2
-        d.work.load.x[place], d.work.load.y[place] = load
+        d.scratch.impedance.xx[place] = amount * normal[0] ** 2
+        d.scratch.impedance.xy[place] = amount * normal[0] * normal[1]
+        d.scratch.impedance.yy[place] = amount * normal[1] ** 2
+        d.scratch.load.x[place], d.scratch.load.y[place] = load
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
-    join(d, d.work.impedance)
-    factorize(d, d.work.link, d.work, HELD, True)
-    d.work.load.joint[:] = 0.0
+    join(d, d.scratch.impedance)
+    factorize(d, d.scratch.link, d.scratch, HELD, True)
+    d.scratch.load.joint[:] = 0.0
     change = np.zeros(n + 2)
-    solve_space(d, d.work.link, d.work, HELD, change)
+    solve_space(d, d.scratch.link, d.scratch, HELD, change)
     wanted = reference.solved(mass, force)
     np.testing.assert_allclose(change, wanted, rtol=1e-9, atol=1e-10 * max(1e-3, np.abs(wanted).max()))

@@ -21,15 +21,15 @@ from tests.kernel.chains import chain, random_state, relative_motion, stopped_ch
 
 
 def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
-    """Return the solution of the elimination, shape (N+2,), in real or complex work space."""
+    """Return the solution of the elimination, shape (N+2,), in real or complex scratch memory."""
     resistance, moments = joints
-    space = d.implicit.pairs if np.iscomplexobj(impedance) else d.work
+    space = d.implicit.pairs if np.iscomplexobj(impedance) else d.scratch
     set_impedances(space.impedance, impedance)
     space.impedance.joint[:] = resistance
-    factorize(d, d.work.link, space, row, bool(np.any(resistance) or np.any(moments)))
+    factorize(d, d.scratch.link, space, row, bool(np.any(resistance) or np.any(moments)))
     set_vectors(space.load, impulses)
     space.load.joint[:], space.change[:] = moments, np.nan
-    solve(d, d.work.link, space, row, space.change)
+    solve(d, d.scratch.link, space, row, space.change)
     return space.change.copy()
 
 
@@ -79,19 +79,19 @@ def test_the_elimination_solves_the_assembled_equations(count, base, largest, an
 def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     rng = np.random.default_rng(count)
     scene, d = chain(rng, count)
-    y, work = random_state(rng, d), d.work
+    y, scratch = random_state(rng, d), d.scratch
     set_link_vectors(d, y)
-    loads, work.moment[:] = rng.normal(size=(count + 1, 2)), rng.normal(size=count)
+    loads, scratch.moment[:] = rng.normal(size=(count + 1, 2)), rng.normal(size=count)
     impedance, joints = random_impedances(rng, count + 1, 2.0), np.array([0.0, *rng.uniform(0, 9, count - 1)])
     moments = rng.normal(size=count) * (joints > 0.0)
     angles, omega = y[2 : count + 2], y[count + 4 : 2 * count + 4]
-    force = generalized_force(scene, angles, omega, loads, work.moment)
+    force = generalized_force(scene, angles, omega, loads, scratch.moment)
     expected = np.linalg.solve(mass_matrix(scene, angles), force)
     matrix, right = assembled(scene, angles, impedance, loads)
     across = relative_motion(count)
     moved = np.linalg.solve(matrix + across.T @ np.diag(joints) @ across, right + across.T @ moments)
     for middle in range(count // 2 + 1):
-        set_vectors(work.load, loads)
+        set_vectors(scratch.load, loads)
         rate = np.full(len(y), np.nan)
         arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
@@ -112,17 +112,17 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     _, d = chain(rng, count)
     if pinned:
         d.model.has_base_joint, d.model.meeting_joint = 1, 0
-    y, work = random_state(rng, d), d.work
+    y, scratch = random_state(rng, d), d.scratch
     set_link_vectors(d, y)
-    work.moment[:] = rng.normal(size=count)
-    set_vectors(work.load, rng.normal(size=(count + 1, 2)))
-    no_impedance(d, work.impedance)
-    factorize(d, work.link, work, HELD, True)
-    work.factors.share[FREE] = work.factors.complement[FREE] = 7.0
+    scratch.moment[:] = rng.normal(size=count)
+    set_vectors(scratch.load, rng.normal(size=(count + 1, 2)))
+    no_impedance(d, scratch.impedance)
+    factorize(d, scratch.link, scratch, HELD, True)
+    scratch.factors.share[FREE] = scratch.factors.complement[FREE] = 7.0
     accelerations(d, y, np.zeros(len(y)))
     take_factors(d, True)
     for name in ("gain_x", "gain_y", "inverse", "share", "complement", "middle_mobility", "coupled"):
-        found = getattr(work.factors, name)
+        found = getattr(scratch.factors, name)
         np.testing.assert_allclose(found[FREE], found[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
 
 
@@ -185,7 +185,7 @@ def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, 
 
 def test_no_impedance_clears_all_of_its_parts():
     _, d = stopped_chain(3)
-    own = d.work.impedance
+    own = d.scratch.impedance
     parts = own.xx, own.xy[:4], own.yy[:4]
     for part in parts:
         part[:] = 7.0

@@ -29,13 +29,13 @@ def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
     y, rate = random_state(rng, d), random_state(rng, d)
     half = count + 2
     rate[:half] = y[half : 2 * half]
-    d.work.at_end = 1
+    d.scratch.at_end = 1
     locate_points(d, y)
     # the located points no longer belong to the end of a step
-    assert d.work.at_end == 0
+    assert d.scratch.at_end == 0
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     np.testing.assert_allclose(
-        d.work.link.x[:count] + 1j * d.work.link.y[:count], np.diff(points_of(d, y)), rtol=0, atol=1e-14
+        d.scratch.link.x[:count] + 1j * d.scratch.link.y[:count], np.diff(points_of(d, y)), rtol=0, atol=1e-14
     )
     accelerate_points(d, y, rate)
 
@@ -45,10 +45,10 @@ def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
     h = 1e-4
     ahead, here, behind = on_the_way(h), on_the_way(0.0), on_the_way(-h)
     np.testing.assert_allclose(
-        vectors(d.work.velocity) @ (1.0, 1.0j), (ahead - behind) / (2 * h), rtol=0, atol=1e-6
+        vectors(d.scratch.velocity) @ (1.0, 1.0j), (ahead - behind) / (2 * h), rtol=0, atol=1e-6
     )
     np.testing.assert_allclose(
-        vectors(d.work.acceleration) @ (1.0, 1.0j), (ahead - 2 * here + behind) / h**2, rtol=0, atol=1e-5
+        vectors(d.scratch.acceleration) @ (1.0, 1.0j), (ahead - 2 * here + behind) / h**2, rtol=0, atol=1e-5
     )
 
 
@@ -57,12 +57,12 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
     _, d = chain(rng, 3)
     y = random_state(rng, d)
     set_link_vectors(d, y)
-    d.work.at_end = 1
+    d.scratch.at_end = 1
     place_points(d, y)
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
-    assert d.work.at_end == 1
+    assert d.scratch.at_end == 1
     set_link_vectors(d, y)
-    assert d.work.at_end == 0
+    assert d.scratch.at_end == 0
 
 
 @BASES
@@ -72,16 +72,16 @@ def test_a_change_of_coordinates_moves_points_by_their_jacobians(count, base):
     scene, d = chain(rng, count, base)
     y, change = random_state(rng, d), rng.normal(size=count + 2)
     set_link_vectors(d, y)
-    move_points(d, d.work.link, change, d.work.motion)
+    move_points(d, d.scratch.link, change, d.scratch.motion)
     expected = [point_jacobian(scene, y[2 : count + 2], k) @ change for k in range(count + 1)]
-    np.testing.assert_allclose(vectors(d.work.motion), expected, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(vectors(d.scratch.motion), expected, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_largest_component_is_found_at_points_and_joints(sign):
     for axis, row in [(axis, row) for axis in "xy" for row in range(5) if axis == "x" or row < 3]:
         _, d = stopped_chain(2)
-        motion = d.work.motion
+        motion = d.scratch.motion
         set_vectors(motion, [(0.1, -0.2), (-0.3, 0.1), (0.2, 0.3)])
         motion.x[3:] = 0.1, -0.2
         motion[axis][row] = 0.5 * sign

@@ -43,12 +43,15 @@ def test_a_thousand_links_solve_the_assembled_equations():
     y, rate = np.zeros(len(d.step.state)), np.full(len(d.step.state), np.nan)
     angles, omega = rng.uniform(-np.pi, np.pi, count), rng.uniform(-5.0, 5.0, count)
     y[2 : count + 2], y[count + 4 : 2 * count + 4] = angles, omega
-    loads, d.work.moment[:] = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
-    set_vectors(d.work.load, loads)
+    loads, d.scratch.moment[:] = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
+    set_vectors(d.scratch.load, loads)
     set_link_vectors(d, y)
     accelerations(d, y, rate)
     found = rate[count + 2 : 2 * count + 4]
-    matrix, right = mass_matrix(scene, angles), generalized_force(scene, angles, omega, loads, d.work.moment)
+    matrix, right = (
+        mass_matrix(scene, angles),
+        generalized_force(scene, angles, omega, loads, d.scratch.moment),
+    )
     epsilon = np.finfo(float).eps
     scale = np.abs(matrix) @ np.abs(found) + np.abs(right)
     assert np.abs((matrix @ found - right) / scale).max() < 100.0 * epsilon

@@ -93,10 +93,10 @@ def test_chains_allowed_as_regular_have_positive_pivots(pinned):
         derive_chain(d)
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             set_link_vectors(d, np.array([0.0, 0.0, *angles]))
-            no_impedance(d, d.work.impedance)
-            factorize(d, d.work.link, d.work, FREE, False)
-            assert (d.work.factors.inverse[FREE] > 0.0).all()
-            assert d.work.factors.inverse[FREE].max() < 1e6
+            no_impedance(d, d.scratch.impedance)
+            factorize(d, d.scratch.link, d.scratch, FREE, False)
+            assert (d.scratch.factors.inverse[FREE] > 0.0).all()
+            assert d.scratch.factors.inverse[FREE].max() < 1e6
     assert allowed > 30
 
 

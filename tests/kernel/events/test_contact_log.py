@@ -111,7 +111,7 @@ def test_a_force_that_only_falls_has_no_peak_in_the_step():
 
 
 def test_peaks_until_a_time_within_the_step():
-    """The peaks count up to the observer's time; an observation changes no contact and counts no work."""
+    """The peaks count up to the observer's time; an observation changes no contact and counts no cost."""
     for until in (0.1, 0.25, 0.9):
         d, motion = pressed(TURNING)
         y = motion.at(until)
@@ -183,7 +183,7 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
     assert d.step.breaks > breaks
 
 
-def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch):
+def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch):
     d, motion = pressed(TURNING)
     d.step.time = d.step.start + 0.25
     d.quadrature.computed = 1
@@ -191,19 +191,19 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     d.quadrature.state_end[0], d.quadrature.total[1] = 5.0, 1.0
     d.quadrature.state[0], d.quadrature.dense[:, 0] = 2.0, 0.0
     d.quadrature.dense[0, 0] = 4.0  # 2 + 4 θ
-    work = d.statistics.rhs_evaluations, d.limits.other_work
+    before = d.statistics.rhs_evaluations, d.limits.other_cost
     contact_log.update_own_to_output_time(d)
     t = 0.25 * FINE
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     assert d.quadrature.total[1] == pytest.approx(3.0, rel=1e-12)
-    assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
+    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == before
     there(d, points_of(d, motion.at(0.25)))
     # other quantities that the communication point updates
     told = []
     monkeypatch.setattr(hooks, "on_truncate", told.append)
     d, _ = pressed(TURNING)
-    d.step.time, d.work.rate_end[:] = d.step.start + 0.25, math.nan
+    d.step.time, d.scratch.rate_end[:] = d.step.start + 0.25, math.nan
     contact_log.update_to_output_time(d)
     assert told == [d]
     assert d.step.end == d.step.time

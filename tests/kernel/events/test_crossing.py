@@ -104,9 +104,9 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
 def test_a_search_ends_when_there_is_no_work_left():
     d, _ = moving(0, near=1)
     d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
-    work = d.limits.other_work
+    before = d.limits.other_cost
     assert crossing.find_crossing(d) == -1.0
-    assert d.limits.other_work == work
+    assert d.limits.other_cost == before
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])

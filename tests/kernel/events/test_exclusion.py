@@ -83,7 +83,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         d, _motion = stepped(0, near=2.0)
         # the walls are close to the end of the step, so that the known clearance is small
         if field == "turn":
-            d.work.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
+            d.scratch.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "change_rate":
             d.inputs.piece.change_rate = 1.1 / d.step.size
         else:
@@ -178,8 +178,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
-    d.search.speed = length_bound(d, d.work.velocity)
-    d.search.acceleration = length_bound(d, d.work.acceleration)
+    d.search.speed = length_bound(d, d.scratch.velocity)
+    d.search.acceleration = length_bound(d, d.scratch.acceleration)
     lasted = 0
     for k in range(1, 40):
         y = motion.at(0.01 * (k + 1))
@@ -197,8 +197,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         lasted += 1
     assert lasted >= 2
     # no point moves further than its speed and acceleration permit, so no point or wall is inspected
-    assert d.search.speed == length_bound(d, d.work.velocity)
-    assert d.search.acceleration == length_bound(d, d.work.acceleration)
+    assert d.search.speed == length_bound(d, d.scratch.velocity)
+    assert d.search.acceleration == length_bound(d, d.scratch.acceleration)
 
 
 @pytest.mark.parametrize("channels", [0, 2])
@@ -208,7 +208,7 @@ def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, cha
     assert exclusion.excludes_events(d)
     d.channels, (safe, lasted) = channels, (d.search.safe_distance, d.step.end - d.step.start)
     monkeypatch.setattr(exclusion, "fastest_wall", lambda d: (0.0, 0.0))
-    for vectors in (d.work.velocity, d.work.acceleration):
+    for vectors in (d.scratch.velocity, d.scratch.acceleration):
         vectors.x[:], vectors.y[:] = 0.0, 0.0
     d.search.speed, d.search.acceleration = 0.0, 100.0
     exclusion.remains_far(d)
@@ -248,8 +248,8 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, 
     d, _ = stepped(0, touching=1)
     d.touch.impact_speed[0], d.touch.speed[0] = 3.0, 3.0 * speed
     point = d.candidate.point[0]
-    d.work.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
-    d.work.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
+    d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
+    d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
     expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
     assert exclusion.nearly_fast(d, 0) == expected
     d.touch.kink_crossed[0] = 0
@@ -348,7 +348,7 @@ def test_the_error_near_a_stop_is_that_of_both_links(lengths):
         )
         d = Plain(PreparedScene(scene).new_instance()[0])
         assert initialize(d, 0.0) == OK
-        d.step.end, d.work.rate_start[:] = 0.01, 0.0
+        d.step.end, d.scratch.rate_start[:] = 0.01, 0.0
         locate_points(d, d.step.state_end)
-        accelerate_points(d, d.step.state_end, d.work.rate_start)
+        accelerate_points(d, d.step.state_end, d.scratch.rate_start)
         assert exclusion.excludes_events(d) == excluded

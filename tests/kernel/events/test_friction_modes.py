@@ -33,7 +33,7 @@ SEEDS = range(6)
 def assert_laws_hold(chain):
     """Assert that force and acceleration of each element at rest fulfil Coulomb's law."""
     d, reached = chain.d, chain.accelerations()
-    scale = largest(d, d.work.acceleration)
+    scale = largest(d, d.scratch.acceleration)
     held, sliding = chain.limits()
     for k, e in enumerate(chain.elements):
         force, mode = d.element.force[e], chain.modes[k]
@@ -169,8 +169,8 @@ def one():
 def move_at(d, c, speed):
     """Give the point of candidate c a tangential speed."""
     there = d.candidate.place[c]
-    d.work.velocity.x[there] = speed * d.candidate.normal_y[c]
-    d.work.velocity.y[there] = -speed * d.candidate.normal_x[c]
+    d.scratch.velocity.x[there] = speed * d.candidate.normal_y[c]
+    d.scratch.velocity.y[there] = -speed * d.candidate.normal_x[c]
 
 
 @pytest.mark.full("more cases", but=23)
@@ -230,14 +230,14 @@ def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, p
 @pytest.mark.parametrize(("part", "wrong"), [(-1.0, False), (0.9, False), (1.1, True)])
 def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d, c = one
-    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
-    d.work.acceleration.x[1 - d.candidate.place[c]] = 50.0
+    d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
+    d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
         d.element.mode[c], d.element.undecided[c] = sign, 1
         backward = -sign * part * AGAINST * (50.0 + d.model.gravity_size + d.model.longest_link)
         place = d.candidate.place[c]
-        d.work.acceleration.x[place] = backward * d.candidate.normal_y[c]
-        d.work.acceleration.y[place] = -backward * d.candidate.normal_x[c]
+        d.scratch.acceleration.x[place] = backward * d.candidate.normal_y[c]
+        d.scratch.acceleration.y[place] = -backward * d.candidate.normal_x[c]
         assert is_inconsistent(d, c) == wrong
 
 
@@ -247,12 +247,12 @@ def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, 
     d, c = one
     other = d.candidates - 1
     assert d.candidate.place[other] != d.candidate.place[c]
-    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
+    d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.friction.stuck_count, d.element.stuck[0] = 1, other
     d.element.mode[c], d.element.undecided[c] = 1, 1
     for e, along in ((other, 1e-3), (c, -part * 1e-3)):
-        d.work.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
-        d.work.acceleration.y[d.candidate.place[e]] = -along * d.candidate.normal_x[e]
+        d.scratch.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
+        d.scratch.acceleration.y[d.candidate.place[e]] = -along * d.candidate.normal_x[e]
     assert is_inconsistent(d, c) == wrong
 
 
@@ -325,7 +325,7 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
     """
     d, c = one
     d.element.mode[c], d.element.undecided[c] = sign, 1
-    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
+    d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     for speed, slack in ((-3e-13, 6e-13), (3e-13, 0.0), (0.0, 0.0)):
         move_at(d, c, sign * speed)
         set_slack(d, c)
@@ -344,9 +344,9 @@ def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
     d, c = one
     d.element.mode[c], d.element.undecided[c] = sign, 1
     place = d.candidate.place[c]
-    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
-    d.work.acceleration.x[place] = -sign * d.candidate.normal_y[c]
-    d.work.acceleration.y[place] = sign * d.candidate.normal_x[c]
+    d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
+    d.scratch.acceleration.x[place] = -sign * d.candidate.normal_y[c]
+    d.scratch.acceleration.y[place] = sign * d.candidate.normal_x[c]
     allowed = d.solver.tolerance * d.model.longest_link
     for speed, slack in ((-allowed, 2.0 * allowed), (-0.1 * allowed, allowed), (allowed, allowed)):
         move_at(d, c, sign * speed)

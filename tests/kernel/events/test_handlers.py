@@ -37,7 +37,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
     y[5:10] -= gradient * (speed + gradient @ y[5:10]) / (gradient @ gradient)
     locate_points(d, y)
     d.step.state_end[:], d.step.end = y, 1.5
-    d.work.rate_start[:] = random_state(rng, d)
+    d.scratch.rate_start[:] = random_state(rng, d)
     d.step.method, d.step.stiff_count, d.step.switch_hysteresis = EXPLICIT, 3, 16
     d.step.next_size, d.step.flight_size = 0.125, 0.25
     return d
@@ -70,7 +70,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     """The contact ends within LEAVING_TIME of δ*/v₀ from its end; a contact that moves inward stays."""
     d = arrived(law, speed=speed)
     if speed == 0.0:
-        d.work.velocity.x[:] = d.work.velocity.y[:] = 0.0
+        d.scratch.velocity.x[:] = d.scratch.velocity.y[:] = 0.0
     touch(d, [C])
     d.touch.depth_scale[C], d.touch.impact_speed[C] = 0.2, 4.0
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
@@ -187,13 +187,13 @@ def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
 def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method, flight):
     d = arrived()
     d.inputs.tip_force[:] = 0.3, 0.4
-    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
     d.step.flight_size, d.step.method = flight, method
     choose_size(d, -1, False)
-    turning = control.size_in_flight(d, d.step.state_end, d.work.rate_start)
+    turning = control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
-    assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
+    assert vectors(d.scratch.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
     # no joint resists, so the flight has explicit steps
     assert begins_explicit(d)
 

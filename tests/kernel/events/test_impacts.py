@@ -51,7 +51,7 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
     # values from an earlier problem
-    d.constraints.target[:], d.constraints.in_active_set[:], d.constraints.start[:], d.work.load.x[:] = (
+    d.constraints.target[:], d.constraints.in_active_set[:], d.constraints.start[:], d.scratch.load.x[:] = (
         5.0,
         0,
         5.0,
@@ -75,7 +75,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     d, y, jacobian, response, w, candidates = touching([seed, count], POINTS[:count], base=base)
     before, there = jacobian @ y[6:12], kinetic(d, y)
     p = complementary_impulses(w, before, -E * before)
-    d.work.position.x[:], d.work.velocity.x[:] = 9.0, 9.0  # located elsewhere
+    d.scratch.position.x[:], d.scratch.velocity.x[:] = 9.0, 9.0  # located elsewhere
     impacts.handle_impact(d)
     after = d.step.state_end
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
@@ -95,7 +95,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(d.contact_log.separation_speed[rows], before + w @ p, rtol=1e-8)
     np.testing.assert_allclose(d.contact_log.impulse[rows], p, rtol=1e-9, atol=1e-9)
     # without contacts the loads are zero
-    assert not vectors(d.work.load).any()
+    assert not vectors(d.scratch.load).any()
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -179,7 +179,7 @@ def test_impulses_fall_short_by_more_than_round_off(short):
     d.constraints.reached[:4] = (
         0.5,
         0.9,
-        0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.work.velocity),
+        0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.scratch.velocity),
         0.5,
     )
     assert impacts.lacks_rebound(d) == (short > 1.0)
@@ -219,7 +219,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
         # choose errors whose correction needs pushing forces and pushing impulses
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
-        d.work.velocity.x[:], d.work.position.x[:] = 9.0, 9.0
+        d.scratch.velocity.x[:], d.scratch.position.x[:] = 9.0, 9.0
         before = d.quadrature.total[candidates].tolist()
         act(d)
         assert d.quadrature.total[candidates].tolist() == before
@@ -230,7 +230,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
     d, *_ = touching(2, (), arrive=False)
     impacts.handle_impact(d)
-    assert not vectors(d.work.load).any()
+    assert not vectors(d.scratch.load).any()
 
 
 def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
@@ -281,12 +281,12 @@ def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
 
 def test_contacts_end_where_they_stand_for_another_law():
     d, y, *_ = touching(1, (1, 6, 11), kinds=NONE, arrive=False)
-    d.work.velocity.x[:] = 99.0
+    d.scratch.velocity.x[:] = 99.0
     rates = []
     locate_points(d, y)
     for c in (1, 6, 11):
         rates.append(max(0.0, clearance(d, c)[1]))
-    d.work.velocity.x[:] = 99.0
+    d.scratch.velocity.x[:] = 99.0
     d.law.impulsive[:] = 0
     impacts.end_changed_contacts(d)
     assert d.touch.active_count == 0
@@ -297,7 +297,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
-    scale = largest(d, d.work.velocity)
+    scale = largest(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     impacts.end_unstopped_contacts(d)
@@ -334,7 +334,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gap, _ = clearance(d, 1)
-    farthest = max(np.abs(vectors(d.work.position)).max(), d.model.longest_link)
+    farthest = max(np.abs(vectors(d.scratch.position)).max(), d.model.longest_link)
     right = max(1e-13 * d.model.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
     d.touch.event[:] = NONE
@@ -385,7 +385,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     y = struck(rng, d, touched)
     make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
-    d.work.velocity.x[:] = 1e9  # velocities of an earlier state
+    d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state
     d.touch.speed[:], d.touch.force_rate[:] = 77.0, -5.0
     monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
     impacts.set_rates_after_impulses(d)

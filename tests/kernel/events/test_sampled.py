@@ -85,7 +85,7 @@ def test_the_ends_of_a_step_are_its_states_to_the_last_bit():
     d.step.state_end[0] -= 1e-3
     for theta, state in ((0.0, d.step.state), (1.0, d.step.state_end)):
         locate_at(d, theta)
-        np.testing.assert_array_equal(d.work.y, state)
+        np.testing.assert_array_equal(d.scratch.y, state)
 
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])
@@ -110,7 +110,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert found == pytest.approx(low, abs=1e-14)
     # the points are located at the found time
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
-    assert d.work.position.y[0] == pytest.approx(height, abs=1e-13)
+    assert d.scratch.position.y[0] == pytest.approx(height, abs=1e-13)
     assert d.touch.event[1] == KINK
 
 
@@ -173,7 +173,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.touch.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
     # the points are located at the found time
-    assert d.work.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
+    assert d.scratch.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
 
 
 def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
@@ -297,7 +297,7 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
 def test_the_strongest_force_accelerates_a_carriage_along_its_line():
     """M (g + a + s 1 rad/s²) with the mass M of carriage and pole, and the length s of the pole."""
     d = begun(cart())
-    d.step.state[5], d.work.rate_start[3:6] = 0.0, (4e3 * math.cos(0.1), 4e3 * math.sin(0.1), 0.0)
+    d.step.state[5], d.scratch.rate_start[3:6] = 0.0, (4e3 * math.cos(0.1), 4e3 * math.sin(0.1), 0.0)
     assert sampled.plausible_pull(d) == pytest.approx(2.5 * (9.81 + 4e3 + 0.5), rel=1e-12)
 
 
@@ -308,7 +308,7 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
     d.model.gravity_size = gravity
-    d.step.state[7:10], d.work.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
+    d.step.state[7:10], d.scratch.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
     mass, size = d.model.mass.sum(), d.model.length.max()
     turning = max(1.0, omega**2 + abs(alpha))
     assert sampled.plausible_pull(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)

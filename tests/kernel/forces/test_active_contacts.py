@@ -41,11 +41,11 @@ def in_contact(law="zhang_sharf", touching=3):
 def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     """Q = Σ F ∇g + f_tip·∇p_tip; the dissipated power is the walls' power minus the stored power."""
     scene, d, y, candidates, jacobian = in_contact(law, touching)
-    d.work.load.x[:] = d.work.load.y[:] = 9.0  # loads of another state
+    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
     forces = np.array([active_contacts.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
     lost = active_contacts.apply_contacts(d)
-    found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.work.load)))
+    found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.load)))
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
     if touching:
         expected = expected + jacobian.T @ forces
@@ -60,7 +60,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
     active_contacts.clear_loads(d)
-    assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
+    assert vectors(d.scratch.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
 
 
 @LAWS
@@ -86,7 +86,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     (gradient,) = gradients(scene, d, y[2:5], [c])
     shift = -speed - gradient @ y[5:10]
     normal = d.candidate.normal_x[c], d.candidate.normal_y[c]
-    for part, n in zip((d.work.velocity.x, d.work.velocity.y), normal, strict=True):
+    for part, n in zip((d.scratch.velocity.x, d.scratch.velocity.y), normal, strict=True):
         part[:] = part + shift * n
     for field in ("peak_force", "max_penetration", "force_rate"):
         d.touch[field][c] = 7.0
@@ -126,7 +126,7 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
     point, n = d.candidate.point, (d.candidate.normal_x, d.candidate.normal_y)
     sides = []
     for c, rate in zip(candidates, (-3.0, 0.0, 1e3), strict=True):
-        d.work.velocity.x[point[c]], d.work.velocity.y[point[c]] = rate * n[0][c], rate * n[1][c]
+        d.scratch.velocity.x[point[c]], d.scratch.velocity.y[point[c]] = rate * n[0][c], rate * n[1][c]
         sides.append(int(rate > 0.0))
         assert (active_contacts.kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
@@ -180,12 +180,12 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     touch(d, others)
-    lost, loads = active_contacts.apply_contacts(d), vectors(d.work.load)
+    lost, loads = active_contacts.apply_contacts(d), vectors(d.scratch.load)
     touch(d, candidates)
     d.touch.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
     assert active_contacts.apply_contacts(d) == lost
-    np.testing.assert_array_equal(vectors(d.work.load), loads)
+    np.testing.assert_array_equal(vectors(d.scratch.load), loads)
     assert d.touch.force[rigid] == -5.0
 
 

@@ -114,7 +114,7 @@ def test_a_contact_begins_in_the_direction_of_its_motion():
     speed = geometry.tangential_rate(d, c)
     friction.begin_friction(d, c)
     assert d.element.mode[c] == np.sign(speed)
-    for vector in (d.work.velocity.x, d.work.velocity.y):
+    for vector in (d.scratch.velocity.x, d.scratch.velocity.y):
         vector[:] = 0.0
     friction.begin_friction(d, c)
     assert d.element.mode[c] == friction.STICKS

@@ -47,7 +47,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     locate_points(d, y)
     most = holding.start_from_accelerations(d, y, rate)
     np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
-    assert most == max(np.abs(d.work.acceleration.x).max(), np.abs(d.work.acceleration.y).max())
+    assert most == max(np.abs(d.scratch.acceleration.x).max(), np.abs(d.scratch.acceleration.y).max())
     force = np.linalg.solve(w, -own.start[:4])
     own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
     holding.add_constraint_forces(d, y, rate)
@@ -79,7 +79,7 @@ def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
     for size in (1.0, 1e-9):  # s, for a motion and for errors
         own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
         constraints.activate_all(d)
-        d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
+        d.scratch.velocity.x[:], d.scratch.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
         equal = np.linalg.solve(w, -own.start[:4])
         holding.solve_stopping_impulses(d)
@@ -106,7 +106,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         nx, ny = d.candidate.normal_x[first], d.candidate.normal_y[first]
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
         compliance.effective_mass(d, second)
-        response[:, 1] = d.work.change  # M⁻¹ ∇g, by the recursion
+        response[:, 1] = d.scratch.change  # M⁻¹ ∇g, by the recursion
     own.start[:2] = 1e-6, -1e-6
     constraints.activate_all(d)
     d.solver.tolerance = tolerance

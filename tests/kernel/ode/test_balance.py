@@ -212,7 +212,7 @@ def test_a_balance_starts_from_the_present_energies():
     right = 3.0 * TOLERANCE * (own.unit_motion**2 + own.unit_scale)
     assert (own.least_allowed, own.allowed) == pytest.approx((right, right), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
-    d.step.breaks, d.work.position.x[:] = 12, 1e9
+    d.step.breaks, d.scratch.position.x[:] = 12, 1e9
     balance.rebase_energy(d)
     assert (own.at_end, own.breaks) == (present, 12)
 

@@ -67,7 +67,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     """The tangential error ½h²ω²L would be many penetrations, at the ends and in between."""
     instance = touching(tolerance)
     d, errors, seen = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
-    y = np.zeros(len(d.work.y))
+    y = np.zeros(len(d.scratch.y))
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
         if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING or d.step.start in seen:
@@ -114,7 +114,7 @@ def at_start(tolerance=1e-8, **tables):
     scene, d = chain(rng, N, **tables)
     d.step.state_end[:] = struck(rng, d, [])
     d.step.method, d.solver.tolerance = IMPLICIT, tolerance
-    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     return scene, d
 
 
@@ -147,12 +147,12 @@ def stiff_joint(damping, tolerance=1e-8):
     scene, d = at_start(tolerance)
     d.inputs.drive_damping[:-1] = 0.0, damping, 0.0
     d.model.has_springs_or_dampers, d.implicit.listing = 1, STALE
-    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
     vector = np.linalg.solve(mass_matrix(scene, d.step.state_end[2 : N + 2]), across)
     rho = damping * across @ vector
-    fast = vector * (across @ d.work.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
+    fast = vector * (across @ d.scratch.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
     speeds = d.step.state_end[velocity_at(N) : 2 * N + 4]
     scale = np.where(np.arange(N + 2) < 2, d.model.longest_link, 1.0) + np.abs(speeds)
     return d, rho, (np.abs(fast) / scale).max() / tolerance
@@ -181,8 +181,8 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     assert collocation.prepare(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
     d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # the chain turns as one body
-    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
-    d.work.rate_start[velocity_at(N) :] = 0.0
+    equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
+    d.scratch.rate_start[velocity_at(N) :] = 0.0
     assert collocation.prepare(d, 0.1) == 0.1
     d, _, _ = stiff_joint(0.0)
     assert collocation.prepare(d, 0.1) == 0.1
@@ -193,10 +193,10 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     d, _, _ = stiff_joint(1e3)
     own, listed = d.implicit, d.touch.listings
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
-        own.listing, d.step.last_method, before = listing, made_by, d.limits.other_work
+        own.listing, d.step.last_method, before = listing, made_by, d.limits.other_cost
         h = collocation.prepare(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
-        assert d.limits.other_work == before + measured
+        assert d.limits.other_cost == before + measured
 
 
 # --- the stages --------------------------------------------------------------------------------------------
@@ -288,12 +288,12 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     h = collocation.prepare(d, 1e-3)
-    before, evaluations = d.limits.other_work, d.statistics.rhs_evaluations
+    before, evaluations = d.limits.other_cost, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
     collocation.attempt(d, h)
     assert d.trial.error == 0.25
     iterations = d.implicit.iterations
-    assert d.limits.other_work - before == 6 + 4 * iterations + 3
+    assert d.limits.other_cost - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
     collocation.attempt(d, h)
@@ -312,9 +312,9 @@ def test_an_error_that_is_not_finite_is_infinite(bad):
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt(d, collocation.prepare(d, 1e-3))
-    size, before = extended_size(d), d.limits.other_work
+    size, before = extended_size(d), d.limits.other_cost
     free = collocation.estimate(d, 1e-3, size)
-    assert d.limits.other_work == before
+    assert d.limits.other_cost == before
     monkeypatch.setattr(collocation, "any_constraint", lambda _: True)
     solve, solved = collocation.solve_real, []
 
@@ -328,7 +328,7 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     monkeypatch.setattr(collocation, "force_errors", lambda _: errors)
     # e₁ min(1, e₁/e₂), with the moments in place of the other errors
     assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
-    assert d.limits.other_work == before + 1
+    assert d.limits.other_cost == before + 1
     assert free < 1e3
     # the error of the start is computed again
     assert [shift for shift, *_ in solved] == [1e-3 * REAL_EIGENVALUE] * 3

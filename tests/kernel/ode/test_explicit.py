@@ -103,7 +103,7 @@ def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
 def test_errors_of_all_components_are_controlled():
     """The errors of the supplied energy and of impulses are not controlled."""
     _, d = chain(np.random.default_rng(0), 3)
-    errors, stages = [], d.work.stage
+    errors, stages = [], d.scratch.stage
     for j in range(stages.shape[1]):
         stages[:] = 0.0
         stages[6, j] = 1.0
@@ -133,7 +133,7 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 def tried(d, h):
     """Return the record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since the start of the step
-    equations.rate_from_state(d, d["step"]["state_end"], d["work"]["stage"][0])
+    equations.rate_from_state(d, d["step"]["state_end"], d["scratch"]["stage"][0])
     methods.attempt(d, h)
     return d
 
@@ -280,14 +280,14 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [1, 6, 8])
-    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     # the last contact moves inward
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
     gaps[first] /= 3.0
     for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
         place, *n = row = geometry.normal_row(d, c)
-        d.candidate.offset[c] = geometry.along(row, d.work.position) - d.contact.radius - gap
-        d.work.velocity.x[place], d.work.velocity.y[place] = speed * np.array(n)
+        d.candidate.offset[c] = geometry.along(row, d.scratch.position) - d.contact.radius - gap
+        d.scratch.velocity.x[place], d.scratch.velocity.y[place] = speed * np.array(n)
     longest = toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
         roots = np.roots([0.5 * geometry.gap_acceleration(d, c), speed, gap])
@@ -307,9 +307,9 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
     d.step.state_end[:] = struck(rng, d, [6])
-    equations.rate_from_state(d, d.step.state_end, d.work.rate_start)
+    equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     d.touch.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
-    u, slope = d.step.state_end[root], d.work.stage[0, root] = 0.3, -0.8
+    u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
     longest = toward_end(d, 1e3)
     roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])
     left = min(roots[roots > 0.0])

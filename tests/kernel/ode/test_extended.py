@@ -24,7 +24,7 @@ def touching():
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
     y = struck(rng, d, touched)
     d.step.state_end[:] = y
-    equations.rate_from_state(d, y, d.work.rate_start)
+    equations.rate_from_state(d, y, d.scratch.rate_start)
     d.quadrature.computed = 1
     dense.reset_quadratures(d)
     d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
@@ -58,18 +58,18 @@ def normal_accelerations(scene, d, y, rate, touched):
 def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at_end):
     scene, d, touched, y = touching
     gaps = [geometry.clearance(d, c) for c in touched]
-    d.work.acceleration.x[:] = d.work.acceleration.y[:] = 1e9  # accelerations of another state
+    d.scratch.acceleration.x[:] = d.scratch.acceleration.y[:] = 1e9  # accelerations of another state
     if not at_end:
         kinematics.locate_points(d, y + 0.1)
-    d.work.at_end = at_end
+    d.scratch.at_end = at_end
     extended.extend_start(d)
     start, rate = d.implicit.start, d.implicit.start_rate
     assert start[:FIRST].tolist() == y[:FIRST].tolist()
-    assert rate[:FIRST].tolist() == d.work.rate_start[:FIRST].tolist()
+    assert rate[:FIRST].tolist() == d.scratch.rate_start[:FIRST].tolist()
     assert start[FIRST : FIRST + 4] == pytest.approx(np.transpose(gaps).ravel(), rel=1e-12)
     assert start[FIRST + 4 : FIRST + 6].tolist() == [3.0, 4.0]
     assert rate[FIRST : FIRST + 2] == pytest.approx([gap[1] for gap in gaps], rel=1e-12)
-    bends = normal_accelerations(scene, d, y, d.work.rate_start, touched)
+    bends = normal_accelerations(scene, d, y, d.scratch.rate_start, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     assert rate[FIRST + 4 : FIRST + 6].tolist() == [30.0, 40.0]
 
@@ -91,7 +91,7 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     # with the coordinates' clearances the result is the rate of the state
     extended.extended_rate(d, d.implicit.start.copy(), 0.0, rate)
-    assert rate[:FIRST] == pytest.approx(d.work.rate_start[:FIRST], rel=1e-9)
+    assert rate[:FIRST] == pytest.approx(d.scratch.rate_start[:FIRST], rel=1e-9)
 
 
 def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
@@ -104,4 +104,4 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
         right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
         assert (d.implicit.stiffness[k], d.implicit.damping[k]) == pytest.approx(right, rel=1e-13)
     for axis in "xy":
-        assert d.implicit.link[axis][:LINKS].tolist() == d.work.link[axis][:LINKS].tolist()
+        assert d.implicit.link[axis][:LINKS].tolist() == d.scratch.link[axis][:LINKS].tolist()

@@ -1,4 +1,4 @@
-"""A rate near a fold: the state it belongs to, the work it takes, and runs without a held point."""
+"""A rate near a fold: the state it belongs to, the cost, and runs without a held point."""
 
 import math
 
@@ -45,7 +45,7 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
         rate_from_state(*arguments)
 
     monkeypatch.setattr(folds, "rate_from_state", counted)
-    y, rate = np.zeros(len(d.step.state)), d.work.rate
+    y, rate = np.zeros(len(d.step.state)), d.scratch.rate
     folds.interpolate(d.step, THETA, y)
     y[6:8] *= 1.001  # as a projection could leave the state
     given = y.copy()
@@ -56,16 +56,16 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
     np.testing.assert_array_equal(rate[2:4], y[6:8])
     assert len(calls) > 3
     assert d.statistics.rhs_evaluations - before == len(calls) + 1
-    located = d.work.velocity.x.copy(), d.work.velocity.y.copy()
+    located = d.scratch.velocity.x.copy(), d.scratch.velocity.y.copy()
     locate_points(d, y)
-    np.testing.assert_array_equal(located, (d.work.velocity.x, d.work.velocity.y))
+    np.testing.assert_array_equal(located, (d.scratch.velocity.x, d.scratch.velocity.y))
 
 
 def test_a_rate_without_held_points_stays(folding):
     d = folding
-    rate_from_state(d, d.step.state_end, d.work.rate)
+    rate_from_state(d, d.step.state_end, d.scratch.rate)
     d.constraints.near_fold = 1  # from an earlier problem
     touch(d, [])
-    d.work.rate[:] = 5.0
-    folds.refine_rate(d, 0.5, d.step.state_end.copy(), d.work.rate)
-    assert (d.work.rate == 5.0).all()
+    d.scratch.rate[:] = 5.0
+    folds.refine_rate(d, 0.5, d.step.state_end.copy(), d.scratch.rate)
+    assert (d.scratch.rate == 5.0).all()

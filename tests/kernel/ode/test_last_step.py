@@ -28,7 +28,7 @@ def with_a_step(d, h=H):
     """Return the instance after one step of size h, whatever its error."""
     last_step.ensure_rate(d)
     last_step.ensure_points(d)
-    d.work.rate_start[:] = d.work.stage[0] = d.work.rate_end
+    d.scratch.rate_start[:] = d.scratch.stage[0] = d.scratch.rate_end
     methods.prepare(d, h)
     methods.attempt(d, h)
     last_step.accept(d)
@@ -50,7 +50,7 @@ def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
     last_step.ensure_rate(d)
     last_step.ensure_rate(d)
     assert d.statistics.rhs_evaluations - count == 1 - known
-    np.testing.assert_allclose(d.work.rate_end, exact_rate(d, d.step.state_end), atol=1e-12)
+    np.testing.assert_allclose(d.scratch.rate_end, exact_rate(d, d.step.state_end), atol=1e-12)
     before, breaks = d.step.state_end.copy(), int(d.step.breaks)
     d.step.state_end[-1] = 0.0
     with_a_step(d)
@@ -67,12 +67,12 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
         d.step.state_end[-1] = 0.0
         with_a_step(d, size)
         last_step.ensure_points(d)
-        found = np.array([d.work.position.x, d.work.velocity.y])
+        found = np.array([d.scratch.position.x, d.scratch.velocity.y])
         kinematics.locate_points(d, d.step.state_end)
-        np.testing.assert_array_equal(found, [d.work.position.x, d.work.velocity.y])
+        np.testing.assert_array_equal(found, [d.scratch.position.x, d.scratch.velocity.y])
         kinematics.locate_points(d, d.step.state)
     last_step.ensure_points(d)
-    np.testing.assert_array_equal(found[0], d.work.position.x)
+    np.testing.assert_array_equal(found[0], d.scratch.position.x)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -86,7 +86,7 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
     assert d.step.end == pytest.approx(0.3 * H, rel=1e-15)
     assert not d.step.rate_known
     last_step.ensure_rate(d)
-    np.testing.assert_allclose(d.work.rate_end, exact_rate(d, expected), atol=1e-12)
+    np.testing.assert_allclose(d.scratch.rate_end, exact_rate(d, expected), atol=1e-12)
     d.step.time = 0.25 * H
     last_step.truncate_to_output_time(d)
     assert d.step.end == 0.25 * H
@@ -164,7 +164,7 @@ def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
     exclusion.remember_clearances(d, exclusion.WITH_CURVES)
     assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
-    more = {"truncate_step": (0.5,), "reset_step": (0.0, d.work.y)}
+    more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.y)}
     getattr(last_step, how)(d, *more.get(how, ()))
     assert exclusion.known_clearances(d) == exclusion.NOTHING
     exclusion.remember_clearances(d, exclusion.FAR)
@@ -197,7 +197,7 @@ def test_without_contact_a_step_runs_in_time():
 def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
     d = with_a_step(started())
     last_step.ensure_dense(d, last_step.OUTPUTS)
-    there, y = d.step.state_end + 0.25, np.zeros(len(d.work.y))
+    there, y = d.step.state_end + 0.25, np.zeros(len(d.scratch.y))
     last_step.reset_step(d, 0.7, there)
     there[-2:] = 1.0, 0.0  # u, and the time in the step
     for theta in (0.0, 0.3, 1.0):
@@ -208,16 +208,16 @@ def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
 
 def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
     d = started()
-    first, step, work = state.omega_at(4), d.step, d.work
+    first, step, scratch = state.omega_at(4), d.step, d.scratch
     step.start, step.end = 1.0, 1.5
-    for vector in (step.state, step.state_end, work.rate_start, work.rate_end):
+    for vector in (step.state, step.state_end, scratch.rate_start, scratch.rate_end):
         vector[:] = 0.0
     assert last_step.largest_turn(d) == 0.0
     step.state[first + 2], step.state_end[first + 1] = -3.0, 2.0
     assert last_step.largest_turn(d) == pytest.approx(1.5)
-    work.rate_end[first + 1] = -8.0
+    scratch.rate_end[first + 1] = -8.0
     assert last_step.largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 8.0))
-    work.rate_start[first + 1] = 12.0
+    scratch.rate_start[first + 1] = 12.0
     assert last_step.largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 12.0))
 
 

@@ -36,7 +36,7 @@ def step():
     y = struck(rng, d, touched)
     d.touch.depth_scale[touched] = [2e-3, 5e-4]
     d.touch.impact_speed[touched], d.touch.effective_mass[touched] = 0.5, 1.0
-    d.step.state_end[:], d.work.at_end = y, 1
+    d.step.state_end[:], d.scratch.at_end = y, 1
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     factorize_real(d, SHIFT)

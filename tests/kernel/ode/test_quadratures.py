@@ -100,7 +100,7 @@ def d():
         rng.uniform(1.0, 9.0, part.shape) for part in (d.quadrature.dense, d.quadrature.stage)
     )
     d.touch.force[:] = rng.uniform(1.0, 9.0, d.candidates)
-    d.work.stage[:] = rng.uniform(0.1, 0.9, d.work.stage.shape)
+    d.scratch.stage[:] = rng.uniform(0.1, 0.9, d.scratch.stage.shape)
     return d
 
 
@@ -146,7 +146,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     before = d.quadrature.stage.copy()
     (dense.set_quadrature_stage_at_end if at_end else dense.set_quadrature_stage)(d, 4)
     forces = d.quadrature.rate_end[:2] if at_end else d.touch.force[TOUCHED]
-    right = forces * d.work.stage[4, time_at(2)]
+    right = forces * d.scratch.stage[4, time_at(2)]
     assert d.quadrature.stage[4, :2].tolist() == right.tolist()
     before[4, :2] = right
     assert d.quadrature.stage.tolist() == before.tolist()

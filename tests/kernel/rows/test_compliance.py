@@ -37,8 +37,8 @@ def made(case, resist=True):
         d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
     )
     # values from an earlier problem
-    set_impedances(d.work.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
-    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    set_impedances(d.scratch.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
+    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
     walls = [c for c in range(d.candidates) if c not in stops]
     of_walls = dict(zip(walls, gradients(scene, d, y[2 : count + 2], walls), strict=True))
     rows = [
@@ -63,21 +63,21 @@ def assert_moved(scene, d, angles, change):
     """Assert that points and joints move as the change of the coordinates says."""
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
-    np.testing.assert_allclose(vectors(d.work.motion), moved, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(vectors(d.scratch.motion), moved, rtol=0, atol=1e-9)
     if d.model.has_stops:
         turns = d.model.longest_link * (relative_motion(count) @ change)
-        np.testing.assert_allclose(d.work.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(d.scratch.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
 
 def assert_loads(scene, d, angles, added, work):
     """Assert the work of loads of points and joints, and the addition of their impedances to M."""
-    own, count = d.work.impedance, d.links
-    for k, load in enumerate(vectors(d.work.load)):
+    own, count = d.scratch.impedance, d.links
+    for k, load in enumerate(vectors(d.scratch.load)):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
     for i, turn in enumerate(d.model.longest_link * relative_motion(count) if d.model.has_stops else ()):
-        work = work - d.work.load.x[count + 1 + i] * turn
+        work = work - d.scratch.load.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
     np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)
     np.testing.assert_allclose(added, 0.0, rtol=0, atol=1e-11)
@@ -103,18 +103,18 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
-        d.work.impedance.joint[i] = drive_resistance(d, i, time)
-    geometry.join(d, d.work.impedance)
+        d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
+    geometry.join(d, d.scratch.impedance)
     with_joints = d.model.has_springs_or_dampers or d.model.has_stops
-    response.factorize(d, d.work.link, d.work, response.SHIFTED, with_joints)
+    response.factorize(d, d.scratch.link, d.scratch, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.model.has_base_joint  # a free base is no joint
-    geometry.clear_loads_of(d, d.work.load)
+    geometry.clear_loads_of(d, d.scratch.load)
     for k in range(active):
-        geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.work.load, impulse[k])
-    d.work.load.joint[:] += joints
+        geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.scratch.load, impulse[k])
+    d.scratch.load.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_space(d, d.work.link, d.work, response.SHIFTED, change)
+    compliance.solve_space(d, d.scratch.link, d.scratch, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.has_base_joint

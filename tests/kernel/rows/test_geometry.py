@@ -78,14 +78,14 @@ def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     scene, d = placed
     d.contact.radius = 0.07
     place_walls(d)
-    y = np.random.default_rng(3).normal(size=len(d.work.y))
+    y = np.random.default_rng(3).normal(size=len(d.scratch.y))
     kinematics.locate_points(d, y)
     names = list(scene.half_planes)
     for c in range(d.candidates):
         point, wall = d.candidate.point[c], scene.half_planes[names[c % len(names)]]
         gap, rate = clearance(d, c)
-        place = d.work.position.x[point], d.work.position.y[point]
-        speed = np.array([d.work.velocity.x[point], d.work.velocity.y[point]])
+        place = d.scratch.position.x[point], d.scratch.position.y[point]
+        speed = np.array([d.scratch.velocity.x[point], d.scratch.velocity.y[point]])
         assert gap == pytest.approx(wall.clearance(*place) - 0.07, abs=1e-14)
         assert rate == pytest.approx(speed @ wall.normal, abs=1e-14)
 
@@ -105,7 +105,7 @@ def test_a_candidate_can_be_given_any_wall(c):
         assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
         for distance in (0.0, 0.7):
             place = np.array(point) - 3.0 * along + distance * n
-            d.work.position.x[:], d.work.position.y[:] = place
+            d.scratch.position.x[:], d.scratch.position.y[:] = place
             gap, _ = clearance(d, c)
             assert gap + d.contact.radius == pytest.approx(distance, abs=3e-14)
 
@@ -158,7 +158,7 @@ def assert_adjoint(d, rows, change):
 
     Also check loads and impedances of joints that have been converted into moments.
     """
-    rng, motion, load, own = np.random.default_rng(9), d.work.motion, d.work.load, d.work.impedance
+    rng, motion, load, own = np.random.default_rng(9), d.scratch.motion, d.scratch.load, d.scratch.impedance
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
     for row in rows:
         speed, force = along(row, motion), rng.normal()
@@ -185,16 +185,16 @@ def any_change(d):
     """Return some change of the coordinates, along which the points and joints move."""
     change = np.random.default_rng(8).normal(size=d.links + 2)
     change[: 2 * d.model.has_base_joint] = 0.0
-    kinematics.move_points(d, d.work.link, change, d.work.motion)
+    kinematics.move_points(d, d.scratch.link, change, d.scratch.motion)
     return change
 
 
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
-    change, bound = any_change(d), length_bound(d, d.work.motion)
+    change, bound = any_change(d), length_bound(d, d.scratch.motion)
     rows = [normal_row(d, c) for c in range(d.candidates)]
     assert_adjoint(d, rows, change)
-    speeds = [along(row, d.work.motion) for row in rows]
+    speeds = [along(row, d.scratch.motion) for row in rows]
     assert np.abs(speeds).max() <= bound
     np.testing.assert_allclose(speeds, differenced(d, y, change), rtol=0, atol=1e-6)
 
@@ -217,16 +217,16 @@ def test_any_place_may_be_the_fastest(place):
     """The places are points 0 to 3, and the joints of three links."""
     d = stopped_chain(3)[1]
     for axis in "xy":
-        d.work.motion[axis][:] = 0.25
-    d.work.motion.x[place] = -4.0
-    assert length_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
+        d.scratch.motion[axis][:] = 0.25
+    d.scratch.motion.x[place] = -4.0
+    assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 4.0)
     d.model.has_stops = 0
-    assert length_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
+    assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 0.5)
 
 
 def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     d = stopped_chain(3, "pinned")[1]
-    y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.longest_link
+    y, position, size = np.zeros(len(d.step.state)), d.scratch.position, d.model.longest_link
     position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
     y[2:5] = 0.5, -1.5, 4.0
     joints = {1: 0.5, 2: 2.0, 3: 5.5}

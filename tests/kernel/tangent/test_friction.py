@@ -20,7 +20,7 @@ def t():
     one.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3, mode=[1] * 3, undecided=[1] * 3)
     one.element.limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
     one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
-    one.work = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
+    one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
     one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
     one.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     one.model = SimpleNamespace(longest_link=dual(2.0))
@@ -78,7 +78,7 @@ def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, stati
 def margin_of(monkeypatch, t, rate):
     """Return φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
     y = [dual(9.0, 2.0, -6.0)]
-    t.work.y, t.step.state_end, t.work.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
+    t.scratch.y, t.step.state_end, t.scratch.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
     located = []
     monkeypatch.setattr(event_times, "locate_points", lambda _t, y: located.append(y[0].value - 9.0))
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
@@ -130,7 +130,7 @@ def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t
 def settling(monkeypatch, t, largest):
     """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
     t.model.longest_link, t.model.gravity_size, t.trust.share = dual(2.0), dual(6.0), 0.0
-    t.work.position = "position"
+    t.scratch.position = "position"
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_slope", lambda _t, k: largest[k])
 

@@ -86,7 +86,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
-    d.work = SimpleNamespace(rate_end=rng.normal(size=SIZE))
+    d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
     d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
@@ -95,9 +95,9 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
-    t.work, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(share=0.0)
+    t.scratch, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(share=0.0)
     t.trial = SimpleNamespace(state="y", size=-1.0)
-    t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
+    t.scratch.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     # friction at candidate 1 and in the joint, element 2
     t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0)
     t.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3)
@@ -188,8 +188,8 @@ def test_values_are_those_of_the_run_and_slopes_stay():
     replay.take_values(d, t)
     assert [number.value for number in t.step.state_end] == d.step.state_end.tolist()
     assert [number.slope.tolist() for number in t.step.state_end] == slopes
-    assert [parts(number) for number in t.work.rate_end] == [
-        (rate, [100.0, 100.0]) for rate in d.work.rate_end
+    assert [parts(number) for number in t.scratch.rate_end] == [
+        (rate, [100.0, 100.0]) for rate in d.scratch.rate_end
     ]
     assert parts(t.step.end) == (1.5, [3.0, 4.0])
 

@@ -166,7 +166,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
-    t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
+    t.scratch.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     starts.start_tangent(d, t)
     records = ["model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
     records += ["given", "stops", "solver"]
@@ -178,7 +178,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     for name in ("time", "start", "end", "clock", "size", "regularized", "method", "switch_hysteresis"):
         assert t.step[name] == d.step[name], name
     np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
-    np.testing.assert_array_equal(vectors(t.work.load), vectors(d.work.load))
+    np.testing.assert_array_equal(vectors(t.scratch.load), vectors(d.scratch.load))
     assert t.trust.reason == trust.TRUSTED
     assert t.impact.last_time == 1.5
 
@@ -200,7 +200,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert candidate_laws.update_laws(d) == OK
-    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
+    t.scratch.load.x[:], t.touch.beyond_kink[4], t.step.time, t.step.start_delay = 9.0, 5, 1.0, 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
     starts.reinit_tangent(d, t)
@@ -208,7 +208,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     assert t.step.time == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
-    assert vectors(t.work.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
+    assert vectors(t.scratch.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
     assert (t.law.number[4], t.law.stiffness[4]) == (number, 3e5)
     assert t.touch.active_count == 1
     if law == "newton_impact":

@@ -111,7 +111,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
     x, y = (np.array([dual(0.0), dual(speed)], object) for speed in speeds)
-    t.work = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), at_end=1)
+    t.scratch = SimpleNamespace(velocity=SimpleNamespace(x=x, y=y), at_end=1)
     t.trust = SimpleNamespace(reason=trust.TRUSTED, time=0.0, point=9, wall=9)
     return t
 
@@ -138,7 +138,7 @@ def told(t):
 def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
     for speeds in ((3.0, 4.0), (-4.0, 3.0)):
         t = instance([NONE, ONSET], speeds)
-        for vector in (t.work.velocity.x, t.work.velocity.y):
+        for vector in (t.scratch.velocity.x, t.scratch.velocity.y):
             vector[:] = vector[:: int(np.sign(speeds[0]))].copy()
         t.law.impulsive[1] = rigid
         approaching(monkeypatch, 0.0, rate, 0.0, 0.0)
@@ -175,7 +175,7 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
-        t.touch.speed[2], t.law.number[2], t.work.at_end = dual(rates[0]), number, at_end
+        t.touch.speed[2], t.law.number[2], t.scratch.at_end = dual(rates[0]), number, at_end
         monkeypatch.setattr(trust.user_law, "is_present", lambda present=present: present)
         assert asked == []
         trust.check_turns(t)

@@ -76,11 +76,11 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     Returns A and b at its inner joint from A' and b' at its outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = lx, ly, _, _, _ = arm(d, d.work.link, i, outward)
+    link = lx, ly, _, _, _ = arm(d, d.scratch.link, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L: the force at the outer joint if α = 0 and the inner joint has no acceleration
-    dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
-    dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
+    dx = bx - d.scratch.load.x[joint] - w2 * (axx * lx + axy * ly)
+    dy = by - d.scratch.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, about_joint = hinge(link, axx, axy, ayy)
     return eliminate_link(d, i, w2, link, hx, hy, 1.0 / about_joint, axx, axy, ayy, dx, dy)
 
@@ -91,8 +91,8 @@ def eliminate_end(d, y, i, outward):
     The inertia H of this link is a constant.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
-    dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
+    link = _, _, sx, sy, inertia = arm(d, d.scratch.link, i, outward)
+    dx, dy = -d.scratch.load.x[joint], -d.scratch.load.y[joint]
     w2 = omega * omega
     return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
@@ -105,11 +105,11 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
     # the moment about the inner joint without accelerations: h₀ = L⊥·d − m c⊥·g − τ
-    h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.work.moment[i])
+    h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.scratch.moment[i])
     if d.sites > 0:
-        h0 -= d.work.load.link[i]
+        h0 -= d.scratch.load.link[i]
     kx, ky = hx * inverse, hy * inverse
-    kept = d.work.elimination
+    kept = d.scratch.elimination
     kept.gain_x[i], kept.gain_y[i], kept.inverse[i], kept.bias[i] = kx, ky, inverse, h0 * inverse
     # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m c − m g − h h₀/H
     return (
@@ -126,13 +126,13 @@ def accelerate(d, y, i, outward, ax, ay, rate):
 
     Returns the acceleration of the outer joint.
     """
-    kept, speed_index = d.work.elimination, omega_at(d.links) + i
+    kept, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
-    lx, ly = sign * d.work.link.x[i], sign * d.work.link.y[i]
+    lx, ly = sign * d.scratch.link.x[i], sign * d.scratch.link.y[i]
     # acceleration of the outer joint: a' = a + α L⊥ − ω² L
     return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
@@ -141,9 +141,9 @@ def accelerations(d, y, rate):
     """Solve the equations of motion for the accelerations.
 
     Args:
-        d: the instance; reads ``work.link`` (L_i) [m], ``work.load`` (external force on each point 0…N [N]
-            and moment on each link [N·m]), ``work.moment`` (net joint torque on each link) [N·m] and, with a
-            slider, ``work.thrust`` (force of its drive) [N].
+        d: the instance; reads ``scratch.link`` (L_i) [m], ``scratch.load`` (external force on each point 0…N
+            [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link) [N·m] and,
+            with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, and of the
             links [rad/s²]. The function also stores the factors that ``take_factors`` needs for the response
@@ -176,19 +176,19 @@ def arms(d, y, rate, middle):
     if d.slides:
         # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b)
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
-        kept = d.work.elimination
+        kept = d.scratch.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
-        push_x = d.work.load.x[0] + m * d.model.gravity[0] - bx
-        push_y = d.work.load.y[0] + m * d.model.gravity[1] - by
-        along = (d.work.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
+        push_x = d.scratch.load.x[0] + m * d.model.gravity[0] - bx
+        push_y = d.scratch.load.y[0] + m * d.model.gravity[1] - by
+        along = (d.scratch.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
         ax, ay = along * ux, along * uy
     elif middle > 0 or not d.model.has_base_joint:
         axx, axy, ayy = axx + cxx, axy + cxy, ayy + cyy
-        bx, by = bx + dx - d.work.load.x[middle], by + dy - d.work.load.y[middle]
+        bx, by = bx + dx - d.scratch.load.x[middle], by + dy - d.scratch.load.y[middle]
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant
-        kept = d.work.elimination
+        kept = d.scratch.elimination
         kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
     # accelerations from the middle outward: a toward the last link, c toward the base, which gets c. A base

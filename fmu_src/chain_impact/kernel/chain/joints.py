@@ -60,24 +60,25 @@ def rate_of(resistance, inertia):
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in ``work.link``.
+    The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in
+    ``scratch.link``.
     """
     set_link_vectors(d, y)
-    work, fastest = d.work, 0.0
-    no_impedance(d, work.impedance)
+    scratch, fastest = d.scratch, 0.0
+    no_impedance(d, scratch.impedance)
     for i in range(d.links):
-        work.impedance.joint[i] = drive_inertia(d, i)
-    factorize(d, work.link, work, FREE, True)
-    zero(d, work.load)
-    clear_joints(work.load)
-    clear_link_moments(d, work.load)
+        scratch.impedance.joint[i] = drive_inertia(d, i)
+    factorize(d, scratch.link, scratch, FREE, True)
+    zero(d, scratch.load)
+    clear_joints(scratch.load)
+    clear_link_moments(d, scratch.load)
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, i)
         if c > 0.0 or k > 0.0:
-            load_drive(d, work.load, i, 1.0)
-            solve(d, work.link, work, FREE, work.change)
-            load_drive(d, work.load, i, 0.0)
+            load_drive(d, scratch.load, i, 1.0)
+            solve(d, scratch.link, scratch, FREE, scratch.change)
+            load_drive(d, scratch.load, i, 0.0)
             # g_iᵀ M⁻¹ g_i, the change of the rate of the drive's coordinate by a unit impulse along it
-            mobility = along_drive(d, work.change, 0, i)
+            mobility = along_drive(d, scratch.change, 0, i)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     return fastest

@@ -91,7 +91,7 @@ def locate_points_now(d, y):
 
 def place_points(d, y):
     """Locate the points as ``locate_points`` does, but with the present link vectors, base and walls."""
-    n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
+    n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
     if d.channels > 0 and d.model.base_moves:
@@ -124,7 +124,7 @@ def place_joints(d, values, first, vectors):
 
 def accelerate_points(d, y, rate):
     """Set the accelerations [m/s²] of all places, which must be located, for the state y and its rate."""
-    n, link, acceleration = d.links, d.work.link, d.work.acceleration
+    n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
@@ -161,17 +161,17 @@ def clear_joints(values):
 def set_link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
     note_points_elsewhere(d)
-    polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
+    polar(d.model.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
 
 
 def note_points_at_end(d):
     """Record that the points are located and accelerated at the end of the last step."""
-    d.work.at_end = 1
+    d.scratch.at_end = 1
 
 
 def note_points_elsewhere(d):
     """Record that the points are not located at the end of the last step."""
-    d.work.at_end = 0
+    d.scratch.at_end = 0
 
 
 def move_points(d, link_vectors, change, response):

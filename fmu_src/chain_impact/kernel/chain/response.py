@@ -150,7 +150,7 @@ def take_factors(d, coupled):
     """
     if d.model.has_armatures:
         return
-    elimination, factors = d.work.elimination, d.work.factors
+    elimination, factors = d.scratch.elimination, d.scratch.factors
     set_middle(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
     factors.coupled[FREE] = 1 if coupled else 0
     for i in range(d.links):

@@ -49,9 +49,9 @@ def place_sites(d, y, first, position, velocity):
     """Set positions and velocities of the sites; ω of the links begins at index ``first`` of the state y."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
-        rx, ry = site_arm(d, d.work.link, s)
+        rx, ry = site_arm(d, d.scratch.link, s)
         position.x[k], position.y[k] = position.x[i] + rx, position.y[i] + ry
-    turn_sites(d, d.work.link, y, first, velocity)
+    turn_sites(d, d.scratch.link, y, first, velocity)
 
 
 def turn_sites(d, link_vectors, turns, first, vectors):
@@ -68,10 +68,10 @@ def turn_sites(d, link_vectors, turns, first, vectors):
 
 def accelerate_sites(d, y, rate, first, acceleration):
     """Set the accelerations of the sites; ω and α of links begin at index ``first`` of y and of its rate."""
-    turn_sites(d, d.work.link, rate, first, acceleration)
+    turn_sites(d, d.scratch.link, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
-        rx, ry = site_arm(d, d.work.link, s)
+        rx, ry = site_arm(d, d.scratch.link, s)
         acceleration.x[k] -= omega * omega * rx
         acceleration.y[k] -= omega * omega * ry
 

@@ -7,13 +7,13 @@ fall to −OVERLAP is halved. So the search also finds a wall that passes the ba
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.motion import move
+from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.ode.dense import TRIES, fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
 from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
-from chain_impact.kernel.work import count_other_work, work_exceeded
 
 
 def end_at_base(d):
@@ -42,7 +42,7 @@ def check_base(d):
 def overlap_margin(d, c, time):
     """Return how far [m] the base is from −OVERLAP in the wall of candidate c, at a time [s]."""
     move(d, time)
-    count_other_work(d, 1)
+    count_other_cost(d, 1)
     return base_clearance(d, c) + OVERLAP
 
 
@@ -51,7 +51,7 @@ def time_of_meeting(d, c, until):
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
-    while at_a >= 0.0 and not work_exceeded(d):
+    while at_a >= 0.0 and not cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
         # in so short an interval the clearance g falls through −OVERLAP at most once, up to round-off

@@ -4,6 +4,7 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
 from chain_impact.kernel.forces.active_contacts import (
@@ -32,7 +33,6 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever_of_candidate
-from chain_impact.kernel.work import count_evaluations, counted_work, uncount_work
 
 HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
 
@@ -104,9 +104,9 @@ def update_held_extremes(d):
     length = fraction(d, step.end) - first
     for j in range(HELD_SAMPLES):
         theta = first + length * j / (HELD_SAMPLES - 1)
-        interpolate(step, theta, d.work.y)
-        rate_from_state(d, d.work.y, d.work.rate)
-        refine_rate(d, theta, d.work.y, d.work.rate)
+        interpolate(step, theta, d.scratch.y)
+        rate_from_state(d, d.scratch.y, d.scratch.rate)
+        refine_rate(d, theta, d.scratch.y, d.scratch.rate)
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
@@ -126,13 +126,13 @@ def update_to_output_time(d):
 
 def update_own_to_output_time(d):
     """End the last step at the communication point, and log the active contacts up to this point."""
-    counted = counted_work(d)
+    counted = counted_cost(d)
     end_at_output_time(d)
     ensure_rate(d)
     update_peaks(d)
     commit_quadratures(d)
     log_active(d)
-    uncount_work(d, counted)
+    uncount_cost(d, counted)
 
 
 def end_at_output_time(d):
@@ -168,8 +168,8 @@ def list_latest(d):
         if not d.law.impulsive[c]:
             peak, depth, elsewhere = peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
-                interpolate(d.step, theta, d.work.y)
-                locate_points(d, d.work.y)
+                interpolate(d.step, theta, d.scratch.y)
+                locate_points(d, d.scratch.y)
         log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
         rows += 1
     for row in range(min(rows, len(log.point))):
@@ -209,8 +209,8 @@ def penetration_at(d, c, theta):
 
 def clearance_at(d, c, theta):
     """Return the clearance [m] of candidate c and its rate [m/s] at the fraction θ of the last step."""
-    interpolate(d.step, theta, d.work.y)
-    locate_points(d, d.work.y)
+    interpolate(d.step, theta, d.scratch.y)
+    locate_points(d, d.scratch.y)
     return clearance(d, c)
 
 

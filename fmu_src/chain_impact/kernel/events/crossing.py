@@ -16,6 +16,7 @@ from chain_impact.kernel.chain import motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
 from chain_impact.kernel.ode.collocation import curvatures
@@ -24,7 +25,6 @@ from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_b
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal_row
-from chain_impact.kernel.work import count_other_work, work_exceeded
 
 FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
 
@@ -77,15 +77,15 @@ def first_passage(function, samples, resolution):
 
 
 def locate_at(d, theta):
-    """Set ``work.y`` to the state at the fraction θ of the last step, and locate the points there."""
-    count_other_work(d, 1)
+    """Set ``scratch.y`` to the state at the fraction θ of the last step, and locate the points there."""
+    count_other_cost(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
-        interpolate(d.step, theta, d.work.y)
+        interpolate(d.step, theta, d.scratch.y)
     else:
-        for j in range(len(d.work.y)):
-            d.work.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
-    locate_points(d, d.work.y)
+        for j in range(len(d.scratch.y)):
+            d.scratch.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
+    locate_points(d, d.scratch.y)
 
 
 # The largest deviation of a clearance φ from its chord that counts as round-off, relative to a link length;
@@ -108,7 +108,7 @@ def find_crossing(d):
     step must be set, and no candidate may be marked.
     """
     a, b = 0.0, 1.0
-    while not work_exceeded(d):
+    while not cost_exceeded(d):
         measure(d, b)
         verdict = check_interval(d, a, b)
         if verdict == SPLIT:
@@ -237,7 +237,7 @@ def find_root(d, c, a, b):
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
-        u, slope = sundman_u_now(d, d.work.y)
+        u, slope = sundman_u_now(d, d.scratch.y)
         set_clearance(d, c, u, slope)
     measure_located(d)
     return theta
@@ -258,7 +258,7 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, sundman_u_at(n))
     along_x = rate_bounds(d.step, velocity_at(n))
     along_y = rate_bounds(d.step, velocity_at(n) + 1)
-    reach = d.work.reach
+    reach = d.scratch.reach
     reach[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
@@ -278,11 +278,11 @@ def bound_curvature(d):
 
 
 def links_part(d, c):
-    """Return the contribution of the links to the curvature bound of candidate c, from ``work.reach``.
+    """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
 
     For a site at the distance r from the begin of its link, that link's part is multiplied by r/ℓ.
     """
-    reach, point = d.work.reach, d.candidate.point[c]
+    reach, point = d.scratch.reach, d.candidate.point[c]
     if point <= d.links:
         return reach[point]
     s = site_of_point(d, point)
@@ -337,6 +337,6 @@ def measure(d, theta):
 
 def measure_located(d):
     """Set the clearance φ and its rate φ′ of every suspect where ``locate_at`` has located the points."""
-    u, slope = sundman_u_now(d, d.work.y)
+    u, slope = sundman_u_now(d, d.scratch.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

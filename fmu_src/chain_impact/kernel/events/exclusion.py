@@ -64,7 +64,7 @@ def excludes_events(d):
         return True
     if known_clearances(d) != WITH_CURVES:
         locate_points(d, d.step.state)
-        accelerate_points(d, d.step.state, d.work.rate_start)
+        accelerate_points(d, d.step.state, d.scratch.rate_start)
         measure_all(d, d.step.state)
         ensure_points(d)
     keep_start(d)
@@ -155,8 +155,8 @@ def remains_far(d):
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
-    search.speed = length_bound(d, d.work.velocity)
-    search.acceleration = length_bound(d, d.work.acceleration)
+    search.speed = length_bound(d, d.scratch.velocity)
+    search.acceleration = length_bound(d, d.scratch.acceleration)
     if d.channels > 0:
         rate, rate_change = fastest_wall(d)
         search.speed, search.acceleration = search.speed + rate, search.acceleration + rate_change

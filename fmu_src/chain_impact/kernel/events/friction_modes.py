@@ -14,6 +14,7 @@ the limits of friction (rows/limits.py), which always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
 from chain_impact.kernel.events.onset_modes import begins, decide_onsets
@@ -36,7 +37,6 @@ from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.rows.limits import share_within_limits
-from chain_impact.kernel.work import count_evaluations
 
 # The largest acceleration against the direction of sliding that counts as an error, for an element at rest
 # with the mode "slides" that other forces hold. It is relative to the sum of the largest acceleration,
@@ -158,7 +158,7 @@ def choose_modes(d):
 
 def count_inconsistent_now(d):
     """Find forces and accelerations with the present modes, and return the number of inconsistent modes."""
-    rate = d.work.rate
+    rate = d.scratch.rate
     list_sticking(d)
     rate_from_points(d, d.step.state_end, rate)
     count_evaluations(d, 1)
@@ -228,7 +228,8 @@ def unsure_acceleration(d):
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
     return (
-        AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.longest_link) + 2.0 * left
+        AGAINST * (largest(d, d.scratch.acceleration) + d.model.gravity_size + d.model.longest_link)
+        + 2.0 * left
     )
 
 

@@ -8,6 +8,7 @@ force and a simultaneous onset begin after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
@@ -44,10 +45,9 @@ from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.work import count_evaluations
 
 # The largest time that a point still needs to get out of the wall if it counts as having left, relative to
-# the contact's time scale. To wait for the exit would cost one more step, a tenth of the work of an impact at
+# the contact's time scale. To wait for the exit would take one more step, a tenth of the cost of an impact at
 # a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
@@ -96,7 +96,7 @@ def apply_events(d):
     if d.friction.count > 0:
         # The forces decide whether elements stick. They are computed again, because they may belong to
         # another time, at which outputs were computed.
-        rate_from_points(d, d.step.state_end, d.work.rate)
+        rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
     had_forces = touch.compliant_count > 0
     if not had_forces:
@@ -164,7 +164,7 @@ def choose_size(d, onset, goes_on):
     if d.touch.active_count == 0:
         clear_loads(d)
         control.resume_flight(d)
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.work.rate_start))
+        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
         begin_flight(d)
     elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
         c = onset if onset >= 0 else d.touch.active_index[0]

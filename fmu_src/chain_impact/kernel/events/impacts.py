@@ -229,8 +229,8 @@ def lacks_rebound(d):
 
 def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed that is larger than round-off."""
-    free_rate_from_inputs(d, d.step.state_end, d.work.rate)
-    fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
+    free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
+    fall = start_from_accelerations(d, d.step.state_end, d.scratch.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed RISE link
     # lengths
     slow = math.sqrt(2.0 * fall * RISE * d.model.longest_link)
@@ -290,7 +290,7 @@ def update_active_set(d):
         locate_points(d, state)
         project_state(d, state)
         end_unstopped_contacts(d)
-        rate = d.work.rate
+        rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)
         take_factors(d, joints_loaded(d))
         scale = start_from_accelerations(d, state, rate)

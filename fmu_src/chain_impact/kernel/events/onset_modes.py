@@ -6,12 +6,12 @@ with a ratio that follows from the chain's inertia. The point sticks if this tan
 F; otherwise the point slides against it.
 """
 
+from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
 from chain_impact.kernel.forces.friction import STICKS, against, list_sticking, set_mode
 from chain_impact.kernel.forces.holding import start_from_loads
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
-from chain_impact.kernel.work import count_other_work
 
 # [s] The time after an onset at which the forces are compared. For several contacts that begin at the same
 # moment, the ratio of their normal forces is that of this time.
@@ -31,15 +31,15 @@ def decide_onsets(d):
     if open_ones == 0:
         return
     list_sticking(d)
-    clear_loads_of(d, d.work.load)
+    clear_loads_of(d, d.scratch.load)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         if begins(d, c):
-            add_along(normal_row(d, c), d.work.load, force_soon(d, c))
+            add_along(normal_row(d, c), d.scratch.load, force_soon(d, c))
     scale = start_from_loads(d)
     activate_all(d)
     solve_equality(d, scale)
-    count_other_work(d, 1)
+    count_other_cost(d, 1)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         force = d.constraints.impulse[d.touch.active_count + i]

@@ -30,6 +30,7 @@ from chain_impact.kernel.chain.drives import along_drive, mode_margin
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at, velocity_at
+from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
@@ -53,7 +54,6 @@ from chain_impact.kernel.ode.control import SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
-from chain_impact.kernel.work import count_evaluations
 
 # The number of samples of a step in which a stage has shown an event, including the step's end. The search
 # for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
@@ -63,7 +63,7 @@ SAMPLES, FEW_SAMPLES = 8, 4
 # stages show all events, although they are up to a quarter of the step apart.
 TURN_OF_STAGES = 0.5
 SAMPLES_PER_RADIAN = 8.0  # number of samples for each radian of a larger turn
-MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of samples: it bounds the work
+MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of samples: it bounds the cost
 # The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
 # link length per s²).
 PULL_ROUND_OFF = 1e-11
@@ -237,9 +237,9 @@ def plausible_pull(d):
     """
     first, turning, carriage = omega_at(d.links), 1.0, 0.0
     if d.slides:
-        carriage = abs(along_drive(d, d.work.rate_start, velocity_at(d.links), d.links))
+        carriage = abs(along_drive(d, d.scratch.rate_start, velocity_at(d.links), d.links))
     for i in range(d.links):
-        omega, alpha = d.step.state[first + i], d.work.rate_start[first + i]
+        omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
     size = d.model.longest_link
     return d.model.energy_scale / (size * size) * (d.model.gravity_size + carriage + d.links * size * turning)
@@ -250,11 +250,11 @@ def least_force(d, _c, theta):
 
     The result includes the pull that counts as round-off, so it is negative only if a wall really pulls.
     """
-    interpolate(d.step, theta, d.work.y)
+    interpolate(d.step, theta, d.scratch.y)
     # without `project_state`, stiff joints would turn the interpolant's error into a force
-    locate_points(d, d.work.y)
-    project_state(d, d.work.y)
-    rate_from_state(d, d.work.y, d.work.rate)
+    locate_points(d, d.scratch.y)
+    project_state(d, d.scratch.y)
+    rate_from_state(d, d.scratch.y, d.scratch.rate)
     count_evaluations(d, 1)
     return least_impulse(d) + pull_limit(d)
 
@@ -323,8 +323,8 @@ def element_margin(d, e, theta):
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
         return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
-    project_state(d, d.work.y)
-    rate_from_state(d, d.work.y, d.work.rate)
+    project_state(d, d.scratch.y)
+    rate_from_state(d, d.scratch.y, d.scratch.rate)
     count_evaluations(d, 1)
     return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
 
@@ -369,8 +369,8 @@ def is_past_limit(d, _c):
 def drive_margin(d, _c, theta):
     """Return ``mode_margin`` at the fraction θ of the last step [N·m]."""
     locate_at(d, theta)
-    ensure_inputs(d, d.work.y)
-    return mode_margin(d, d.work.y)
+    ensure_inputs(d, d.scratch.y)
+    return mode_margin(d, d.scratch.y)
 
 
 def may_pass_limit(d, c):

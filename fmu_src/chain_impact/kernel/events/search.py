@@ -128,7 +128,7 @@ def credible(d, theta):
     deep inside a wall, an onset of a point that moves away, and a crossing right after the start of the step
     by a point that cannot have reached the wall yet.
     """
-    if theta <= EARLY and starts_clear(d, d.work.y[time_at(d.links)]):
+    if theta <= EARLY and starts_clear(d, d.scratch.y[time_at(d.links)]):
         return False
     if theta == 0.0:
         # rejection would not help: a point inside a wall at the start is inside in a shorter step as well
@@ -148,7 +148,7 @@ def starts_clear(d, lasted):
     interpolant of a step over a stiff motion may have an error as large as the tolerance there.
     """
     locate_points(d, d.step.state)
-    accelerate_points(d, d.step.state, d.work.rate_start)
+    accelerate_points(d, d.step.state, d.scratch.rate_start)
     clear = False
     for c in range(d.candidates):
         if d.touch.event[c] in (ONSET, END) and c != d.step.regularized:
@@ -157,7 +157,7 @@ def starts_clear(d, lasted):
             # the change of the clearance φ: φ̇ t + ½ φ̈ t²
             move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
-    locate_points(d, d.work.y)
+    locate_points(d, d.scratch.y)
     return clear
 
 
@@ -182,11 +182,11 @@ def onset_fraction(d):
         reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
-    interpolate(d.step, theta, d.work.y)
-    late, _ = onset_lateness(d, d.work.y)
+    interpolate(d.step, theta, d.scratch.y)
+    late, _ = onset_lateness(d, d.scratch.y)
     theta -= late
-    interpolate(d.step, theta, d.work.y)
-    late, deepest = onset_lateness(d, d.work.y)
+    interpolate(d.step, theta, d.scratch.y)
+    late, deepest = onset_lateness(d, d.scratch.y)
     if not (abs(late) <= LANDED and deepest <= DEEP * d.model.longest_link):
         reject_step(d, SPOILED)
     return theta

@@ -54,7 +54,7 @@ def apply_contact(d, c, gap, gap_rate):
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     keep_force(d, c, force)
-    add_along(normal_row(d, c), d.work.load, force)
+    add_along(normal_row(d, c), d.scratch.load, force)
     # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇ ≥ 0;
     # δ is the penetration
     return (elastic - force) * gap_rate
@@ -67,10 +67,10 @@ def keep_force(d, c, force):
 
 def clear_loads(d):
     """Clear the loads at all places, except the force at the tip, which is an input."""
-    clear_loads_of(d, d.work.load)
+    clear_loads_of(d, d.scratch.load)
     tip = d.links
-    d.work.load.x[tip] = d.inputs.tip_force[0]
-    d.work.load.y[tip] = d.inputs.tip_force[1]
+    d.scratch.load.x[tip] = d.inputs.tip_force[0]
+    d.scratch.load.y[tip] = d.inputs.tip_force[1]
 
 
 def apply_contacts(d):
@@ -94,7 +94,7 @@ def apply_true_contacts(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         keep_force(d, c, contact_force(d, c, gap, gap_rate))
-        add_along(normal_row(d, c), d.work.load, d.touch.force[c])
+        add_along(normal_row(d, c), d.scratch.load, d.touch.force[c])
     if d.friction.count > 0:
         apply_friction(d)
 

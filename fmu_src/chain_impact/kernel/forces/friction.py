@@ -172,7 +172,7 @@ def slide(d, e, size):
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
-    add_along(tangent_row(d, e), d.work.load, d.element.force[e])
+    add_along(tangent_row(d, e), d.scratch.load, d.element.force[e])
     # −F_t v_t
     return sign * size * speed
 

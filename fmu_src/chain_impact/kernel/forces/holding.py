@@ -82,15 +82,15 @@ def start_from_state(d, derivative):
 
 
 def start_from_loads(d):
-    """Set ``start`` to the components along all constraints of the motion caused by ``work.load``.
+    """Set ``start`` to the components along all constraints of the motion caused by ``scratch.load``.
 
     Return the largest component of the motion of any place.
     """
     factorize_free(d)
-    solve_space(d, d.work.link, d.work, FREE, d.work.change)
+    solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
     for k in range(constraint_count(d)):
-        d.constraints.start[k] = along(constraint_row(d, k), d.work.motion)
-    return largest(d, d.work.motion)
+        d.constraints.start[k] = along(constraint_row(d, k), d.scratch.motion)
+    return largest(d, d.scratch.motion)
 
 
 def clear_least_forces(d):
@@ -212,7 +212,7 @@ def power_of_motion(d, y, rate):
         total += d.model.mass[i]
     # Newton's law for the whole chain gives the force F₀ that moves the base, with the links' masses m, the
     # accelerations a_C of their centres of mass, gravity g and the other forces F: F₀ = Σ m (a_C − g) − Σ F
-    px, py = momentum(d, d.work.acceleration)
+    px, py = momentum(d, d.scratch.acceleration)
     fx = px - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
     fy = py - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
     return power + fx * d.moved.velocity[0] + fy * d.moved.velocity[1]
@@ -233,8 +233,8 @@ def work_of_impulses(d):
             px, py = px + impulse * nx, py + impulse * ny
     if not d.model.base_moves:
         return work
-    move_points(d, d.work.link, constraints.change, d.work.motion)
-    x, y = momentum(d, d.work.motion)
+    move_points(d, d.scratch.link, constraints.change, d.scratch.motion)
+    x, y = momentum(d, d.scratch.motion)
     return work + (x - px) * d.moved.velocity[0] + (y - py) * d.moved.velocity[1]
 
 

@@ -75,7 +75,7 @@ OF_A_STEP = 3.0
 # the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
 # a common sign only where a point rests: there their sum reaches 230 in 100,000 steps.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # [s] length of a window of time, equal to WORK_WINDOW (work.py)
+WINDOW = 1.0  # [s] length of a window of time, equal to COST_WINDOW (cost.py)
 # the energy that the errors of all steps together may add, relative to the available energy
 ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
@@ -181,7 +181,7 @@ def check_energy(d, theta):
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
-        y = d.work.y
+        y = d.scratch.y
         interpolate(d.step, theta, y)
         locate_points(d, y)
     else:
@@ -259,7 +259,7 @@ def is_long(d):
 
 def interpolates(d):
     """Return whether the dense output keeps energy balance and dissipation at the middle of the last step."""
-    y = d.work.y
+    y = d.scratch.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
@@ -296,7 +296,7 @@ def scales(d, y):
     """
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies; their round-off counts
-    summed = d.balance.weight * (abs(d.work.position.x[0]) + abs(d.work.position.y[0])) + abs(potential)
+    summed = d.balance.weight * (abs(d.scratch.position.x[0]) + abs(d.scratch.position.y[0])) + abs(potential)
     summed += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)

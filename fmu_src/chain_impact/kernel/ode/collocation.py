@@ -22,6 +22,7 @@ from fractions import Fraction
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
+from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
@@ -69,7 +70,6 @@ from chain_impact.kernel.ode.radau import (
     simplified_newton,
 )
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.work import count_evaluations, count_other_work
 
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
@@ -196,7 +196,7 @@ def size_for_fast_motion(d, h):
         fast[j] = implicit.start_rate[j] - fast[j]
         left[j] = fast[j]
     solve_real(d, shift, left)
-    count_other_work(d, 3)
+    count_other_cost(d, 3)
     most, remains = 0.0, 0.0
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
         most, remains = max(most, abs(fast[j]) * weight[j]), max(remains, abs(left[j]) * weight[j])
@@ -251,7 +251,7 @@ def attempt(d, h):
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
     count_evaluations(d, RADAU_STAGES * implicit.iterations)
-    count_other_work(d, FACTORIZATIONS + SOLUTIONS * implicit.iterations + ESTIMATE)
+    count_other_cost(d, FACTORIZATIONS + SOLUTIONS * implicit.iterations + ESTIMATE)
     if solved:
         if d.friction.count > 0:
             settle_friction(d, h)
@@ -307,9 +307,9 @@ def estimate(d, h, size):
         # motion decays within the step, but the error estimate would contain all of it, however long the step
         # is. A second solution of the system removes it from the estimate.
         solve_real(d, shift, implicit.parts[0])
-        count_other_work(d, 1)
+        count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):
-            d.work.error[0, j], d.work.error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
+            d.scratch.error[0, j], d.scratch.error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
         first_force, second_force = force_errors(d)
         first = max(first, first_force / d.solver.tolerance)
         second = max(second, second_force / d.solver.tolerance)
@@ -333,7 +333,7 @@ def keep_stages(d, faded):
         if faded:
             clear_faded(d, implicit.last[i])
     implicit.listing = d.touch.listings
-    for j in range(len(d.work.y)):
+    for j in range(len(d.scratch.y)):
         set_dense(d.step, j, implicit.last, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):
         set_dense(d.quadrature, k, implicit.last, quadrature_at(d, k), RADAU_STAGES)
@@ -351,17 +351,17 @@ def keep_clearances(d):
 
     The work of dry friction along this correction is dissipated.
     """
-    dense, implicit, change, lost = d.step.dense, d.implicit, d.work.change, dissipated_at(d.links)
+    dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if compliant(d) == 0:
         return
     for third in range(1, 3):
-        interpolate(d.step, third / 3.0, d.work.y)
-        locate_points(d, d.work.y)
+        interpolate(d.step, third / 3.0, d.scratch.y)
+        locate_points(d, d.scratch.y)
         for derivative in range(2):
             for k in range(compliant(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
                 implicit.normal[k] = interpolated(d, at, third / 3.0)
-            project_coordinates(d, d.work.y, derivative, change)
+            project_coordinates(d, d.scratch.y, derivative, change)
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
             if derivative == 0:

@@ -276,12 +276,12 @@ def largest_errors(first_error, second_error, weight, count):
 def scaled_errors(d):
     """Return the largest scaled component of both error estimates of the step, relative to the tolerance.
 
-    Estimate k = 0, 1 is row k of ``work.error`` and, for the clearances of active contacts, row k of
+    Estimate k = 0, 1 is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
     ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
     the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
-    first_error, second_error, first, second = d.work.error[0], d.work.error[1], 0.0, 0.0
+    first_error, second_error, first, second = d.scratch.error[0], d.scratch.error[1], 0.0, 0.0
     set_scales(d, y, scale, d.touch.active_count)
     gaps = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
@@ -310,8 +310,8 @@ def force_errors(d):
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, i)
         factor = factor_to_moment(d, i)
-        first = max(first, force_error(d, d.work.error[0], i, c, k) * factor)
-        second = max(second, force_error(d, d.work.error[1], i, c, k) * factor)
+        first = max(first, force_error(d, d.scratch.error[0], i, c, k) * factor)
+        second = max(second, force_error(d, d.scratch.error[1], i, c, k) * factor)
     usual = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
     return first / usual, second / usual
 
@@ -337,12 +337,12 @@ def impact_energy(d):
 def set_gap_errors(d, row):
     """Set the errors in the clearances of the active contacts that follow from an error estimate.
 
-    ``row`` is the number of the estimate in ``work.error``.
+    ``row`` is the number of the estimate in ``scratch.error``.
     """
     if d.touch.active_count > 0:
-        move_points(d, d.work.link, d.work.error[row], d.work.motion)
+        move_points(d, d.scratch.link, d.scratch.error[row], d.scratch.motion)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[row, k] = along(normal_row(d, d.touch.active_index[k]), d.work.motion)
+        d.touch.gap_error[row, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.motion)
 
 
 def penetration_scale(d, c):

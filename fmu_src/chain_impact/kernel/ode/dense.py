@@ -216,14 +216,14 @@ def set_quadrature_stage(d, i):
 
     The rate of the state must have just been evaluated.
     """
-    quadrature_rates(d, d.work.stage[i, time_at(d.links)], d.quadrature.stage[i])
+    quadrature_rates(d, d.scratch.stage[i, time_at(d.links)], d.quadrature.stage[i])
 
 
 def set_quadrature_stage_at_end(d, i):
     """Set stage i of the quadratures, at the end of the last step."""
     quadrature = d.quadrature
     for k in range(quadrature.count):
-        quadrature.stage[i, k] = quadrature.rate_end[k] * d.work.stage[i, time_at(d.links)]
+        quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.links)]
 
 
 def settle_impulses(d):

@@ -13,6 +13,7 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.functions import inlined, sequence
 from chain_impact.kernel.ode.control import (
     PAST_END,
@@ -26,7 +27,6 @@ from chain_impact.kernel.ode.control import (
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
-from chain_impact.kernel.work import count_evaluations
 
 # number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
 # output
@@ -176,8 +176,8 @@ def _stage(i, accepted):
     combine = combination(A[i])
 
     def stage(d, h):
-        combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
-        regularized_rate(d, d.work.y, d.work.stage[i])
+        combine(d.scratch.stage, d.step.state if accepted else d.step.state_end, h, d.scratch.y)
+        regularized_rate(d, d.scratch.y, d.scratch.stage[i])
         set_quadrature_stage(d, i)
 
     return stage
@@ -200,10 +200,10 @@ def toward_end(d, h):
     if d.step.regularized == NO_CONTACT:
         return toward_ends(d, h)
     root = sundman_u_at(d.links)
-    u, slope = d.step.state_end[root], d.work.stage[0, root]
+    u, slope = d.step.state_end[root], d.scratch.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
         return h
-    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     # the contact ends where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
@@ -215,7 +215,7 @@ def toward_ends(d, h):
 
     The end is the first one of all contacts with a force law.
     """
-    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -252,7 +252,7 @@ def attempt(d, h):
 def estimate(d, h):
     """Return the error of the tried step, relative to the tolerance; not finite if a rate was not finite."""
     controlled = controlled_count(d)
-    _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
+    _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
         locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
@@ -281,7 +281,7 @@ def is_smooth(d):
 def make(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of the error."""
     _stages(d, h)
-    _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
+    _step_end(d.scratch.stage, d.step.state_end, h, d.trial.state)
     quadrature, count = d.quadrature, d.quadrature.count
     if count > 0:
         _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried[:count])
@@ -289,16 +289,16 @@ def make(d, h):
 
 def step_increment(d, j):
     """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
-    return d.trial.size * _step_sum(d.work.stage, j)
+    return d.trial.size * _step_sum(d.scratch.stage, j)
 
 
 def dense_output(d, h):
     """Set the dense output of the last step, of size h."""
     locate_points(d, d.step.state_end)
-    regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[END_STAGE])
+    regularize(d, d.step.state_end, d.scratch.rate_end, d.scratch.stage[END_STAGE])
     set_quadrature_stage_at_end(d, END_STAGE)
     _dense_stages(d, h)
-    _interpolant(d.step, d.work.stage, len(d.work.y), h)
+    _interpolant(d.step, d.scratch.stage, len(d.scratch.y), h)
     if d.quadrature.count > 0:
         _interpolant(d.quadrature, d.quadrature.stage, d.quadrature.count, h)
 

@@ -32,7 +32,7 @@ impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k
 i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
 wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
 
-The functions take s, x and a work ``space`` that are all real or all complex. The space holds impedances,
+The functions take s, x and a scratch ``space`` that are all real or all complex. The space holds impedances,
 loads, the resulting motion and factors, of which one ``row`` is used.
 
 The coordinates are projected onto the integrated clearances. Without the projection, the small difference
@@ -112,12 +112,12 @@ def extended_size(d):
 
 def extend_start(d):
     """Set the extended state z and its rate ż at the start of the next step, from state and rate there."""
-    work, implicit, n = d.work, d.implicit, d.links
-    if not work.at_end:
+    scratch, implicit, n = d.scratch, d.implicit, d.links
+    if not scratch.at_end:
         locate_points(d, d.step.state_end)
-    accelerate_points(d, d.step.state_end, work.rate_start)
+    accelerate_points(d, d.step.state_end, scratch.rate_start)
     for j in range(sundman_u_at(n)):
-        implicit.start[j], implicit.start_rate[j] = d.step.state_end[j], work.rate_start[j]
+        implicit.start[j], implicit.start_rate[j] = d.step.state_end[j], scratch.rate_start[j]
     for k in range(compliant(d)):
         implicit.start[gap_at(d, k)], implicit.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
     for k in range(d.quadrature.count):
@@ -161,7 +161,7 @@ def extended_rate(d, z, elapsed, rate):
 
 def extended_slopes(d, z):
     """Set the slopes of the forces of active contacts for z, and store its link vectors."""
-    implicit, link = d.implicit, d.work.link
+    implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
     for k in range(compliant(d)):
@@ -234,12 +234,12 @@ def solve_shift(d, s, space, row, x):
 def factorize_real(d, s):
     """Eliminate M + Jᵀ D J + K of the linear systems for a real shift s [s]."""
     d.implicit.shift = s
-    factorize_shift(d, s, d.work, SHIFTED)
+    factorize_shift(d, s, d.scratch, SHIFTED)
 
 
 def solve_real(d, s, x):
     """Solve (1 − s A) x = r for a real shift s [s]; x holds r at the start."""
-    solve_shift(d, s, d.work, SHIFTED, x)
+    solve_shift(d, s, d.scratch, SHIFTED, x)
 
 
 def factorize_complex(d, s, pair):
@@ -275,15 +275,15 @@ def project_coordinates(d, y, derivative, change):
     velocities.
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
-    clear_loads_of(d, d.work.load)
+    clear_loads_of(d, d.scratch.load)
     for k in range(compliant(d)):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
             implicit.normal[k] - (gap_rate if derivative else gap)
         )
-        add_along(normal_row(d, c), d.work.load, impulse)
-    solve_space(d, implicit.link, d.work, SHIFTED, change)
+        add_along(normal_row(d, c), d.scratch.load, impulse)
+    solve_space(d, implicit.link, d.scratch, SHIFTED, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 
@@ -295,7 +295,7 @@ def project_clearances(d, z, y):
         The largest weighted change, relative to the tolerance; and the difference between the clearances of
         the coordinates and those in z before the change, relative to the allowed difference.
     """
-    implicit, change, worst = d.implicit, d.work.change, 0.0
+    implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(compliant(d)):

@@ -10,13 +10,13 @@ where W is small.
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import velocity_at
+from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, keep_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
-from chain_impact.kernel.work import count_evaluations
 
 # The least and the largest distance of the two nearer places from a row, as a part of the step. The farther
 # places may lie outside the step, by up to half its size: there the dense output continues, and an event at
@@ -57,7 +57,7 @@ def find_forces(d, theta, distance, rate):
 
     Set ``uneven`` to the differences of the forces. Return whether no place is near the fold.
     """
-    constraints, y = d.constraints, d.work.nearby
+    constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
         constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
     for i in range(len(OFFSETS)):

@@ -39,7 +39,7 @@ def power_of_correction(d, m):
     The force is that of the evaluated rate. At rest the speeds in this rate may be far larger than the
     corrected speeds, and only the same force takes back the excess of their work.
     """
-    implicit, change, first = d.implicit, d.work.change, velocity_at(d.links)
+    implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
         change[j] = implicit.start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
     return work_of_sliding(d, change, implicit.friction[m])
@@ -50,7 +50,7 @@ def uncounted_work(d):
 
     An implicit step has counted the work up to its last stage. The points must be located at the end.
     """
-    change, y, z = d.work.change, d.trial.state, d.implicit.z
+    change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
         if d.step.method == IMPLICIT:
             change[j] = y[j] - z[j]
@@ -77,7 +77,7 @@ def work_along(d, change):
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
-        work += d.element.force[e] * along(tangent_row(d, e), d.work.motion)
+        work += d.element.force[e] * along(tangent_row(d, e), d.scratch.motion)
     return work
 
 
@@ -87,11 +87,11 @@ def work_of_sliding(d, change, force):
     This also sets the motion of all places. If the change is a velocity, the result is a power [W].
     """
     work = 0.0
-    move_points(d, d.work.link, change, d.work.motion)
+    move_points(d, d.scratch.link, change, d.scratch.motion)
     for k in range(d.friction.count):
         e = d.element.index[k]
         if d.element.mode[e] != STICKS:
-            work += force[e] * along(tangent_row(d, e), d.work.motion)
+            work += force[e] * along(tangent_row(d, e), d.scratch.motion)
     return work
 
 

@@ -16,6 +16,7 @@ from chain_impact.kernel.chain.kinematics import (
 )
 from chain_impact.kernel.chain.motion import move_with
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
+from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import keep_anchors
 from chain_impact.kernel.forces.holding import project_state
@@ -35,7 +36,6 @@ from chain_impact.kernel.ode.dense import (
 from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.work import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
 
@@ -134,7 +134,7 @@ def dissipate(d, energy):
 
 def evaluate_start(d):
     """Evaluate the rate at the start of the next step again."""
-    rate_from_state(d, d.step.state_end, d.work.rate_start)
+    rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     keep_end_rates(d)
     count_evaluations(d, 1)
 
@@ -232,7 +232,7 @@ def choose_variable(d, size_chosen):
 
 
 def ensure_rate(d):
-    """Ensure that ``work.rate_end`` is ẏ at the end of the last step."""
+    """Ensure that ``scratch.rate_end`` is ẏ at the end of the last step."""
     if not d.step.rate_known:
         find_rate(d, False)
 
@@ -242,7 +242,7 @@ def find_rate(d, located):
 
     If they are not, the function locates the points.
     """
-    y, rate = d.step.state_end, d.work.rate_end
+    y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
     if touching:
         if not located:
@@ -264,19 +264,19 @@ def find_rate(d, located):
 
 def ensure_points(d):
     """Ensure that the points are located and accelerated at the end of the last step; its rate is known."""
-    if not d.work.at_end:
+    if not d.scratch.at_end:
         locate_points(d, d.step.state_end)
-        accelerate_points(d, d.step.state_end, d.work.rate_end)
+        accelerate_points(d, d.step.state_end, d.scratch.rate_end)
         note_points_at_end(d)
 
 
 def largest_turn(d):
     """Return how far [rad] a link can have turned in the last step; the rates at both ends must be known."""
-    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
+    first, lasted, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
     turn = 0.0
     for i in range(d.links):
         omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
-        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
+        alpha = max(abs(scratch.rate_start[first + i]), abs(scratch.rate_end[first + i]))
         turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
     return turn
 
@@ -294,11 +294,11 @@ def ensure_dense(d, reader):
     step = d.step
     present, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if present == NOT_REQUESTED:
-        counted = counted_work(d)
+        counted = counted_cost(d)
         if step.last_method == IMPLICIT:
             collocation.keep_clearances(d)
         else:
             explicit.dense_output(d, step.size)
-        uncount_work(d, counted)
+        uncount_cost(d, counted)
     if present < SOLVER <= reader and step.last_method == EXPLICIT:
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

@@ -42,7 +42,7 @@ STIFF_CONTACT = 0.1
 # The duration, in time scales of the contact, after which a contact counts as sustained. An impact takes
 # three to ten.
 SUSTAINED_AFTER = 20.0
-# the ratio of implicit to explicit step size below which explicit steps advance farther for the same work
+# the ratio of implicit to explicit step size below which explicit steps advance farther at the same cost
 EQUAL_COST_RATIO = 2.5
 # the hρ of implicit steps below which explicit steps advance farther, if the size of explicit steps is not
 # known

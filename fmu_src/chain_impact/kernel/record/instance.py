@@ -1,8 +1,8 @@
 """The layout of an instance, a flat record of all data of a running simulation, and the layouts of outputs.
 
-Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
-record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes (a
-double or an integer) or, if complex, sixteen, so it has an index counted in doubles from the start of the
+Parameters, inputs, the integrator's memory, statistics, outputs and scratch memory are the fields of one
+NumPy record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes
+(a double or an integer) or, if complex, sixteen, so it has an index counted in doubles from the start of the
 record. The FMU's code needs no other knowledge of the layout.
 
 Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. The state vector y is in
@@ -55,11 +55,11 @@ from chain_impact.kernel.record.solver import (
     fault_dtype,
     implicit_dtype,
     limits_dtype,
+    scratch_dtype,
     search_dtype,
     statistics_dtype,
     step_dtype,
     trial_dtype,
-    work_dtype,
 )
 
 
@@ -156,7 +156,7 @@ def load_output_dtype(loads: int) -> np.dtype:
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the work data for loads; the rows are those of the outputs of loads."""
+    """Return the layout of the intermediate data for loads; the rows are those of the outputs of loads."""
     return record(
         ("start_time", REAL),  # s, start of the run
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
@@ -204,7 +204,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("fault", fault_dtype()),
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
-        ("work", work_dtype(links, sites)),
+        ("scratch", scratch_dtype(links, sites)),
         ("friction", friction_dtype(elements)),
         ("touch", touch_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),

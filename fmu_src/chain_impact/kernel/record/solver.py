@@ -1,4 +1,4 @@
-"""The parts of the record with the memory and the work space of the solver."""
+"""The parts of the record with the memory of the solver, lasting and scratch."""
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("remainder_whole", REAL),  # J, the same part at the end of the whole step of `size`
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
-        ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
+        ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at `end`
         # the user of the dense output, or 0 if there is none yet, see kernel/ode/last_step.py
         ("dense_for", bounded(0, SOLVER)),
         # the method of the last step, see kernel/ode/control.py
@@ -96,7 +96,7 @@ def fault_dtype() -> np.dtype:
     return record(("part", INTEGER))
 
 
-@written_by("work.py", status="status.py")
+@written_by("cost.py", status="status.py")
 def statistics_dtype() -> np.dtype:
     """Return the layout of the counts since the start, and of the status."""
     return record(
@@ -108,18 +108,18 @@ def statistics_dtype() -> np.dtype:
     )
 
 
-@written_by("work.py")
+@written_by("cost.py")
 def limits_dtype() -> np.dtype:
-    """Return the layout of the counts of events and of work, each limited in a window of simulated time."""
+    """Return the layout of the count of events and of the cost, each limited in a window of time."""
     return record(
         ("event_start", REAL),  # s, start of the window of events
         ("event_count", INTEGER),
-        ("work_start", REAL),  # s, start of the window of work
-        ("work_count", INTEGER),  # all work before `work_start`, in evaluations
-        # all work before the communication step, in evaluations; work.UNLIMITED: the step may take any work
+        ("cost_start", REAL),  # s, start of the window in which the cost is limited
+        ("cost_count", INTEGER),  # the cost before `cost_start`, in evaluations
+        # the cost before the communication step, in evaluations; cost.UNLIMITED: the step may have any cost
         ("call_count", INTEGER),
-        # work other than evaluations (located points, responses to impulses), in evaluations of equal cost
-        ("other_work", INTEGER),
+        # cost of other than evaluations (located points, responses to impulses), in evaluations of equal cost
+        ("other_cost", INTEGER),
     )
 
 
@@ -183,8 +183,8 @@ def elimination_dtype(links: int) -> np.dtype:
     reach="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
-def work_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of the work space; a field is valid within a step only, if no comment says more."""
+def scratch_dtype(links: int, sites: int) -> np.dtype:
+    """Return the layout of the scratch memory; a field is valid within a step unless a comment says more."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
@@ -261,14 +261,14 @@ def search_dtype(candidates: int) -> np.dtype:
     weight="ode/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
-    """Return the layout of the work space of an implicit step, and of the data of the last implicit step.
+    """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
     The vector z consists of y without its last two entries, the clearances of active contacts with a force
     law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for the complex shifts, one of each conjugate pair, the data that ``work`` holds for the real shift
+    # for the complex shifts, one of each conjugate pair, the data that ``scratch`` holds for the real shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -300,7 +300,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
         # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
-        # s, real shift s of the linear systems (1 − s A) x = r, for which `work.factors` holds the
+        # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` holds the
         # elimination
         ("shift", REAL),
         ("pairs", pairs),

@@ -67,15 +67,15 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, row, impedance):
-    """Factorize M + Jᵀ D J, with the mass matrix M, in a ``row`` of ``work.factors``.
+    """Factorize M + Jᵀ D J, with the mass matrix M, in a ``row`` of ``scratch.factors``.
 
     ``impedance`` holds D_k [kg] of each constraint, packed.
     """
-    no_impedance(d, d.work.impedance)
+    no_impedance(d, d.scratch.impedance)
     for k in range(constraint_count(d)):
-        add_impedance(constraint_row(d, k), d.work.impedance, impedance[k])
-    join(d, d.work.impedance)
-    factorize(d, d.work.link, d.work, row, joints_loaded(d))
+        add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
+    join(d, d.scratch.impedance)
+    factorize(d, d.scratch.link, d.scratch, row, joints_loaded(d))
 
 
 def joints_loaded(d):
@@ -101,10 +101,10 @@ def solve_space(d, link_vectors, space, row, change):
 
 def solve_contacts(d, row, impulse, change):
     """Find the response Δ to the impulses p_k [N·s] of the constraints in ``impulse``, packed."""
-    clear_loads_of(d, d.work.load)
+    clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):
-        add_along(constraint_row(d, k), d.work.load, impulse[k])
-    solve_space(d, d.work.link, d.work, row, change)
+        add_along(constraint_row(d, k), d.scratch.load, impulse[k])
+    solve_space(d, d.scratch.link, d.scratch, row, change)
 
 
 def geared_accelerations(d, y, rate):
@@ -112,10 +112,10 @@ def geared_accelerations(d, y, rate):
 
     The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
     of mass; a_C is the acceleration that this centre has at constant angular velocities. The loads at the
-    points are unchanged afterwards; the factors of M stay in ``work.factors``.
+    points are unchanged afterwards; the factors of M stay in ``scratch.factors``.
     """
-    work, n = d.work, d.links
-    load, link, before = work.load, work.link, work.motion
+    scratch, n = d.scratch, d.links
+    load, link, before = scratch.load, scratch.link, scratch.motion
     for k in range(n + 1):
         before.x[k], before.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
@@ -141,31 +141,31 @@ def geared_accelerations(d, y, rate):
         load.y[i + 1] += ratio * fy
         ax, ay = ax - w2x, ay - w2y
     for i in range(n - 1, -1, -1):
-        moment += work.moment[i]
+        moment += scratch.moment[i]
         load.joint[i] = moment
     if d.slides:
         slider, gravity = d.slider, d.model.gravity
-        load.x[0] += work.thrust * slider.ux + slider.mass * gravity[0]
-        load.y[0] += work.thrust * slider.uy + slider.mass * gravity[1]
-    no_impedance(d, work.impedance)
-    join(d, work.impedance)
-    factorize(d, link, work, FREE, True)
-    solve(d, link, work, FREE, work.change)
+        load.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
+        load.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
+    no_impedance(d, scratch.impedance)
+    join(d, scratch.impedance)
+    factorize(d, link, scratch, FREE, True)
+    solve(d, link, scratch, FREE, scratch.change)
     for j in range(coordinate_count(n)):
-        rate[velocity_at(n) + j] = work.change[j]
+        rate[velocity_at(n) + j] = scratch.change[j]
     for k in range(n + 1):
         load.x[k], load.y[k] = before.x[k], before.y[k]
 
 
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
-    work, row = d.work, normal_row(d, c)
-    no_impedance(d, work.impedance)
-    join(d, work.impedance)
-    factorize(d, work.link, work, FREE, d.model.has_armatures != 0 or at_joint(d, c))
-    clear_loads_of(d, work.load)
-    add_along(row, work.load, 1.0)
-    solve_space(d, work.link, work, FREE, work.change)
+    scratch, row = d.scratch, normal_row(d, c)
+    no_impedance(d, scratch.impedance)
+    join(d, scratch.impedance)
+    factorize(d, scratch.link, scratch, FREE, d.model.has_armatures != 0 or at_joint(d, c))
+    clear_loads_of(d, scratch.load)
+    add_along(row, scratch.load, 1.0)
+    solve_space(d, scratch.link, scratch, FREE, scratch.change)
     # in a toggle position no impulse moves the point: its mobility is 0
     mobility = LEAST_MOBILITY * d.model.longest_link * d.model.longest_link / d.model.energy_scale
-    return 1.0 / max(mobility, along(row, work.motion))
+    return 1.0 / max(mobility, along(row, scratch.motion))

@@ -29,6 +29,7 @@ the residual.
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
+from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
     SWEEPS,
@@ -47,7 +48,6 @@ from chain_impact.kernel.rows.geometry import (
     constraint_count,
     constraint_row,
 )
-from chain_impact.kernel.work import count_other_work, work_exceeded
 
 # The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
 # larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is
@@ -219,11 +219,11 @@ def only_active(d):
 
 def solve_single(d, row):
     """Solve the problem of ``solve_equality`` for one constraint: p = m/W. Return if W is large enough."""
-    constraints = d.constraints
-    clear_loads_of(d, d.work.load)
-    add_along(constraint_row(d, row), d.work.load, 1.0)
-    solve_space(d, d.work.link, d.work, FREE, constraints.change)
-    mobility = along(constraint_row(d, row), d.work.motion)
+    constraints, motion = d.constraints, d.scratch.motion
+    clear_loads_of(d, d.scratch.load)
+    add_along(constraint_row(d, row), d.scratch.load, 1.0)
+    solve_space(d, d.scratch.link, d.scratch, FREE, constraints.change)
+    mobility = along(constraint_row(d, row), motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
@@ -233,8 +233,8 @@ def solve_single(d, row):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse if k == row else 0.0
-        constraints.reached[k] = constraints.start[k] + impulse * along(constraint_row(d, k), d.work.motion)
-    count_other_work(d, 1)
+        constraints.reached[k] = constraints.start[k] + impulse * along(constraint_row(d, k), motion)
+    count_other_cost(d, 1)
     return True
 
 
@@ -266,7 +266,7 @@ def find_residual(d):
 @inlined
 def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
-    constraints, motion = d.constraints, d.work.motion
+    constraints, motion = d.constraints, d.scratch.motion
     # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
     for k in range(constraint_count(d)):
         constraints.residual[k] *= constraints.impedance[k]
@@ -276,7 +276,7 @@ def correct_impulses(d):
             back = constraints.impedance[k] * along(constraint_row(d, k), motion)
             constraints.impulse[k] += constraints.residual[k] - back
     move_by_impulses(d)
-    count_other_work(d, 1)
+    count_other_cost(d, 1)
 
 
 def move_by_impulses(d):
@@ -284,8 +284,8 @@ def move_by_impulses(d):
     constraints = d.constraints
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
-        constraints.reached[k] = constraints.start[k] + along(constraint_row(d, k), d.work.motion)
-    count_other_work(d, 1)
+        constraints.reached[k] = constraints.start[k] + along(constraint_row(d, k), d.scratch.motion)
+    count_other_cost(d, 1)
 
 
 def replace_impulses(d, impulse):
@@ -313,7 +313,7 @@ def solve_lcp(d, scale):
     for _ in range(ROUNDS + 4 * count):
         solve_equality(d, scale)
         wrong = count_violations(d, scale)
-        if wrong == 0 or work_exceeded(d):
+        if wrong == 0 or cost_exceeded(d):
             return
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):

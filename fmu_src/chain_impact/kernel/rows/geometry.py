@@ -224,8 +224,8 @@ def add_impedance(row, impedance, amount):
 def clearance(d, c):
     """Return the clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     row = normal_row(d, c)
-    gap = along(row, d.work.position) - d.candidate.offset[c] - d.candidate.radius[c]
-    gap_rate = along(row, d.work.velocity)
+    gap = along(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
+    gap_rate = along(row, d.scratch.velocity)
     if d.channels > 0:
         gap_rate -= d.shift.rate[c]
     return gap, gap_rate
@@ -233,7 +233,7 @@ def clearance(d, c):
 
 def gap_acceleration(d, c):
     """Return g̈ [m/s²] of candidate c, from the accelerated points."""
-    acceleration = along(normal_row(d, c), d.work.acceleration)
+    acceleration = along(normal_row(d, c), d.scratch.acceleration)
     if d.channels > 0:
         acceleration -= d.shift.acceleration[c]
     return acceleration
@@ -241,19 +241,19 @@ def gap_acceleration(d, c):
 
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t relative to the wall's belt, for the located points."""
-    coordinate = along(tangent_row(d, e), d.work.position)
+    coordinate = along(tangent_row(d, e), d.scratch.position)
     return coordinate - d.shift.travel[e] if d.channels > 0 and e < d.candidates else coordinate
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t relative to the wall's belt, for the located points."""
-    speed = along(tangent_row(d, e), d.work.velocity)
+    speed = along(tangent_row(d, e), d.scratch.velocity)
     return speed - d.shift.belt_rate[e] if d.channels > 0 and e < d.candidates else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of element e along t relative to the belt, at accelerated points."""
-    acceleration = along(tangent_row(d, e), d.work.acceleration)
+    acceleration = along(tangent_row(d, e), d.scratch.acceleration)
     return (
         acceleration - d.shift.belt_acceleration[e] if d.channels > 0 and e < d.candidates else acceleration
     )
@@ -295,7 +295,7 @@ def clear_loads_of(d, load):
 
 def fastest_of_all(d):
     """Return the largest component [m/s] of the velocities of all places and moving walls."""
-    fastest = largest(d, d.work.velocity)
+    fastest = largest(d, d.scratch.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
         fastest = max(fastest, speed)
@@ -304,12 +304,12 @@ def fastest_of_all(d):
 
 def farthest(d):
     """Return the largest coordinate [m] of any place, at least the longest link: the scale of round-off."""
-    return max(d.model.longest_link, largest(d, d.work.position))
+    return max(d.model.longest_link, largest(d, d.scratch.position))
 
 
 def largest_acceleration(d):
     """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
-    most = largest(d, d.work.acceleration)
+    most = largest(d, d.scratch.acceleration)
     if d.channels > 0:
         _, acceleration = fastest_wall(d)
         most = max(most, acceleration)
@@ -335,7 +335,7 @@ def coordinates_size(d, c, y):
     if at_joint(d, c):
         return d.model.longest_link * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
-    return abs(d.work.position.x[place]) + abs(d.work.position.y[place])
+    return abs(d.scratch.position.x[place]) + abs(d.scratch.position.y[place])
 
 
 def link_of(d, c):

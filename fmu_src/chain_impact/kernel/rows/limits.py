@@ -29,10 +29,10 @@ The rows inside are found one by one, as in bounded least squares (Stark & Parke
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
+from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
 from chain_impact.kernel.rows.constraints import ROUNDS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
-from chain_impact.kernel.work import count_other_work, work_exceeded
 
 
 def share_within_limits(d):
@@ -49,7 +49,7 @@ def share_within_limits(d):
     for _ in range(SWEEPS):
         minimize(d, scale)
         find_left(d)
-        if work_exceeded(d):
+        if cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
         share.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
@@ -120,7 +120,7 @@ def minimize(d, scale):
             share.inside[row], share.force[row] = 0, clipped(d, row, share.wanted[row])
         else:
             row = most_inside(d, scale)
-            if row < 0 or work_exceeded(d):
+            if row < 0 or cost_exceeded(d):
                 return
             share.inside[row] = 1
 
@@ -158,7 +158,7 @@ def solve_inside(d):
 
     The residuals m⁺ are those with the forces of the rows not inside fixed at their limits.
     """
-    share, motion = d.share, d.work.motion
+    share, motion = d.share, d.scratch.motion
     for k in range(constraint_count(d)):
         moves = k < d.touch.compliant_count
         share.impedance[k] = 0.0 if moves or not share.inside[k] else d.constraints.impedance[k]
@@ -170,7 +170,7 @@ def solve_inside(d):
     for k in range(d.touch.compliant_count, constraint_count(d)):
         left = share.residual[k] - along(constraint_row(d, k), motion)
         share.wanted[k] = share.center[k] + d.constraints.impedance[k] * left
-    count_other_work(d, 1)
+    count_other_cost(d, 1)
 
 
 def find_left(d):
@@ -179,6 +179,6 @@ def find_left(d):
     solve_contacts(d, FREE, share.force, share.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):
         share.center[k] = share.force[k]
-        reached = d.constraints.start[k] + along(constraint_row(d, k), d.work.motion)
+        reached = d.constraints.start[k] + along(constraint_row(d, k), d.scratch.motion)
         share.residual[k] = d.constraints.target[k] - reached
-    count_other_work(d, 1)
+    count_other_cost(d, 1)

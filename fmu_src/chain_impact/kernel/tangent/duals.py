@@ -1,7 +1,7 @@
 """Dual numbers as the kernel uses them: a value and its derivatives in several directions.
 
 The primal instance d is the record of the run. The tangent instance t has the same layout, but with dual
-numbers in place of reals. The kernel's functions work on both instances. The compiled kernel uses the dual
+numbers in place of reals. The kernel's functions accept both instances. The compiled kernel uses the dual
 numbers of compilation/dual_numbers.py.
 
 The tangent instances follow the primal instance in memory, DIRECTIONS directions in each. The compiled

@@ -42,11 +42,11 @@ def along_motion(function):
     """
 
     def after(t, c, time):
-        y, state, rate = t.work.y, t.step.state_end, t.work.rate_end
+        y, state, rate = t.scratch.y, t.step.state_end, t.scratch.rate_end
         for j in range(len(y)):
             y[j] = state[j] + value(rate[j]) * time
         locate_points(t, y)
-        rate_from_points(t, y, t.work.rate)
+        rate_from_points(t, y, t.scratch.rate)
         return function(t, c)
 
     def rate_at_end(t, c):
@@ -77,7 +77,7 @@ def delay_along_motion(after):
 def set_end(t):
     """Evaluate points and forces at the end of the last step again."""
     locate_points(t, t.step.state_end)
-    rate_from_points(t, t.step.state_end, t.work.rate)
+    rate_from_points(t, t.step.state_end, t.scratch.rate)
     ensure_points(t)
 
 
@@ -85,7 +85,7 @@ _kink_after, _kink_rate = along_motion(kink_height)
 _delay_of_kink = delay_along_motion(_kink_after)
 _force_after, _force_rate = along_motion(lambda t, c: t.touch.force[c])
 _delay_of_release = delay_along_motion(_force_after)
-_margin_after, _margin_rate = along_motion(lambda t, _c: mode_margin(t, t.work.y))
+_margin_after, _margin_rate = along_motion(lambda t, _c: mode_margin(t, t.scratch.y))
 _delay_of_margin = delay_along_motion(_margin_after)
 
 

@@ -130,7 +130,7 @@ def negligible(t, speed):
     for k in range(DIRECTIONS):
         change = time * abs(slope(speed, k))
         if change != 0.0:
-            largest_of_all = largest_slope(t.work.position, k)
+            largest_of_all = largest_slope(t.scratch.position, k)
             if not change <= LEFT_OPEN * largest_of_all:
                 return False
             most = max(most, change / largest_of_all)
@@ -214,9 +214,9 @@ def stays_at_rest(t, after, time):
 
     ``after`` is its speed at that time; all derivatives of this speed must be small.
     """
-    most = value(largest(t, t.work.acceleration))
+    most = value(largest(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
-        scale = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
+        scale = largest_slope(t.scratch.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
         if abs(slope(after, k)) > SAME_TIME_SLOPE * (scale + most * abs(slope(time, k))):
             return False
     return True
@@ -232,7 +232,7 @@ def largest_slope(vectors, direction):
 
 def largest_displacement(t, direction):
     """Return the largest derivative of a position in a direction, divided by a link length."""
-    return largest_slope(t.work.position, direction) / value(t.model.longest_link)
+    return largest_slope(t.scratch.position, direction) / value(t.model.longest_link)
 
 
 def choose_modes(t):
@@ -249,8 +249,8 @@ def choose_modes(t):
     if any_stops(t):
         stop_speeds(t)
     check_onsets_at_rest(t)
-    rate_from_points(t, t.step.state_end, t.work.rate)
-    accelerate_points(t, t.step.state_end, t.work.rate)
+    rate_from_points(t, t.step.state_end, t.scratch.rate)
+    accelerate_points(t, t.step.state_end, t.scratch.rate)
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.undecided[e] and is_open(t, e):

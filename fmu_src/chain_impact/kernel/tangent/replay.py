@@ -16,11 +16,11 @@ between the events with which a step begins and ends: a force that jumps with a 
 value there.
 
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
-depend on the approximate Jacobian A, so the linear systems of d, in the work space of d, give the derivatives
-in each direction. The derivatives of the stages are first extrapolated from the last step. In each iteration
-their error falls by another factor θ than that of the values: where d is at rest, the values converge at
-once, however long the step is, but the derivatives do not. So the iteration goes on until the derivatives
-have converged, relative to the state's derivatives in the same direction.
+depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the
+derivatives in each direction. The derivatives of the stages are first extrapolated from the last step. In
+each iteration their error falls by another factor θ than that of the values: where d is at rest, the values
+converge at once, however long the step is, but the derivatives do not. So the iteration goes on until the
+derivatives have converged, relative to the state's derivatives in the same direction.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -329,5 +329,5 @@ def take_values(d, t):
     """
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
-        t.work.rate_end[j] = carried(d.work.rate_end[j], 1.0, t.work.rate_end[j])
+        t.scratch.rate_end[j] = carried(d.scratch.rate_end[j], 1.0, t.scratch.rate_end[j])
     t.step.end = carried(d.step.end, 1.0, t.step.end)

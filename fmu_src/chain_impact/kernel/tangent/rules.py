@@ -102,7 +102,7 @@ def choose_saturation(t):
 
 def shift_start(t, delay):
     """Move the start of the next step by the derivatives of the ``delay`` [s]."""
-    y, rate, time = t.step.state_end, t.work.rate_start, carried(0.0, 1.0, delay)
+    y, rate, time = t.step.state_end, t.scratch.rate_start, carried(0.0, 1.0, delay)
     if varies(time):
         forget_peaks(t, time)
     for j in range(sundman_u_at(t.links)):

@@ -86,7 +86,7 @@ def prepare_end(t):
 
 def move_along(t, time):
     """Move the end of the last step along the motion by a ``time`` [s], a dual number of the value 0."""
-    y, rate = t.step.state_end, t.work.rate_end
+    y, rate = t.step.state_end, t.scratch.rate_end
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
     y[time_at(t.links)] += time

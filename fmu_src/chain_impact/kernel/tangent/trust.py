@@ -74,7 +74,7 @@ def cannot_be_less(friction):
 
 def fastest_speed(t):
     """Return the speed of the fastest point [m/s]."""
-    most, velocity = 0.0, t.work.velocity
+    most, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
         if not t.links < k <= 2 * t.links:  # the places of joints have no speed of a point
             x, y = value(velocity.x[k]), value(velocity.y[k])
@@ -86,7 +86,7 @@ def check_turns(t):
     """End the derivatives if a user's force jumps where a contact's rate changed sign in the last step."""
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
-    if not t.work.at_end:
+    if not t.scratch.at_end:
         locate_points(t, t.step.state_end)
     for k in range(t.touch.compliant_count):
         c = t.touch.active_index[k]

@@ -1,0 +1,107 @@
+"""The cost of a run and the count of its events, and their bounds, which end every run.
+
+The unit of cost is an evaluation of the right-hand side. One location of the points in the search for events
+costs about as much, and so does one solution for the response of the chain to impulses.
+"""
+
+from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
+
+UNLIMITED = 1 << 62  # a number of evaluations that means: no limit
+COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
+# [s] A communication step, even a short one, may cost what is allowed for this simulated time.
+LONGEST_CALL = 20.0
+# The number of evaluations times links after which a long call returns, so that its caller can stop the run.
+# An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
+CALL_COST = 20_000_000
+# The number of events in EVENT_WINDOW [s], on average for each candidate, and for each drive if there is
+# friction or a drive with a limit. More events count as chattering without end: in a bounce of a microsecond
+# the point rises only 1e-12 m.
+EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
+
+
+def begin_windows(d, time):
+    """Begin the first time windows for the limits on events and cost at ``time`` [s], the start of a run."""
+    d.limits.event_start, d.limits.cost_start = time, time
+
+
+def count_step(d, implicit):
+    """Count an accepted step; ``implicit``: 1 if the step is implicit, else 0."""
+    d.statistics.steps += 1
+    d.statistics.implicit_steps += implicit
+
+
+def count_rejected_step(d):
+    """Count a rejected try of a step."""
+    d.statistics.rejected_steps += 1
+
+
+def cost_so_far(d):
+    """Return the cost since the start, in evaluations of the right-hand side."""
+    return d.statistics.rhs_evaluations + d.limits.other_cost
+
+
+def count_evaluations(d, number):
+    """Count evaluations of the right-hand side."""
+    d.statistics.rhs_evaluations += number
+
+
+def count_other_cost(d, number):
+    """Count other calculations that cost about as much as ``number`` evaluations."""
+    d.limits.other_cost += number
+
+
+def counted_cost(d):
+    """Return the counts of evaluations and of the other cost, for a later ``uncount_cost``."""
+    return d.statistics.rhs_evaluations, d.limits.other_cost
+
+
+def uncount_cost(d, counted):
+    """Reset the counts to ``counted``, from ``counted_cost``: the cost since then is that of outputs."""
+    d.statistics.rhs_evaluations, d.limits.other_cost = counted
+
+
+def cost_exceeded(d):
+    """Return whether the cost exceeds the limit for a second of simulated time.
+
+    Every long loop calls this.
+    """
+    return cost_so_far(d) - d.limits.cost_count > d.solver.work_limit * COST_WINDOW
+
+
+def cost_of_a_call(d):
+    """Return the cost, in evaluations, after which a call returns so that its caller can stop the run."""
+    return CALL_COST // (d.links + 1)
+
+
+def begin_call(d):
+    """Begin to count the cost of a communication step."""
+    d.limits.call_count = cost_so_far(d)
+
+
+def allow_any_length(d):
+    """Remove the limit on the cost of a communication step; the caller can stop the run between calls."""
+    d.limits.call_count = UNLIMITED
+
+
+def check_cost(d):
+    """Return TOO_MUCH_WORK or STEP_TOO_LONG if a second or a call costs too much, else OK."""
+    limits = d.limits
+    if cost_exceeded(d):
+        return TOO_MUCH_WORK
+    if cost_so_far(d) - limits.call_count > d.solver.work_limit * LONGEST_CALL:
+        return STEP_TOO_LONG
+    if d.step.end >= limits.cost_start + COST_WINDOW:
+        limits.cost_start = d.step.end
+        limits.cost_count = cost_so_far(d)
+    return OK
+
+
+def check_events(d, events):
+    """Count ``events``; return EVENT_STORM if their sum in EVENT_WINDOW exceeds the limit, else OK."""
+    limits = d.limits
+    if d.step.end >= limits.event_start + EVENT_WINDOW:
+        limits.event_start = d.step.end
+        limits.event_count = 0
+    limits.event_count += events
+    elements = d.candidates + (d.links + d.slides if d.friction.used or d.model.has_drive_limits else 0)
+    return OK if limits.event_count <= MOST_EVENTS * elements else EVENT_STORM

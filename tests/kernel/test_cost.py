@@ -1,0 +1,109 @@
+"""Bounds on cost and events: the counted cost, the window of time, and the end of a run."""
+
+# Tests: kernel/advance.py, kernel/cost.py
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import cost
+from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
+from tests.helpers.kernel.plain import begun
+from tests.helpers.scenes.bodies import cart
+from tests.kernel.chains import chain
+
+
+@pytest.fixture
+def d():
+    """Return a chain at 5 s with 700 evaluations at the start of the second, and 600 at the call's start."""
+    _, d = chain(np.random.default_rng(0), 3)
+    d.solver.work_limit = 100.0
+    d.statistics.rhs_evaluations, d.limits.other_cost = 500, 200
+    d.limits.cost_count, d.limits.call_count, d.limits.cost_start, d.step.end = 700, 600, 5.0, 5.0
+    return d
+
+
+@pytest.mark.parametrize(("evaluations", "looks", "over"), [(100, 0, False), (0, 100, False), (60, 41, True)])
+def test_the_limit_counts_all_work_in_a_second(d, evaluations, looks, over):
+    d.statistics.rhs_evaluations += evaluations
+    d.limits.other_cost += looks
+    assert cost.cost_so_far(d) == 700 + evaluations + looks
+    assert cost.cost_exceeded(d) == over
+    assert cost.check_cost(d) == (TOO_MUCH_WORK if over else OK)
+    assert cost.COST_WINDOW == 1.0
+
+
+def test_a_second_begins_where_the_last_one_has_ended(d):
+    d.statistics.rhs_evaluations += 90
+    for end, start, count in ((5.999, 5.0, 700), (6.0, 6.0, 790), (6.5, 6.0, 790), (7.25, 7.25, 790)):
+        d.step.end = end
+        assert cost.check_cost(d) == OK
+        assert (d.limits.cost_start, d.limits.cost_count) == (start, count)
+    d.statistics.rhs_evaluations += 101
+    assert cost.check_cost(d) == TOO_MUCH_WORK
+
+
+def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
+    d.limits.cost_count = d.limits.call_count + int(cost.LONGEST_CALL) * 100
+    d.statistics.rhs_evaluations, d.limits.other_cost = d.limits.cost_count, 0
+    assert cost.check_cost(d) == OK
+    d.limits.other_cost = 1
+    assert cost.check_cost(d) == STEP_TOO_LONG
+    cost.allow_any_length(d)
+    assert cost.check_cost(d) == OK
+    d.limits.other_cost = 101  # no second may cost more
+    assert cost.check_cost(d) == TOO_MUCH_WORK
+
+
+@pytest.mark.parametrize("count", [1, 100])
+def test_a_call_returns_after_as_much_work_of_the_points_of_a_chain(count):
+    _, d = chain(np.random.default_rng(0), count)
+    most = cost.cost_of_a_call(d)
+    assert most == int(most)
+    assert cost.CALL_COST - count <= most * (count + 1) <= cost.CALL_COST
+
+
+def test_too_many_events_in_a_short_time_are_a_storm(d):
+    limit = cost.MOST_EVENTS * d.candidates
+    d.limits.event_start, d.limits.event_count = 5.0, 7
+    assert cost.check_events(d, limit - 7) == OK
+    assert d.limits.event_count == limit
+    assert cost.check_events(d, 0) == OK
+    assert cost.check_events(d, 1) == EVENT_STORM
+    # a new window begins
+    d.step.end = math.nextafter(5.0 + cost.EVENT_WINDOW, 0.0)
+    assert cost.check_events(d, 0) == EVENT_STORM
+    d.step.end = 5.0 + cost.EVENT_WINDOW
+    assert cost.check_events(d, 3) == OK
+    assert (d.limits.event_start, d.limits.event_count) == (d.step.end, 3)
+
+
+@pytest.mark.parametrize("kind", ["friction", "limit"])
+def test_each_joint_and_the_slider_may_have_their_own_events(kind):
+    """A cart with a pole has two stops, which are candidates, and the drives of a joint and of a slider."""
+    d = begun(cart())
+    d.friction.used, d.model.has_drive_limits = kind == "friction", kind == "limit"
+    limit = 4 * cost.MOST_EVENTS
+    assert cost.check_events(d, limit) == OK
+    assert cost.check_events(d, 1) == EVENT_STORM
+
+
+def test_work_for_outputs_is_not_counted(d):
+    counted = cost.counted_cost(d)
+    cost.count_evaluations(d, 7)
+    cost.count_other_cost(d, 11)
+    assert cost.counted_cost(d) == (507, 211)
+    cost.uncount_cost(d, counted)
+    assert (d.statistics.rhs_evaluations, d.limits.other_cost) == (500, 200)
+
+
+def test_steps_are_counted_and_windows_begin_with_each_run(d):
+    names = ("steps", "implicit_steps", "rejected_steps")
+    before = [int(d.statistics[name]) for name in names]
+    cost.count_step(d, 0)
+    cost.count_step(d, 1)
+    cost.count_rejected_step(d)
+    assert [int(d.statistics[name]) for name in names] == [before[0] + 2, before[1] + 1, before[2] + 1]
+    cost.begin_windows(d, 3.0)
+    assert d.limits.cost_start == d.limits.event_start == 3.0
