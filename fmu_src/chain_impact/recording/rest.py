@@ -9,10 +9,11 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# the largest speed of a point that counts as at rest, relative to a reference speed: the extent of the
-# largest path of a point, divided by the duration of the run
-REST_SPEED = 0.02
-FEWEST_ROWS = 3  # in a motion with fewer rows, no time between rows can show a rest
+# How far a point may move, relative to the reference size, if its speed or its acceleration lasted for as
+# long as the run: more is no rest. The reference size is the extent of the largest path of a point.
+REST_WAY = 0.02
+SMALLEST_PATH = 1e-6  # the least reference size, relative to the extent of the chain: less is no motion
+FEWEST_ROWS = 3  # fewer rows show no acceleration, and thus no rest
 SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
 
 
@@ -31,21 +32,57 @@ def ends_at_rest(recording: Recording) -> bool:
 def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each time in which no point or wall moves noticeably and no impact begins.
 
-    A rest shorter than SHORTEST_REST is left out.
+    Speeds and accelerations are small: a chain that only turns back, as a pendulum at its highest place, is
+    not at rest. A rest shorter than SHORTEST_REST is left out.
     """
     time, places = recording.time, recording.all_points
-    span, size = time[-1] - time[0], np.hypot(*np.ptp(places, axis=0).T).max()
-    if len(time) < FEWEST_ROWS or not size > 0.0:
+    span = time[-1] - time[0]
+    if len(time) < FEWEST_ROWS or not span > 0.0:
         return []
-    ways = np.hypot(*np.moveaxis(np.diff(places, axis=0), -1, 0)).max(axis=1)
-    for moved in recording.moved_walls.values():
-        ways = np.maximum(ways, np.abs(np.diff(moved)))
-    still = ways * span <= REST_SPEED * size * np.diff(time)
+    size = max(_extent(places, 0), SMALLEST_PATH * _extent(places[0], 0))
+    walls = [np.stack([moved, 0.0 * moved], axis=-1)[:, None] for moved in recording.moved_walls.values()]
+    places = np.concatenate([places, *walls], axis=1)
+    still = _largest(np.diff(places, axis=0)) * span <= REST_WAY * size * np.diff(time)
     hit = np.searchsorted(time, recording.impacts["onset"], side="right") - 1
     still[hit.clip(0, len(still) - 1)] = False
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(int), [0]])))
-    found = [(float(time[low]), float(time[high])) for low, high in edges.reshape(-1, 2)]
+    reach = max(1, int(len(time) * SHORTEST_REST / 2))
+    for low, high in _runs(still):
+        steady = _accelerations(time[low : high + 1], places[low : high + 1], reach) * span**2
+        still[low:high] = steady <= 2.0 * REST_WAY * size
+    found = [(float(time[low]), float(time[high])) for low, high in _runs(still)]
     return [(low, high) for low, high in found if high - low >= SHORTEST_REST * span]
+
+
+def _extent(places: np.ndarray, axis: int) -> float:
+    """Return the largest extent [m] of places along an axis of the array; the last axis is x and y."""
+    return float(np.hypot(*np.ptp(places, axis=axis).T).max())
+
+
+def _largest(vectors: np.ndarray) -> np.ndarray:
+    """Return the largest length of the vectors in each row, shape (T,), from shape (T, P, 2)."""
+    lengths: np.ndarray = np.hypot(vectors[..., 0], vectors[..., 1]).max(axis=1)
+    return lengths
+
+
+def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """Return start and end of each run of True; the end is the index after the run."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
+
+
+def _accelerations(time: np.ndarray, places: np.ndarray, reach: int) -> np.ndarray:
+    """Return the largest mean acceleration [m/s²] of a point around each interval between rows.
+
+    The mean is over ``reach`` rows to both sides, or fewer if there are fewer rows: the small and fast
+    oscillations of a stiff contact then do not count. It is infinite for a single interval.
+    """
+    reach = min(reach, (len(time) - 1) // 2)
+    if reach == 0:
+        return np.full(len(time) - 1, np.inf)
+    speeds = (places[reach:] - places[:-reach]) / (time[reach:] - time[:-reach])[:, None, None]
+    changes = _largest(speeds[reach:] - speeds[:-reach]) / (time[2 * reach :] - time[: -2 * reach])
+    around: np.ndarray = 2.0 * changes[(np.arange(len(time) - 1) - reach).clip(0, len(changes) - 1)]
+    return around
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
