@@ -22,7 +22,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     (low, high) = np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert np.all(recording.points > low)
     assert np.all(recording.points < high)
-    assert motion.get_aspect() == 1.0
+    assert motion.get_aspect() == ("auto" if model == "steel_bar" else 1.0)
     ends = [recording.all_points]
     for point, radius in recording.touching.items():
         ends += [recording.all_points[:, [point]] + side * radius for side in (-1.0, 1.0)]
@@ -124,3 +124,26 @@ def test_a_disc_at_a_point_is_in_view_as_a_whole(model):
     places, (low, high) = recording.all_points[:, point], np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert (places - radius > low).all()
     assert (places + radius < high).all()
+
+
+def test_a_flat_motion_has_the_height_of_its_axes():
+    """With equal scales, the bar that moves by 4 mm, and is 400 mm long, would be a line."""
+    recording = recorded("steel_bar")
+    motion = motion_of(recording)
+    reach = np.ptp(recording.points[..., 1])
+    assert 0.5 * np.ptp(motion.get_ylim()) < reach < np.ptp(motion.get_ylim())
+    assert "enlarged" in motion.get_ylabel()
+
+
+@pytest.mark.parametrize("model", ["clattering_rod", "double_pendulum_wall"])
+def test_no_large_part_of_the_axes_is_empty(model):
+    recording = recorded(model)
+    for size in (None, (84 / 25.4, None)):
+        page = recording.plot(size=size)
+        page.draw_without_rendering()
+        motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+        places = recording.all_points.reshape(-1, 2)
+        for along, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
+            reach = places[:, along]
+            empty = max(reach.min() - limits[0], limits[1] - reach.max())
+            assert empty < 0.3 * np.ptp(limits)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.results.ranking import ranking_of
+from chain_impact.results.ranking import by_step, ranking_of, signed
 from chain_impact.scene.unit_text import of_power
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope
@@ -97,8 +97,33 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
         assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
         assert min(of_value) < 0.0 < max(of_value)
-        for axes, bars in zip(page.axes, drawn, strict=True):  # bars fill their axis
-            assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
+        # the bars of both panels fill the axes, which have one scale, as all of these bars are similar
+        scales = {axes.get_xlim() for axes in page.axes}
+        assert len(scales) == 1
+        assert np.ptp([0.0, *of_value, *of_zero]) > 0.9 * np.ptp(scales.pop())
+        for axes in page.axes:
+            seen = np.array(axes.get_xticks())
+            assert ((seen >= axes.get_xlim()[0]) & (seen <= axes.get_xlim()[1])).sum() >= 3
+
+
+def test_bars_of_other_sizes_have_scales_of_their_own(result):
+    ranking = result.ranking("peak_force")
+    of_value, at_zero = by_step(ranking.effects)
+    small = [effect._replace(change=1e-4 * effect.change) for effect in at_zero]
+    page = replace(ranking, effects=(*of_value, *small)).plot()
+    for axes in page.axes:
+        bars = [bar.get_width() for bar in axes.patches]
+        assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
+
+
+def test_a_share_is_written_with_two_digits():
+    assert [signed(share) for share in (0.4, -4.0, 12.0, 0.084, 520.0)] == [
+        "+0.40",
+        "-4.0",
+        "+12",
+        "+0.084",
+        "+520",
+    ]
 
 
 def test_the_unit_of_a_picture_suits_its_bars():

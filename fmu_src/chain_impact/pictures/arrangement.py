@@ -21,6 +21,7 @@ from chain_impact.recording.recording import Recording
 # for these. BROADEST_BESIDE: a broader motion has the whole width of the figure, above the other panels.
 # BROADEST_HIGH: on a narrow figure, the panel of a broader motion is lower than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
+BROADEST_FLAT = 3.5  # the largest ratio of width to height of the panel of motion
 # the height of the panel of motion beside others, relative to the width of a wide or narrow figure
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
@@ -45,9 +46,9 @@ def is_over_time(recording: Recording, name: str) -> bool:
 
 
 def broadness(recording: Recording) -> float:
-    """Return the ratio of width to height of the motion with its walls."""
+    """Return the ratio of width to height of the motion with its walls; a flat motion is higher."""
     width, height = np.ptp(view_of(recording).corners, axis=0)
-    return float(width / height)
+    return float(min(width / height, BROADEST_FLAT))
 
 
 def motion_share(ratio: float, width: float) -> float:

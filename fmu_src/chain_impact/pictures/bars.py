@@ -15,6 +15,7 @@ from chain_impact.pictures.style import (
     INK,
     LEAST_TICKS,
     PALE,
+    TICK_STEPS,
     VERMILLION,
     headline,
     is_narrow,
@@ -25,7 +26,10 @@ from chain_impact.pictures.style import (
 # height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
+HEADING_ROW = -1.0  # the place of the heading of the texts, in rows
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
+# blocks with the same label have one scale if the ratio of their longest bars is at most this number
+ONE_SCALE = 10.0
 
 
 @dataclass(frozen=True)
@@ -37,12 +41,21 @@ class Bars:
         values: the lengths of the bars; negative bars go to the left.
         texts: the text at the right of each bar.
         label: the label of the axis.
+        heading: a text above the texts at the right.
+        colours: the colour of each bar; by default the colour shows the direction.
     """
 
     names: Sequence[str]
     values: Sequence[float]
     texts: Sequence[str]
     label: str
+    heading: str = ""
+    colours: Sequence[str] = ()
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the largest value, one of which may be 0."""
+        return min([0.0, *self.values]), max([0.0, *self.values])
 
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
@@ -68,18 +81,31 @@ def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[B
         return
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
-    for axes, block in zip(grid, blocks, strict=True):
-        _draw(axes, block, narrow=is_narrow(figure))
+    for axes, block, ends in zip(grid, blocks, _scales(blocks), strict=True):
+        draw_bars(axes, block, ends, small=is_narrow(figure))
     settle(figure)
 
 
-def _draw(axes: Axes, block: Bars, *, narrow: bool) -> None:
-    """Draw a block into its axes; the texts are in a column at the right, so that the bars fill the axes."""
+def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
+    """Return the ends of the axis of each block: the same for all blocks whose bars can be compared."""
+    longest = [max(map(abs, block.ends)) for block in blocks]
+    if len({block.label for block in blocks}) > 1 or max(longest) > ONE_SCALE * min(longest):
+        return [block.ends for block in blocks]
+    low, high = zip(*(block.ends for block in blocks), strict=True)
+    return [(min(low), max(high))] * len(blocks)
+
+
+def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool) -> None:
+    """Draw a block into axes from one end to the other, with the texts in a column at the right.
+
+    ``small``: with small names and few ticks.
+    """
     rows = range(len(block.names))
-    colours = [BLUE if value > 0.0 else VERMILLION for value in block.values]
+    colours = block.colours or [BLUE if value > 0.0 else VERMILLION for value in block.values]
     axes.hlines(rows, 0.0, 1.0, PALE, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
     axes.barh(rows, block.values, THICK, color=colours)
-    for row, text in zip(rows, block.texts, strict=True):
+    heading = [(HEADING_ROW, block.heading)] if block.heading else []
+    for row, text in [*zip(rows, block.texts, strict=True), *heading]:
         axes.annotate(
             text.replace("-", "−"),
             (1.0, row),
@@ -89,13 +115,13 @@ def _draw(axes: Axes, block: Bars, *, narrow: bool) -> None:
             va="center",
             fontsize="small",
         )
-    axes.set_yticks(rows, block.names, fontsize="small" if narrow else None)
+    axes.set_yticks(rows, block.names, fontsize="small" if small else None)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(block.label)
-    axes.xaxis.set_major_locator(MaxNLocator(4 if narrow else 6, min_n_ticks=LEAST_TICKS))
-    low, high = min([0.0, *block.values]), max([0.0, *block.values])
+    axes.xaxis.set_major_locator(MaxNLocator(4 if small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
+    low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))

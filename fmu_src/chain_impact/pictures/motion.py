@@ -18,7 +18,7 @@ from chain_impact.pictures.labels import Ink, Label, listed, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
-from chain_impact.pictures.room import BAND, View, draw_walls, view_of
+from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
 from chain_impact.pictures.style import (
     INK,
     LOAD,
@@ -30,7 +30,6 @@ from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
-from chain_impact.recording.view import size_of
 
 MOST_STRONG_POSES = 6  # besides start and end, strong poses show the fastest impacts, at most this number
 CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
@@ -99,9 +98,10 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     draw_rings(axes, recording)
     draw_sticking(axes, recording)
     draw_loads(axes, recording, view)
-    axes.set_aspect("equal")
+    flat = is_flat(recording)
+    axes.set_aspect("auto" if flat else "equal")
     give_ticks(axes)
-    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.set(xlabel="x [m]", ylabel="y [m], enlarged" if flat else "y [m]")
     legend_above(axes)
 
 
@@ -125,7 +125,7 @@ def ball_of(recording: Recording) -> int | None:
 def is_covered(recording: Recording) -> bool:
     """Return whether the chain at the end would cover the chain at the start."""
     ways = recording.points[-1] - recording.points[0]
-    return bool(np.hypot(*ways.T).max() < COVERED_WITHIN * size_of(recording))
+    return bool(np.hypot(*ways.T).max() < COVERED_WITHIN * seen_size(recording))
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -162,7 +162,7 @@ def strong_times(recording: Recording) -> list[float]:
         return []
     ends = [recording.points[0], recording.points[-1]]
     poses = np.array([recording.pose_at(onsets[0]), *ends, *map(recording.pose_at, onsets[1:])])
-    kept = apart(poses, STRONG_APART * size_of(recording), always=3)
+    kept = apart(poses, STRONG_APART * seen_size(recording), always=3)
     times = [onsets[0], *(onsets[k - 2] for k in kept[3:])]
     return sorted(times[:MOST_STRONG_POSES])
 
@@ -190,7 +190,7 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     """Draw the chain in evenly spaced rows of the recording, without poses that look alike."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
-    poses = poses[apart(poses, FAINT_APART * size_of(recording))]
+    poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
     axes.add_collection(LineCollection(list(poses), colors=INK, linewidths=0.6, alpha=0.13))
 
 

@@ -21,16 +21,16 @@ from chain_impact.pictures.message import write_head
 from chain_impact.pictures.motion import draw_motion, number_rings
 from chain_impact.pictures.names import full_names
 from chain_impact.pictures.over_time import draw_clock, draw_energy, draw_stick_slip, label_time
-from chain_impact.pictures.room import BAND
+from chain_impact.pictures.room import is_flat
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.straight import draw_along_line, line_of_motion
 from chain_impact.pictures.style import broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
 BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
-# NUMBER: [points] the least visible width of the area outside of a wall, in which numbers of impacts stand;
+# NUMBER: [points] the visible width of the area outside of a wall, in which numbers of impacts stand;
 # MOST_BAND: the largest width, relative to the size of the motion
-NUMBER, MOST_BAND = 32.0, 0.25
+NUMBER, MOST_BAND = 26.0, 0.25
 
 
 def draw_place(axes: Axes, recording: Recording) -> None:
@@ -95,7 +95,8 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     ratio = broadness(recording) if motion is not None else 1.0
     is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
     legend = legend_beside(motion) if motion is not None and is_narrow(figure) and is_alone else None
-    settle(figure, motion)
+    scaled = None if is_flat(recording) else motion
+    settle(figure, scaled)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
         free = room.width - BESIDE_LEGEND * legend.get_window_extent().width if legend else 0.0
@@ -103,12 +104,12 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         motion.clear()
         width = free if is_slim else room.width
         side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-        band = min(max(BAND, NUMBER / side), MOST_BAND)
+        band = min(NUMBER / side, MOST_BAND)
         draw_motion(motion, recording, room.height / width, band)
         if is_slim:
             legend_beside(motion)
-        settle(figure, motion)
-    number_and_list(figure, panel_axes, recording, motion)
+        settle(figure, scaled)
+    number_and_list(figure, panel_axes, recording, scaled)
 
 
 def number_and_list(
@@ -116,7 +117,7 @@ def number_and_list(
 ) -> None:
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
-    ``motion`` are the axes of a motion in the plane.
+    ``motion`` are the axes of a motion with equal scales along x and y.
 
     This text takes room from the panels. Then fewer numbers may have room, so the text is written again.
     """

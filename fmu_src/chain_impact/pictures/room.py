@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon
 
 from chain_impact.pictures.style import AT_TIMES_COLOUR, INK, OUTSIDE_COLOUR
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen
+from chain_impact.recording.view import free_room, open_shares, pin_mark, places_of, seen, size_of
 from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: the visible width of the area outside of a
@@ -23,8 +23,11 @@ from chain_impact.scene.half_planes import HalfPlane
 VIEW_MARGIN, BAND = 0.04, 0.14
 # a moving wall that is farther from the motion than this is not in view; relative to the motion's size
 FARTHEST = 1.0
+# a motion whose height is less than FLAT, relative to its width, has a scale of its own along y; FLAT_MARGIN:
+# the margin above and below it, relative to its height
+FLAT, FLAT_MARGIN = 0.03, 0.25
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
-BROADEST = 1.6  # the largest ratio of width to height to which a view grows to fill its axes
+GROWN = 1.2  # the largest factor by which a side of the view grows to fill its axes
 # a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this
 STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
@@ -46,13 +49,25 @@ class View(NamedTuple):
     walls: list[str]
 
 
+def is_flat(recording: Recording) -> bool:
+    """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y."""
+    reach = np.ptp(drawn_places(recording), axis=(0, 1))
+    is_line = len(drawn_places(recording)) == 1 or not 0.0 < reach[1] < FLAT * reach[0]
+    return not (is_line or recording.pinned or recording.rail or recording.outlines)
+
+
+def seen_size(recording: Recording) -> float:
+    """Return the size of a motion [m] by which a reader tells poses apart: its height if it is flat."""
+    return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
+
+
 def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
     """Return the view: the motion, with a margin, and the walls near it.
 
     A wall that is always far from the motion is left out. A wall that comes near is in view at each of its
     positions that is not very far. ``shape`` is the wanted height of the view divided by its width; the view
-    is narrower if the walls leave no room beside the motion. ``band`` is the visible width of the area
-    outside of a wall, relative to the size of the motion.
+    is narrower or lower if it would be much larger than the motion, or if the walls leave no room beside the
+    motion. ``band`` is the visible width of the area outside of a wall, relative to the size of the motion.
     """
     places = {
         (name, end): wall
@@ -74,7 +89,8 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     view = view + margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
     least = np.full(2, SLIMMEST * sides.max())
-    wanted = least if shape is None else np.array([min(1.0 / shape, BROADEST) * sides[1], shape * sides[0]])
+    wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
+    wanted = np.minimum(wanted, GROWN * np.maximum(sides, least))
     before, is_open = open_shares(near.values())
     more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
     view = view + more * np.stack([-before, 1.0 - before])
@@ -90,6 +106,9 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
             if abs(normal[along]) > STRAIGHT:
                 inwards = max(0.0, beyond - band * width)
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
+    if is_flat(recording):
+        low, high = drawn[..., 1].min(), drawn[..., 1].max()
+        view[:, 1] = low - FLAT_MARGIN * (high - low), high + FLAT_MARGIN * (high - low)
     return View(view, list(dict.fromkeys(name for name, _ in met)))
 
 

@@ -50,6 +50,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
+    "figure.constrained_layout.w_pad": 0.075,  # [inch] the space at the left and right of axes
     "figure.titlesize": 11,
     "figure.titleweight": "bold",
     "grid.color": PALE,

@@ -69,7 +69,7 @@ WHOLE = 99.5  # the size from which on two digits would be written as 1e+02
 
 def signed(value: float) -> str:
     """Return a number with its sign and two digits or, from WHOLE on, a whole number."""
-    return f"{value:+.2g}" if abs(value) < WHOLE else f"{value:+.0f}"
+    return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
@@ -203,8 +203,11 @@ class Ranking:
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:
-        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the largest one."""
-        factor, unit = readable(max(abs(effect.change) for effect in effects), self.unit)
+        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the bars."""
+        from chain_impact.pictures.bars import ONE_SCALE
+
+        own, of_all = (max(abs(effect.change) for effect in some) for some in (effects, self.effects))
+        factor, unit = readable(of_all if of_all <= ONE_SCALE * own else own, self.unit)
         names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
         texts = [

@@ -22,7 +22,7 @@ def test_data_model_residuals_and_impacts(found):
     axes = found.plot().axes
     assert [panel.get_ylabel().split(" ")[0] for panel in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
-    _, curve, points = values.get_lines()  # the first is the white rim of the curve
+    curve, points = values.get_lines()
     columns, _ = motion(0.7)
     np.testing.assert_array_equal(points.get_ydata(), columns[TIP[0]])
     assert len(curve.get_xdata()) > 1000
@@ -96,7 +96,7 @@ def test_a_fit_uses_measured_inputs_and_allows_missing_impacts():
         arm, [[table, drive, impacts_of]], ["link[1].mass"], sigma={"link[1].angle": 1e-3, "onset": 1e-3}
     )
     values = found.plot().axes[0]
-    _, curve, _ = values.get_lines()
+    curve, _ = values.get_lines()
     assert curve.get_ydata()[-1] == pytest.approx(angle, abs=1e-6)
 
 
@@ -109,7 +109,21 @@ def test_several_data_sets_and_an_input():
     found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
     values, _ = found.plot().axes
     assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
-    for (_, curve, points), table in zip(
-        zip(*[iter(values.get_lines())] * 3, strict=True), tables, strict=True
-    ):
+    for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)
+
+
+@pytest.mark.full("fits every law")
+def test_a_ranking_has_a_bar_for_each_law():
+    columns, _ = motion(0.55, count=60)
+    found = fit(scene(), columns, ["contact.restitution"], sigma=dict.fromkeys(TIP, NOISE), laws=True)
+    for size in (None, (84 / 25.4, None)):
+        page = found.plot(size=size)
+        page.draw_without_rendering()
+        bars = page.axes[-1]
+        assert [name.get_text() for name in bars.get_yticklabels()] == [entry.law for entry in found.ranking]
+        lengths = [bar.get_width() for bar in bars.patches]
+        assert lengths[0] == pytest.approx(found.reduced_chi_squared**0.5, rel=0.01)
+        assert lengths[0] == min(lengths)
+        told = [text.get_text() for text in bars.texts]
+        assert (told[0], told[-1]) == ("0.0", "ΔAIC")

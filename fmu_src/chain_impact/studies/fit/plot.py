@@ -1,7 +1,7 @@
 """The picture of a fit: each measured column with the model, and the residuals below.
 
 Outputs are drawn over time, with a line at each impact of the model; quantities of impacts are drawn over the
-impacts' numbers.
+impacts' numbers. A ranking of contact laws has a panel with a bar for each law.
 """
 
 from __future__ import annotations
@@ -19,15 +19,16 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.bars import Bars, draw_bars
 from chain_impact.pictures.curves import axis_unit
 from chain_impact.pictures.figures import draw_figure
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
-    INK,
     PALE,
     PALETTE,
+    VERMILLION,
     headline,
     is_narrow,
     styled,
@@ -38,7 +39,7 @@ from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import heading, rounded
+from chain_impact.studies.fit.report import above_best, fits_equally, heading, misfit, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
@@ -47,10 +48,11 @@ MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
 CURVE_POINTS = 1500  # number of points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
+# [inch] the height of the panel with the ranking: without bars, and for each law
+AROUND_LAWS, LAW_HEIGHT = 0.7, 0.17
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
-DOT_OPACITY = 0.8  # the opacity of measured values over time
-# [points] the widths of the model's curve and of the white rim that sets it off from the dots
-CURVE, RIM = 0.9, 1.7
+DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
+MODEL = VERMILLION  # the colour of the model beside one data set
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 
@@ -76,7 +78,13 @@ def plot_fit(
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
-    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * PANEL_HEIGHT))
+    height = 0.7 + math.ceil(count / 2) * PANEL_HEIGHT + _ranking_height(fit)
+    return draw_figure(partial(fill, fit=fit), path, size, (width, height))
+
+
+def _ranking_height(fit: Estimates) -> float:
+    """Return the height of the panel with the ranking [inches]."""
+    return AROUND_LAWS + LAW_HEIGHT * len(fit.ranking) if fit.ranking else 0.0
 
 
 @styled()
@@ -86,8 +94,12 @@ def fill(figure: Figure, fit: Estimates) -> None:
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
     down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
-    grid = figure.add_gridspec(down, across)
+    heights = [PANEL_HEIGHT * down, *filter(None, [_ranking_height(fit)])]
+    whole = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+    grid = whole[0].subgridspec(down, across)
     has_lines = [_panel(grid[k // across, k % across], fit, name, results) for k, name in enumerate(names)]
+    if fit.ranking:
+        draw_ranking(figure.add_subplot(whole[1]), fit)
     labels = [_estimate_text(fit, label) for label in fit.values]
     more = [f"{len(labels) - MOST_ESTIMATES} more parameters"] if len(labels) > MOST_ESTIMATES else []
     if len(names) < len(fit.columns):
@@ -99,6 +111,24 @@ def fill(figure: Figure, fit: Estimates) -> None:
     if any(has_lines):
         more.append("grey lines: impacts of the model")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
+
+
+def draw_ranking(axes: Axes, fit: Estimates) -> None:
+    """Draw a bar for each contact law, as long as its misfit, the best law first; ΔAIC is at the right.
+
+    The data cannot tell the laws with blue bars apart. A law without a fit has no bar.
+    """
+    misfits = [math.nan if entry.fit is None else misfit(entry.fit, fit) for entry in fit.ranking]
+    told = ["–" if entry.fit is None else above_best(entry.fit, fit) for entry in fit.ranking]
+    bars = Bars(
+        names=[entry.law for entry in fit.ranking],
+        values=misfits,
+        texts=told,
+        label="misfit of each law: rms residual [σ]",
+        heading="ΔAIC",
+        colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
+    )
+    draw_bars(axes, bars, (0.0, np.nanmax(misfits)), small=True)
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -138,9 +168,9 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             values.errorbar(part.at, scale * measured[part.rows], **mark_style)
             model = scale * (measured[part.rows] + fit.residuals[part.rows])
             label = None if several else "model"
-            values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=9, label=label)
+            values.plot(part.at, model, "o", color=MODEL, markerfacecolor="none", markersize=9, label=label)
         else:
-            look = INK if not several else colour
+            look = {"color": colour} if several else {"color": MODEL, "label": "model"}
             has_lines |= _curve(axes, results[part.run], scale * results[part.run][name], part.at.max(), look)
             mark_style |= {"label": dots_label, "alpha": DOT_OPACITY}
             values.plot(part.at, scale * measured[part.rows], **mark_style)
@@ -162,7 +192,9 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     return has_lines
 
 
-def _curve(panels: Sequence[Axes], result: Result, model: np.ndarray, last: float, colour: str) -> bool:
+def _curve(
+    panels: Sequence[Axes], result: Result, model: np.ndarray, last: float, look: dict[str, Any]
+) -> bool:
     """Draw the model over time, and lines at its impacts, until the last measurement [s].
 
     Returns whether there are such lines.
@@ -171,10 +203,7 @@ def _curve(panels: Sequence[Axes], result: Result, model: np.ndarray, last: floa
     onsets = onsets[onsets <= last]
     for axes in panels:
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
-    label = "model" if colour == INK else None
-    # the curve is on a white rim, so that it is seen among the dots
-    for look in ({"color": "white", "linewidth": RIM, "zorder": 3.9}, {"color": colour, "label": label}):
-        panels[0].plot(result.time[until], model[until], **{"linewidth": CURVE, "zorder": 4.0} | look)
+    panels[0].plot(result.time[until], model[until], **{"linewidth": 1.2, "zorder": 4.0} | look)
     return len(onsets) > 0
 
 

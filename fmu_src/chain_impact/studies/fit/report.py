@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.recording.text import TextTable, number, plural
 from chain_impact.scene.unit_text import of_scene, with_unit
-from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
@@ -34,13 +34,25 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
         yield ""
         yield TextTable(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
-        equal = sum(
-            law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < fit.aic + EQUAL
-            for law_fit in fit.ranking
-        )
+        equal = sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
         if equal > 1:
             together = f"The first {equal} laws fit equally well, with ΔAIC < {EQUAL:g}"
             yield f"{together}: these data cannot tell them apart."
+
+
+def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
+    """Return whether data cannot tell a law from the best one."""
+    return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
+
+
+def misfit(fit: Estimates, best: Estimates) -> float:
+    """Return the root mean square of the residuals, in standard deviations of the best fit."""
+    return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
+
+
+def above_best(fit: Estimates, best: Estimates) -> str:
+    """Return by how much Akaike's criterion is larger than that of the best fit, as text."""
+    return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
 def heading(fit: Estimates, mark: str = "  ") -> str:
@@ -124,7 +136,6 @@ def _correlations(fit: Estimates) -> Iterator[str]:
 
 
 def _laws(fit: Estimates) -> list[Sequence[str]]:
-    best = fit.aic
     rows: list[Sequence[str]] = []
     for law_fit in fit.ranking:
         if law_fit.fit is None:
@@ -133,8 +144,6 @@ def _laws(fit: Estimates) -> list[Sequence[str]]:
         values = (
             rounded(value, law_fit.fit.standard_errors[name]) for name, value in law_fit.fit.values.items()
         )
-        rms = math.sqrt(float(np.nanmean((law_fit.fit.residuals / fit.sigma) ** 2)))
-        rows.append(
-            (law_fit.law, f"{max(0.0, law_fit.fit.aic - best):.1f}", number(rms, 3), *values, law_fit.note)
-        )
+        told = above_best(law_fit.fit, fit), number(misfit(law_fit.fit, fit), 3)
+        rows.append((law_fit.law, *told, *values, law_fit.note))
     return rows
