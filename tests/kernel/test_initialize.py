@@ -32,6 +32,7 @@ from chain_impact.kernel.status import (
     STOPS_REVERSED,
     UNKNOWN_METHOD,
 )
+from chain_impact.scene.candidates import parts_in_words
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, stopped_chain
 
@@ -274,9 +275,9 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
 @pytest.mark.parametrize("joint", [0, 1])
 @pytest.mark.parametrize("limits", [(0.5, 0.5), (0.5, 0.4), (math.nan, 1.0), (0.0, math.nan)])
 def test_the_limits_of_a_joint_are_in_order(joint, limits):
-    _, d = stopped_chain(2)
+    scene, d = stopped_chain(2)
     d.drive.min[joint], d.drive.max[joint] = limits
     assert check_parameters(d) == STOPS_REVERSED
-    assert d.fault.part == 1 + d.candidates + joint
+    assert parts_in_words(scene)[d.fault.part - 1] == f"joint {joint + 1}"
     d.drive.min[joint], d.drive.max[joint] = 0.4, 0.5
     assert check_parameters(d) == OK

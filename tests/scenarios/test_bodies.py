@@ -1,12 +1,14 @@
 """Bodies, points on links and sliders, against conserved quantities, closed forms and equivalent scenes."""
 
+import re
 from copy import deepcopy
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.special import ellipk
 
-from chain_impact import Chain, simulate
+from chain_impact import Chain, SimulationError, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict
 from tests.helpers.tools.differences import slope
 
@@ -61,6 +63,29 @@ def test_a_box_comes_to_rest_on_two_of_its_corners():
     depth = (1.0 * 9.81 / 2 / 1e6) ** (1 / 1.5)  # half of the weight on each corner
     np.testing.assert_allclose(run.sites[-1, :2, 1], -depth, rtol=1e-6)
     assert run.angles[-1, 0] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("center", [{}, {"center_of_mass": 0.1}, {"center_of_mass_offset": -0.07}])
+@pytest.mark.parametrize("height", [0.2, 0.45])
+def test_a_box_swings_by_the_inertia_of_its_rectangle_and_parallel_axes(center, height):
+    """The inertia about the centre of mass is that of the rectangle, wherever the centre of mass is."""
+    length, mass, start = 0.5, 1.3, 1.1
+    link = {"length": length, "mass": mass, "shape": "box", "height": 0.2, **center}
+    along, beside = center.get("center_of_mass", length / 2), center.get("center_of_mass_offset", 0.0)
+    arm, hanging = np.hypot(along, beside), -np.pi / 2 - np.arctan2(beside, along)
+    about_pivot = mass * (length**2 + height**2) / 12 + mass * arm**2
+    # a quarter of the period of a pendulum that starts from rest at an angle from its rest position
+    quarter = np.sqrt(about_pivot / (mass * 9.81 * arm)) * ellipk(np.sin(start / 2) ** 2)
+    data = {
+        "name": "Box",
+        "chain": {"base": "pinned", "links": [link]},
+        "box": {},
+        "initial": {"angles": [hanging + start]},
+    }
+    run = simulate(scene(data).with_values({"link[1].height": height}), stop_time=quarter, tolerance=1e-12)
+    fastest = np.sqrt(2 * mass * 9.81 * arm * (1 - np.cos(start)) / about_pivot)
+    assert run.angles[-1, 0] == pytest.approx(hanging, abs=1e-10)
+    assert run["link[1].angular_velocity"][-1] == pytest.approx(-fastest, rel=1e-10)
 
 
 def test_an_offset_of_the_centre_of_mass_is_that_of_a_link_turned_by_it():
@@ -213,6 +238,37 @@ def test_a_derivative_by_a_stiffness_that_is_set_on_the_way():
     found, exact = end(0.0)[1], slope(lambda change: end(change)[0], 0.0, 0.05, 6)
     assert found == pytest.approx(exact, rel=1e-7)
     assert abs(found) > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "part", "key"),
+    [
+        ("slider.min", 0.6, "the slider", "min"),
+        ("link[2].joint_max", -0.6, "joint 2", "max"),
+        ("slider.mass", 0.0, "link[1]", "slider.mass"),
+    ],
+)
+def test_a_refused_stop_or_mass_is_told_with_its_owner(name, number, part, key):
+    link = {"length": 0.5, "mass": 1.0, "inertia": 0.0}
+    links = [link, link | {"joint_min": -0.5, "joint_max": 0.5}]
+    chain = {"base": "slider", "slider": {"min": -0.5, "max": 0.5}, "links": links}
+    chain = Chain(scene({"name": "Cart", "chain": chain, "box": {}, "initial": {"angles": [0.1, 0.1]}}))
+    chain.set(name, number)
+    with pytest.raises(SimulationError, match=re.escape(key)) as caught:
+        chain.step(0.1)
+    assert caught.value.part == part
+
+
+def test_a_point_mass_on_a_carriage_without_mass_is_refused():
+    """A carriage without mass is allowed under a link that has inertia."""
+    bob = {"inertia": 0.0, "center_of_mass": 0.3}
+    with pytest.raises(SceneError, match=r"chain.links\[1\].inertia = 0.0, or slider.mass, must be > 0"):
+        on_slider(bob, {"mass": 0.0}, initial={"angles": [0.3]})
+    for link, mass in ((bob, 0.1), (bob | {"inertia": 0.01}, 0.0)):
+        on_slider(link, {"mass": mass}, initial={"angles": [0.3]})
+    loose = {"inertia": 0.0, "center_of_mass": 0.0}
+    with pytest.raises(SceneError, match=r"chain.links\[1\].inertia = 0.0 must be > 0"):
+        on_slider(loose, {"mass": 0.0}, initial={"angles": [0.3]})
 
 
 def test_a_force_on_the_carriage_that_changes_with_time_does_its_work():

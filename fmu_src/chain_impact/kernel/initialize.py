@@ -37,6 +37,7 @@ from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable
 from chain_impact.kernel.record.ranges import (
+    OF_CARRIAGE,
     OF_LINKS,
     OF_SITES,
     OF_STOPS,
@@ -246,9 +247,11 @@ def check_ranges(d):
 
 
 def refuse_value(d, k, i):
-    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link, if any, as reason."""
-    if RANGE_OWNERS[k] == OF_LINKS:
-        return refuse_drive(d, i, PARAMETER_OUT_OF_RANGE)
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link or slider as reason."""
+    if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
+        return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
+    if d.slides and (RANGE_OWNERS[k] == OF_LINKS or RANGE_OWNERS[k] == OF_CARRIAGE):
+        return refuse_drive(d, d.links, PARAMETER_OUT_OF_RANGE)
     if RANGE_OWNERS[k] == OF_SITES:
         return refuse_link(d, d.site.link[i], PARAMETER_OUT_OF_RANGE)
     return PARAMETER_OUT_OF_RANGE

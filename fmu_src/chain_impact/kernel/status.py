@@ -58,8 +58,8 @@ STATUS_TEXT = {
     "solver.tolerance allows for a step, or in the whole run by a fifth of the energy: if solver.tolerance "
     "is above 1e-8, lower it, which makes errors of steps smaller; else raise it, because round-off is too "
     "large for it",
-    MASS_MATRIX_SINGULAR: "links without inertia can turn while no mass moves: the inertia of one of them "
-    "must be > 0",
+    MASS_MATRIX_SINGULAR: "links without inertia can turn while no mass moves: the inertia of one of them, "
+    "or slider.mass, must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "
     "solver.work_limit: take shorter communication steps or raise solver.work_limit",
     FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
@@ -68,7 +68,7 @@ STATUS_TEXT = {
     "and all sticking elements together: change the initial state or solver.tolerance a little",
     STATIC_BELOW_SLIDING: "static_friction is below friction: it must be at least friction, or 0, which "
     "means equal to friction",
-    STOPS_REVERSED: "joint_min is not below joint_max, or a slider.min not below its max",
+    STOPS_REVERSED: "the lower stop (min) is not below the upper stop (max)",
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
     BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
@@ -96,16 +96,17 @@ def refuse_candidate(d, c, status):
 
 def refuse_base(d, c, status):
     """Record that the base, at the wall of candidate c, is the reason for ``status``; return the status."""
-    d.fault.part = 1 + d.candidates + d.links + c
+    d.fault.part = 1 + d.candidates + 2 * d.links + d.slides + c
     return status
 
 
 def refuse_link(d, i, status):
-    """Record that link i, counted from 0, or its joint is the reason for ``status``; return this status."""
+    """Record that link i, counted from 0, is the reason for ``status``; return this status."""
     d.fault.part = 1 + d.candidates + i
     return status
 
 
 def refuse_drive(d, i, status):
-    """Record link i as the reason for ``status``; for i = N, the slider, no part. Return this status."""
-    return refuse_link(d, i, status) if i < d.links else status
+    """Record that drive i, of a joint or the slider, is the reason for ``status``; return this status."""
+    d.fault.part = 1 + d.candidates + d.links + i
+    return status

@@ -22,8 +22,8 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
 def parts_in_words(scene: Contents) -> list[str]:
     """Return words for each part of a scene that can be the reason for a fault, numbered as ``fault.part``.
 
-    These parts are the candidates, then the links, then the base at the wall of each pair of a point and a
-    wall.
+    These parts are the candidates, then the links, the joints and the slider, then the base at the wall of
+    each pair of a point and a wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
@@ -32,8 +32,11 @@ def parts_in_words(scene: Contents) -> list[str]:
         f"joint {joint} at its {names[wall]}" if joint else f"the slider at its {names[wall]}"
         for joint, wall in pairs[points:]
     ]
-    links = [f"link[{i + 1}]" for i in range(len(scene.chain.links))]
-    return [*touching, *stops, *links, *(f"the base at the wall {names[wall]}" for _, wall in pairs[:points])]
+    numbers = range(1, len(scene.chain.links) + 1)
+    owners = [form.format(i) for form in ("link[{}]", "joint {}") for i in numbers]
+    owners += ["the slider"] * (scene.chain.slider is not None)
+    bases = [f"the base at the wall {names[wall]}" for _, wall in pairs[:points]]
+    return [*touching, *stops, *owners, *bases]
 
 
 def stop_pairs(scene: Contents) -> list[tuple[int, int]]:

@@ -49,8 +49,9 @@ def check_masses(chain: ChainTable) -> None:
 
     Nothing would determine their angular acceleration.
     """
-    massless = chain.slider is not None and chain.slider.mass == 0.0
-    first, last = loose_links(chain_view(chain), massless)
+    (first, last), other = loose_links(chain_view(chain), False), ""
+    if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
+        (first, last), other = loose_links(chain_view(chain), True), ", or slider.mass,"
     if first < 0:
         return
     if first == last:
@@ -60,11 +61,11 @@ def check_masses(chain: ChainTable) -> None:
         )
         reason = f"the link could turn about its centre of mass without moving any mass ({where})"
         path = ("chain", "links", first, "inertia")
-        raise SceneError(f"{path_text(path)} = {link.inertia} must be > 0: {reason}", path)
+        raise SceneError(f"{path_text(path)} = {link.inertia}{other} must be > 0: {reason}", path)
     path, end = (("chain", "links", i, "inertia") for i in (first, last))
     names = f"{path_text(path)} to {path_text(end)}"
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise SceneError(f"{names} = 0.0; one of them must be > 0: {reason}", path)
+    raise SceneError(f"{names} = 0.0; one of them{other} must be > 0: {reason}", path)
 
 
 def check_together(scene: Contents) -> None:

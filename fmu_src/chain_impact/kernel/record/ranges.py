@@ -27,9 +27,9 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths, in the record, of all real numbers that must lie in a range."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# what has the entries of a field of RANGED: links, sites, stops in joints, or the whole chain
-OF_LINKS, OF_SITES, OF_STOPS, OF_ALL = 0, 1, 2, 3
-_OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS}
+# what has the entries of a field of RANGED: links and drives, sites, stops in joints, slider, or whole chain
+OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
+_OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
     OF_LINKS if _SMALL[path].shape != _LARGE[path].shape else _OWNER_OF_PART.get(path[0], OF_ALL)
     for path in RANGED

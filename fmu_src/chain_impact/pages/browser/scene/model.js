@@ -65,13 +65,15 @@ function parametersOf(rows, others, values, { known }, byName) {
   });
 }
 
-/** Return the words for the parts that a fault can name, in order: each candidate, each link, and the base at each wall. */
+/** Return the words for the parts that a fault can name, in the order of `parts_in_words` in Python. */
 function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
     ...stops.map(([joint, stop]) => `joint ${joint} at its ${stop}`),
     ...sliderStops.map((stop) => `the slider at its ${stop}`),
     ...file.chain.links.map((_, k) => `link[${k + 1}]`),
+    ...file.chain.links.map((_, k) => `joint ${k + 1}`),
+    ...(file.chain.base === "slider" ? ["the slider"] : []),
     ...pairs.map(([, wall]) => `the base at the wall ${wallNames[wall]}`),
   ];
 }
