@@ -4,7 +4,7 @@
 
 import pytest
 
-from chain_impact.scene.names import input_key, name_of, parameter_hint, path_text
+from chain_impact.scene.names import by_owner, input_key, name_of, name_parts, parameter_hint, path_text
 from chain_impact.scene.similar_names import longer, nearest
 
 
@@ -89,3 +89,23 @@ def test_a_name_with_the_same_last_part_is_nearer():
     names = ["point[1].y", "contact[1].y_min.force", "contact[1].y_min.friction_force"]
     assert nearest("joint[1].force", names) == "contact[1].y_min.force"
     assert nearest("point[1].force", ["point[1].y"]) == "point[1].y"
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("contact[2].y_min.force", ("contact", 2, "y_min", "force")),
+        ("joint[3].force.x", ("joint", 3, "", "force.x")),
+        ("wall.ramp.load.x", ("wall", 0, "ramp", "load.x")),
+        ("wall.ramp.friction", ("wall", 0, "ramp", "friction")),
+        ("contact.friction", ("contact", 0, "", "friction")),
+        ("signal.push.time[2]", ("signal", 0, "push", "time[2]")),
+        ("link[1].point[2].x", ("link", 1, "", "point[2].x")),
+        ("energy.total", ("energy", 0, "", "total")),
+        ("impact.count", ("impact", 0, "", "count")),
+        ("a table's column [m]", ("", 0, "", "a table's column [m]")),
+    ],
+)
+def test_the_parts_of_a_name(name, parts):
+    assert name_parts(name) == parts
+    assert by_owner({name: 1.0}) == {parts[:3]: {parts[3]: 1.0}}

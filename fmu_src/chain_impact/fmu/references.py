@@ -112,7 +112,9 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
     # a few outputs that together depend on the whole motion
-    chosen = [v for v in prepared.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
+    whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
+    ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
+    chosen = [v for v in prepared.outputs if v.name in ends]
     names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
     units = np.array([v.unit for v in chosen])
     inputs, tolerance = _inputs(prepared, times), prepared.scene.solver.tolerance

@@ -23,7 +23,7 @@ from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import SLIDER_STOPS, STOPS, fmu_name, input_key, signal_hint
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, by_owner, fmu_name, input_key, signal_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
@@ -168,9 +168,12 @@ def _recording(
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     """Return the walls of an FMU from the values of its parameters."""
     box = {wall: values[f"box.{wall}"] for wall in WALLS if f"box.{wall}" in values}
-    slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
-    lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
-    return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
+    lines = {
+        name: (wall["x"], wall["y"], wall["angle"])
+        for (owner, _, name), wall in by_owner(values).items()
+        if owner == "wall" and "angle" in wall
+    }
+    return half_planes(box, lines)
 
 
 def _named(variable: Any, value: float) -> float | str:
@@ -183,7 +186,7 @@ def _named(variable: Any, value: float) -> float | str:
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
         given = "it is an input: give it over time in a table, --inputs FILE"
-        signals = {parameter.split(".")[1] for parameter in parameters if parameter.startswith("signal.")}
+        signals = {label for owner, _, label in by_owner(parameters) if owner == "signal"}
         hint = given if input_key(name) else signal_hint(name, signals)
         raise UnknownNameError(source, name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]

@@ -191,7 +191,7 @@ def _output_row(kind: Kind) -> dict[str, Any]:
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
         "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("load", "peak"),
-        "drawn": DRAWN.get(kind.name),
+        "drawn": DRAWN.get((kind.parts.owner, kind.parts.quantity)),
     }
 
 

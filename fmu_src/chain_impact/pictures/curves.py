@@ -22,6 +22,7 @@ from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_nar
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural, prefixed
+from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
@@ -207,8 +208,8 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 def look_of_energy(name: str) -> dict[str, Any]:
     """Return the properties of the curve of an energy of the chain; empty for other outputs."""
-    energy = name.removeprefix("energy.")
-    return energy_look(energy) if energy != name and energy in ENERGIES else {}
+    owner, _, _, energy = name_parts(name)
+    return energy_look(energy) if owner == "energy" and energy in ENERGIES else {}
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:

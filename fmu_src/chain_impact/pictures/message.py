@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.style import headline, is_narrow, raised
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural
+from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
 
 NO_LOSS = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
@@ -57,7 +57,8 @@ def conditions(recording: Recording, *first: str) -> str:
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
         if most := max(
-            (value for name, value in known.items() if name.endswith(f".joint_{key}")), default=0.0
+            (value for name, value in known.items() if name_parts(name).quantity == f"joint_{key}"),
+            default=0.0,
         ):
             parts.append(f"joint {key} ≤ {most:g} {unit}")
     law, of_stops = known.get("contact.model", ""), recording.stop_law
@@ -84,7 +85,8 @@ def friction(name: str, value: Any) -> str:
 
     Return "" for other parameters, and for a coefficient of 0 unless it is the sliding friction of one wall.
     """
-    at = re.fullmatch(r"(?:contact|wall\.(\w+))\.(static_)?friction", name)
-    if not at or not (value or (at[1] and not at[2])):
+    owner, _, wall, quantity = name_parts(name)
+    is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")
+    if not is_coefficient or not (value or (wall and quantity == "friction")):
         return ""
-    return f"{'static ' if at[2] else ''}{value:g}{f' at {at[1]}' if at[1] else ''}"
+    return f"{'static ' * (quantity != 'friction')}{value:g}{f' at {wall}' if wall else ''}"

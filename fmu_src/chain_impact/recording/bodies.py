@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from chain_impact.scene.bodies import discs_of_links
+from chain_impact.scene.names import name_parts
 
 
 def is_of_body(name: str) -> bool:
     """Return whether a parameter determines how a body, or the line of a slider, is drawn."""
-    is_of_link = name.startswith("link[") and (".point[" in name or name.endswith((".length", ".height")))
-    return is_of_link or name.startswith("slider.") or name == "contact.radius"
+    owner, _, _, quantity = name_parts(name)
+    is_of_link = owner == "link" and (quantity in ("length", "height") or quantity.startswith("point["))
+    return is_of_link or owner == "slider" or name == "contact.radius"
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:

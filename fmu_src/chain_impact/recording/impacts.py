@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.record.contacts import contact_log_dtype
 from chain_impact.kernel.rows.geometry import WALLS
-from chain_impact.scene.names import SLIDER_STOPS, STOPS, is_like
+from chain_impact.scene.names import SLIDER_STOPS, STOPS, name_parts
 from chain_impact.scene.warning import warn
 
 _LOG = contact_log_dtype(0)
@@ -182,11 +182,11 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
 
 def wall_names_of(record: Any) -> list[str]:
     """Return the names of the walls by their numbers, as far as the names of the columns contain them."""
-    names = [str(name) for name in names_of(record)]
-    touched = [name.split(".")[1] for name in names if is_like(name, "contact[{n}].{name}.force")]
+    names = [name_parts(str(name)) for name in names_of(record)]
+    touched = [of.name for of in names if of.owner == "contact" and of.quantity == "force"]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]
     touched = [name for name in touched if name not in ends]
-    stops = STOPS if touched and any(name.endswith(".stop_moment") for name in names) else ()
+    stops = STOPS if touched and any(of.quantity == "stop_moment" for of in names) else ()
     return [*dict.fromkeys((*WALLS, *touched)), *stops, *ends]
 
 

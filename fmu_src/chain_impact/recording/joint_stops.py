@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count, takewhile
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ class JointRange:
 def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
     """Return joint → its range, for the joints that have stops, from values of a scene or an FMU."""
     ranges = {}
-    for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
+    for joint in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
         if low is not None or high is not None:
             ends = (-math.inf if low is None else low, math.inf if high is None else high)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.names import by_owner
 
 IMPACT_TIME = 0.6  # [s] the default for the time on the screen for one impact
 RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
@@ -85,17 +86,16 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 
 def fastest_sine(recording: Recording) -> float:
     """Return the largest frequency of the sines that move inputs during the run [Hz]; 0 without a sine."""
-    parameters, stop, fastest = recording.parameters, float(recording.time[-1]), 0.0
-    for name, value in parameters.items():
-        if name.startswith("signal.") and name.endswith(".frequency"):
-            signal = name.removesuffix("frequency")
-            begin = float(parameters.get(f"{signal}start", 0.0))
-            if begin >= stop or float(parameters.get(f"{signal}amplitude", 1.0)) == 0.0:
+    stop, fastest = float(recording.time[-1]), 0.0
+    for (owner, _, _), signal in by_owner(recording.parameters).items():
+        if owner == "signal" and "frequency" in signal:
+            begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
+            if begin >= stop or float(signal.get("amplitude", 1.0)) == 0.0:
                 continue
             # at the time s after the start of the signal the frequency is f + ḟ s: largest at s = 0 or at the
             # end
-            change = float(parameters.get(f"{name}_rate", 0.0)) * (stop - begin)
-            fastest = max(fastest, abs(float(value)), abs(float(value) + change))
+            change = float(signal.get("frequency_rate", 0.0)) * (stop - begin)
+            fastest = max(fastest, abs(value), abs(value + change))
     return fastest
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -23,17 +22,12 @@ from chain_impact.recording.tables import save_impacts
 from chain_impact.recording.text import plural, toucher_name
 from chain_impact.scene.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.names import SLIDER_STOPS
+from chain_impact.scene.names import AXES, SLIDER_STOPS, by_owner
 from chain_impact.scene.reading import names_matching
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
-from chain_impact.variables.outputs import OUTPUTS
 
 ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
-_OWNERS = sorted({re.split(r"[.[]", kind.name)[0] for block in OUTPUTS for kind in block.kinds})
-_NAME = re.compile(rf"({'|'.join(_OWNERS)})(?:\[(\d+)\])?(?:\.(\w+))?\.(\w+)")
-"""The parts of an output's name in the FMU: owner, such as ``point``; number; wall, or ``force`` of a joint;
-and quantity."""
 
 
 class Recording:
@@ -90,14 +84,10 @@ class Recording:
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
         """The columns: owner, number and wall → quantity → values."""
-        quantities: dict[tuple[str, int, str], dict[str, np.ndarray]] = {}
-        for name, values in self.columns.items():
-            if at := _NAME.fullmatch(name):
-                owner, number, wall, quantity = at.groups()
-                quantities.setdefault((owner, int(number or 0), wall or ""), {})[quantity] = values
-        return quantities
+        return by_owner(self.columns)
 
-    def _columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
+    def columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
+        """Return the columns of owners such as ``contact``: number and wall → quantity → values."""
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }
@@ -108,7 +98,7 @@ class Recording:
 
         If no name has such a number, all points count as ends of links, and N is one less than their number.
         """
-        numbers = [n for owner in ("link", "joint") for n, _ in self._columns_of(owner)]
+        numbers = [n for owner in ("link", "joint") for n, _ in self.columns_of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
 
     @property
@@ -124,7 +114,7 @@ class Recording:
     @cached_property
     def all_points(self) -> np.ndarray:
         """Positions of all points by their numbers, shape (T, N+1+P, 2) [m]."""
-        points = self._columns_of("point")
+        points = self.columns_of("point")
         complete = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
         each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in complete]
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
@@ -162,7 +152,7 @@ class Recording:
 
         If no column belongs to a joint, a base that does not move counts as pinned.
         """
-        joints, bases = self._columns_of("joint"), self.points[:, :1]
+        joints, bases = self.columns_of("joint"), self.points[:, :1]
         if self.rail is not None:
             return False
         return (1, "") in joints if joints else len(bases) > 1 and bool((bases == bases[0]).all())
@@ -196,15 +186,15 @@ class Recording:
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
         """The known energies: kinetic, potential, … → shape (T,) [J]."""
-        return self._columns_of("energy").get((0, ""), {})
+        return self.columns_of("energy").get((0, ""), {})
 
     @cached_property
     def loads(self) -> dict[int, np.ndarray]:
         """Joint → the force on the joint's link, shape (T, 2) [N]; empty if the forces are not known."""
         return {
-            joint: np.stack([parts[axis] for axis in "xy"], axis=-1)
-            for (joint, kind), parts in self._columns_of("joint").items()
-            if kind == "force" and parts.keys() >= {"x", "y"}
+            joint: np.stack([parts[f"force.{axis}"] for axis in AXES], axis=-1)
+            for (joint, _), parts in self.columns_of("joint").items()
+            if parts.keys() >= {"force.x", "force.y"}
         }
 
     @cached_property
@@ -220,16 +210,16 @@ class Recording:
                 *at,
                 *map(values.get, ("force", "penetration", "penetration_rate", "friction_force", "sticking")),
             )
-            for at, values in self._columns_of("contact").items()
+            for at, values in self.columns_of("contact").items()
             if "force" in values
         ]
-        for (joint, _), values in self._columns_of("joint").items():
+        for (joint, _), values in self.columns_of("joint").items():
             if "stop_moment" in values:
                 touches += Touch.of_stops(joint, values["stop_moment"])
             if "sticking" in values:
                 moment = values.get("friction_moment")
                 touches.append(Touch(joint, "", None, friction=moment, sticking=values["sticking"]))
-        slider = self._columns_of("slider").get((0, ""), {})
+        slider = self.columns_of("slider").get((0, ""), {})
         if "sticking" in slider:
             force = slider.get("friction_force")
             touches.append(Touch(0, "", None, friction=force, sticking=slider["sticking"]))

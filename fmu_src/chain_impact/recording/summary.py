@@ -145,13 +145,10 @@ def digits(value: float) -> str:
 
 def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest forces in joints, the largest first, if the scene asks for loads."""
-    peaks = {
-        name.split(".")[0]: values[-1]
-        for name, values in result.columns.items()
-        if name.startswith("joint[") and name.endswith(".peak_force") and len(values)
-    }
-    for row, joint in enumerate(sorted(peaks, key=lambda name: -peaks[name])[:JOINTS]):
-        yield f"{'' if row else 'loads':8} at most {peaks[joint]:.6g} N in {joint}"
+    joints = result.columns_of("joint").items()
+    peaks = {n: values["peak_force"][-1] for (n, _), values in joints if len(values.get("peak_force", ()))}
+    for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n])[:JOINTS]):
+        yield f"{'' if row else 'loads':8} at most {peaks[joint]:.6g} N in joint[{joint}]"
     if len(peaks) > JOINTS:
         yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,6 +13,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
+from chain_impact.scene.names import name_parts
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
@@ -291,8 +291,9 @@ def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> 
         return _largest(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
     if name == JOINT_FORCE:
         return _joint_force(recording, sensitivities)
-    if at := re.fullmatch(r"impact\[(\d+)\]\.(\w+)", name):
-        return _of_impact(recording, sensitivities, int(at[1]), OF_FMU.get(at[2], at[2]))
+    owner, number, _, quantity = name_parts(name)
+    if owner == "impact" and "[" in name:
+        return _of_impact(recording, sensitivities, number, OF_FMU.get(quantity, quantity))
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         near = nearest(name, quantities)
@@ -337,7 +338,11 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
     """Return the largest force in any joint."""
-    names = [name for name in sensitivities.columns if re.fullmatch(r"joint\[\d+\]\.peak_force", name)]
+    names = [
+        name
+        for name in sensitivities.columns
+        if (of := name_parts(name)).owner == "joint" and of.quantity == "peak_force"
+    ]
     if not names:
         raise SceneError(
             f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
@@ -345,7 +350,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
         )
     name = max(names, key=lambda column: recording.columns[column][-1])
     value, unit, _, slope, size = _of_output(recording, sensitivities, name)
-    return value, unit, f"{name.split('.')[0]}, the largest of the run", slope, size
+    return value, unit, f"joint[{name_parts(name).n}], the largest of the run", slope, size
 
 
 def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:

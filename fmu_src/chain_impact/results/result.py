@@ -33,10 +33,7 @@ if TYPE_CHECKING:
     import xarray
 
 ENERGIES = {
-    kind.name.removeprefix("energy."): kind
-    for block in OUTPUTS
-    for kind in block.kinds
-    if kind.name.startswith("energy.")
+    kind.parts.quantity: kind for block in OUTPUTS for kind in block.kinds if kind.parts.owner == "energy"
 }
 """Energy → its row in the table of outputs."""
 

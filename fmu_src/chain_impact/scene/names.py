@@ -7,7 +7,9 @@ the base.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
 """A path in nested tables and lists; indices of lists count from 0."""
@@ -110,6 +112,45 @@ def path_text(path: DataPath) -> str:
     return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(
         "."
     )
+
+
+class NameParts(NamedTuple):
+    """The parts of a variable's name.
+
+    Attributes:
+        owner: the word for the owner: ``contact`` in contact[2].y_min.force, ``energy`` in energy.total.
+        n: the number of the owner, 0 without one.
+        name: the name of a wall or signal, "" without one.
+        quantity: the rest of the name: ``force``, ``load.x``.
+    """
+
+    owner: str
+    n: int
+    name: str
+    quantity: str
+
+
+_PARTS = re.compile(
+    r"(?:(contact)\[(\d+)\]\.(\w+)|(wall|signal)\.(\w+)|(\w+)(?:\[(\d+)\])?)\.(.+)",
+)
+
+
+def name_parts(name: str) -> NameParts:
+    """Return the parts of a variable's name; of a name of another form, only the quantity."""
+    at = _PARTS.fullmatch(name)
+    if not at:
+        return NameParts("", 0, "", name)
+    contact, point, wall, named, label, other, number, quantity = at.groups("")
+    return NameParts(contact or named or other, int(point or number or 0), wall or label, quantity)
+
+
+def by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
+    """Return owner, number and name (see ``NameParts``) → quantity → value, for values by name."""
+    owned: dict[tuple[str, int, str], dict[str, Any]] = {}
+    for whole, value in values.items():
+        owner, n, name, quantity = name_parts(whole)
+        owned.setdefault((owner, n, name), {})[quantity] = value
+    return owned
 
 
 INPUTS_OF: dict[str, dict[str, str]] = {

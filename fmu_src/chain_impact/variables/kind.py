@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from chain_impact.scene.key_rules import Derived
-from chain_impact.scene.names import DataPath, sensitivity_name
+from chain_impact.scene.names import DataPath, NameParts, name_parts, sensitivity_name
 
 NEXT = "{next}"
 MOTION = "motion"
@@ -101,6 +101,11 @@ class Kind:
     nominal: str = ""
     rate_of: str = ""
     array: str = ""
+
+    @cached_property
+    def parts(self) -> NameParts:
+        """The parts of the variables' names; the number and the name of the owner have no meaning."""
+        return name_parts(self.name.format(n=0, of=0, name="name"))
 
     @cached_property
     def pattern(self) -> str:

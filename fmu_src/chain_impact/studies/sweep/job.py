@@ -63,7 +63,7 @@ class Job:
     def columns(self) -> dict[str, Variable]:
         """The variables that are read from the record at the end of each run, by name."""
         outputs = self.prepared.outputs_by_name
-        standard = [name for name in outputs if name.startswith(("energy.", "solver."))]
+        standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
         return {name: outputs[name] for name in wanted}
 
