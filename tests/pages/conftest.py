@@ -28,6 +28,7 @@ RECORDING = (
     "base/ticks.js",
     "explore/edited_scene.js",
     "explore/map/map_colours.js",
+    "explore/map/map_rows.js",
     "player/impact_list.js",
     "scene/words.js",
 )

@@ -93,3 +93,20 @@ def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text
 )
 def test_an_input_has_words(script, name, text):
     assert script.evaluate("name => inputText(name)", name) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("link[3].joint_damping", "Joint damping of link 3"),
+        ("link[2].point[1].x", "X of point 1 of link 2"),
+        ("initial.angular_velocity[2]", "Initial angular velocity of link 2"),
+        ("initial.vx", "Initial vx"),
+        ("gravity.x", "Gravity, x"),
+        ("box.y_min", "Box, y_min"),
+        ("wall.side_wall.angle", "Angle of wall side_wall"),
+        ("slider.force_limit", "Force limit of slider"),
+    ],
+)
+def test_a_parameter_has_words(script, name, text):
+    assert script.evaluate("name => parameterText(name)", name) == text

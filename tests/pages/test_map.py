@@ -1,7 +1,7 @@
 """The map of two parameters: preview, values, colours, the keyboard, and runs that a click opens."""
 
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
-# Tests: pages/browser/explore/map/map_scales.js
+# Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
 
 import math
 import re
@@ -16,6 +16,13 @@ from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 MAP = {"simulation.stop_time": 0.8}
+AXIS = "Initial angle of link 1, °"
+EMPTY = """(() => {
+  const copy = new OffscreenCanvas(41, 41).getContext('2d', { willReadFrequently: true });
+  copy.drawImage(document.getElementById('map-canvas'), 0, 0);
+  return [...copy.getImageData(0, 0, 41, 41).data].filter((value, k) => k % 4 === 3 && value === 0).length;
+})()"""
+"""The number of runs of a map without a colour."""
 READ = re.compile(
     r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\u202frad \(.*°\): impact.count = (\d+)"
 )
@@ -56,7 +63,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     draw_map(page)
     box = page.locator("#map-canvas").bounding_box()
     titles = page.locator("#map-scales text").all_text_contents()
-    assert {"contact.restitution", "initial.angle[1], °", "Number of impacts", "0.4", "20"} <= set(titles)
+    assert {"Restitution", AXIS, "Number of impacts", "0.4", "20"} <= set(titles)
     assert page.locator(".map-present").count() == 1
     table = saved(page, "Map as CSV").read_text().splitlines()
     assert table[0] == "contact.restitution,initial.angle[1],impact.count"
@@ -75,6 +82,38 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     colours = page.evaluate("""new Set(new Uint32Array(document.getElementById('map-canvas')
       .getContext('2d').getImageData(0, 0, 41, 41).data.buffer)).size""")
     assert colours > 3
+
+
+def test_the_preview_stays_below_the_rows_that_come(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
+    titles = page.locator("#map-scales text").all_text_contents()
+    page.evaluate("document.getElementById('map-run').click()")  # at once, before any row
+    assert page.locator("#map-canvas").get_attribute("width") == "41"
+    assert page.evaluate(EMPTY) == 0
+    assert page.locator("#map-scales text").all_text_contents() == titles
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    assert page.evaluate(EMPTY) == 0
+    choices = page.locator("#map-x-name option").all_inner_texts()
+    assert {"Restitution", "Stiffness", "Mass of link 1", "Gravity, x"} <= set(choices)
+    assert len(choices) == len(set(choices)), "each parameter has words of its own"
+
+
+def test_a_map_grows_from_coarse_to_fine_and_has_no_gaps(script):
+    order = script.evaluate("rowOrder", 41)
+    assert sorted(order) == list(range(41))
+    assert max(np.diff(sorted(order[:6]))) <= 8, "the first rows are far apart"
+    coarse = {"points": 2, "results": [1.0, 2.0, None, 4.0]}
+    function = """([rows, coarse]) => {
+      const results = Array(9);
+      rows.forEach((row) => [0, 1, 2].forEach((column) => {
+        results[3 * row + column] = 10 * row + column;
+      }));
+      return completed({ results, points: 3, coarse });
+    }"""
+    assert script.evaluate(function, [[1], coarse]) == [1.0, 2.0, 2.0, 10, 11, 12, None, 4.0, 4.0]
+    assert script.evaluate(function, [[0, 1], None]) == [0, 1, 2, 10, 11, 12, 10, 11, 12]
 
 
 def test_a_map_shows_the_largest_forces_of_a_sweep(show):
@@ -198,7 +237,7 @@ def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
         page.locator(f"#map-y-{end}").fill(angle)
     draw_map(page)
     texts = page.locator("#map-scales text").all_text_contents()
-    assert texts[texts.index("initial.angle[1], °") + 1 :] == ["0", "1", "Number of impacts"]
+    assert texts[texts.index(AXIS) + 1 :] == ["0", "1", "Number of impacts"]
 
 
 def test_the_colours_of_a_wide_range_are_logarithmic(show):
@@ -210,7 +249,7 @@ def test_the_colours_of_a_wide_range_are_logarithmic(show):
     page.locator("#map-x-to").fill("1e10")
     draw_map(page)
     texts = page.locator("#map-scales text").all_text_contents()
-    ticks = [float(text) for text in texts[texts.index("initial.angle[1], °") + 1 : -1]]
+    ticks = [float(text) for text in texts[texts.index(AXIS) + 1 : -1]]
     assert len(ticks) >= 2
     assert np.ptp(np.diff(np.log10(ticks))) < 1e-9 < np.ptp(np.diff(ticks))
 

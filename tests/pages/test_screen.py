@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -151,6 +151,26 @@ def test_no_number_of_a_point_lies_on_an_arrow_of_a_velocity(show, model):
     settle(page)
     assert page.locator(".velocity-stem").count() > 0
     assert page.evaluate(STEMS) == []
+
+
+GRIPS = function_of("screen", "wallGripsOnOthers")
+"""What lies below a grip of a wall, and the grips that an edge of the drawing cuts off."""
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, ON_ITS_SIDE])
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("four_link_box", {"box.x_max": 30.0, "box.y_max": 20.0}),
+        ("sliding_rod", {}),
+        ("stick_slip_belt", {}),
+    ],
+)
+def test_the_grip_of_a_wall_lies_on_nothing_else(show, model, changes, viewport):
+    page = show(model, changes, viewport=viewport)
+    settle(page)
+    assert page.locator(".wall-grip").count() > 0
+    assert page.evaluate(GRIPS) == []
 
 
 def test_a_closed_box_is_drawn_unless_it_is_much_larger(show):

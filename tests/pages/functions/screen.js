@@ -23,3 +23,23 @@ export const numbersOnArrows = () => [...document.querySelectorAll(".velocity-st
     return getComputedStyle(number).visibility === "visible" && on.some(isIn);
   }).map((number) => number.textContent);
 });
+
+export const wallGripsOnOthers = () => {
+  const scene = document.querySelector("#scene").getBoundingClientRect();
+  const kinds = ".point-number, .ruler-text, .ruler-name, .bar-text, polyline.bar, .joint-ring, .velocity-tip";
+  const others = [...document.querySelectorAll(kinds)].filter((one) => getComputedStyle(one).visibility === "visible")
+    .map((one) => [one.textContent || one.classList[0], one.getBoundingClientRect()]);
+  const links = [...document.querySelectorAll("polyline.link")].flatMap((link) => [...link.points].slice(1).flatMap((to, k) =>
+    Array.from({ length: 101 }, (_, part) => [0, 1].map((axis) => {
+      const [from, end] = [link.points[k], to].map(({ x, y }) => (axis ? y + scene.top : x + scene.left));
+      return from + ((end - from) * part) / 100;
+    }))));
+  return [...document.querySelectorAll(".wall-grip")].flatMap((grip) => {
+    const { left, right, top, bottom } = grip.getBoundingClientRect();
+    const isCut = left < scene.left || right > scene.right || top < scene.top || bottom > scene.bottom;
+    const below = others.filter(([, box]) =>
+      box.left < right - 1 && box.right > left + 1 && box.top < bottom - 3 && box.bottom > top + 3).map(([name]) => name);
+    const isOnLink = links.some(([x, y]) => x > left && x < right && y > top && y < bottom);
+    return [...below, ...(isCut ? ["an edge"] : []), ...(isOnLink ? ["a link"] : [])];
+  });
+};

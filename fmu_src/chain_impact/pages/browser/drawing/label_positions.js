@@ -22,7 +22,7 @@ function boxOf(text, [x, y], size, anchor) {
  * Return whether a line crosses the box of a text, or comes near it: whether its part between left and right overlaps its part
  * between top and bottom.
  */
-function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
+export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
   for (const [start, length, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
     const ends = [low - BESIDE_LINE - start, high + BESIDE_LINE - start];
@@ -89,11 +89,16 @@ export class LabelSpace {
     return best;
   }
 
-  /** Return whether a box is in the drawing and covers nothing. */
-  #isFree(box) {
+  /** Return whether a box is in the drawing and covers no text and no mark. */
+  isClear(box) {
     const [left, top, right, bottom] = this.limits;
     if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
-    if (this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) return false;
+    return !this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1]);
+  }
+
+  /** Return whether a box is in the drawing and covers nothing. */
+  #isFree(box) {
+    if (!this.isClear(box)) return false;
     return !this.#rings.some((ring) => meetsRing(box, ring)) && !this.#lines.some((line) => isCrossed(box, line));
   }
 

@@ -1,6 +1,8 @@
 // The handles with which the reader changes the start: joints, points of links, arrows of velocity and walls, which can be dragged
 // while the clock shows the start.
 
+import { isCrossed } from "../drawing/label_positions.js";
+import { STRIP } from "../drawing/scale_strip.js";
 import { freeRegionWithin } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
@@ -10,6 +12,8 @@ const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
 // [pixels] the distance from a joint to the start of its arrow: so the grip of a velocity of 0 lies beside the joint
 const STEM = 32;
 const WALL = 18; // [pixels] the size of the grip of a wall
+const PLACES = 9; // number of places on each side of the first one that are tried for the grip of a wall
+const BESIDE_GRIP = 2; // [pixels] least distance between two grips
 const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // [pixels] how far an arrow key moves a grip, alone and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -83,20 +87,58 @@ export class Handles {
   }
 
   /**
-   * Return the position [m] of the grip of each wall that can be moved: in the middle of its visible part or, for a wall beyond the
-   * view, inside the edge of the view.
+   * Return the position on the screen of the grip of each wall that can be moved: near the middle of its visible part or, for a wall
+   * beyond the view, inside the edge of the view; if possible apart from points, arrows, links, texts and other such grips.
    */
   get #walls() {
     const { camera } = this.player.drawing;
     const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
+    const others = this.#marks();
     return Object.entries(walls).flatMap(([name, wall]) => {
       const movable = this.changes.valueOf(`box.${name}`) !== undefined || this.changes.valueOf(`wall.${name}.x`) !== undefined;
       if (!movable) return [];
       const [ends] = edgesOf(walls, name, camera.rectangle);
-      const seen = ends && [0, 1].map((axis) => (ends[0][axis] + ends[1][axis]) / 2);
-      const middle = seen ?? edgeBefore(wall, camera.rectangle, WALL * this.#pixel);
-      return middle ? [{ name, wall, middle, isSeen: Boolean(seen) }] : [];
+      const line = ends ?? this.#edgeBefore(wall);
+      if (!line) return [];
+      const at = this.#freePlace(line.map((end) => camera.toScreen(...end)), others);
+      others.points.push(at);
+      return [{ name, at, isSeen: Boolean(ends) }];
     });
+  }
+
+  /** Return what the grips of walls keep off, on the screen: points with a grip, and lines. */
+  #marks() {
+    const screen = (point) => this.player.drawing.camera.toScreen(...point);
+    const { positions } = this.#start;
+    const [chain, arrows] = [positions.map(screen), this.#arrows()];
+    const points = [...chain, ...this.#sites(positions).map(({ at }) => screen(at)), ...arrows.map(({ to }) => to)];
+    return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
+  }
+
+  /** Return the place on a line for the grip of a wall: the free one nearest to the middle; the middle if none is free. */
+  #freePlace([from, to], { points, lines }) {
+    const { labelSpace } = this.player.drawing;
+    const [left, top, right, bottom] = labelSpace.limits;
+    const [lows, highs] = [[left, top], [right, bottom]].map((end, k) => end.map((limit) => limit + (k ? -1 : 1) * (WALL / 2)));
+    const inside = (place) => place.map((value, axis) => Math.min(Math.max(value, lows[axis]), highs[axis]));
+    const steps = Array.from({ length: PLACES }, (_, k) => k + 1).flatMap((step) => [step, -step]);
+    const shares = [0, ...steps].map((step) => 0.5 + (0.5 * step) / (PLACES + 1));
+    const places = shares.map((share) => inside(from.map((end, axis) => end + share * (to[axis] - end))));
+    return places.find(([x, y]) => {
+      const box = [x - WALL / 2, y - WALL / 2, x + WALL / 2, y + WALL / 2];
+      return labelSpace.isClear(box) && !lines.some((line) => isCrossed(box, line))
+        && points.every((point) => Math.hypot(point[0] - x, point[1] - y) >= (GRIP + WALL) / 2 + BESIDE_GRIP);
+    }) ?? places[0];
+  }
+
+  /** Return the ends of the line inside the edge of the view at which the grip of a wall beyond the view may stand, if any. */
+  #edgeBefore(wall) {
+    const { rectangle: [low, [right, top]] } = this.player.drawing.camera;
+    const high = [right, top - STRIP * this.#pixel];
+    const middle = edgeBefore(wall, [low, high], WALL * this.#pixel);
+    if (!middle) return undefined;
+    const half = Math.min(high[0] - low[0], high[1] - low[1]) / 2;
+    return [-half, half].map((along) => [middle[0] - along * wall.normal[1], middle[1] + along * wall.normal[0]]);
   }
 
   /** Draw the handles, if the clock shows the start. */
@@ -109,8 +151,8 @@ export class Handles {
     const screen = (point) => drawing.camera.toScreen(...point);
     const group = drawing.above;
     group.polyline(positions.map(screen)).addClass("pose").fill("none");
-    this.#walls.forEach(({ name, middle, isSeen }) => {
-      const [x, y] = screen(middle);
+    this.#walls.forEach(({ name, at, isSeen }) => {
+      const [x, y] = at;
       group.rect(WALL, WALL).radius(5).center(x, y).addClass(isSeen ? "wall-grip" : "wall-grip wall-beyond").attr(gripFor("wall", name));
     });
     this.#arrows().forEach(({ from, foot, to, k }) => {
@@ -159,7 +201,7 @@ export class Handles {
       const from = screen(point);
       const vector = vectorTo(from, screen(tipOf(point, velocity[k], time)));
       const length = Math.hypot(...vector);
-      const direction = length > 0 ? vector.map((component) => component / length) : this.#aside(k);
+      const direction = length > 0 ? vector.map((component) => component / length) : this.#aside(k, from);
       const foot = from.map((coordinate, axis) => coordinate + STEM * direction[axis]);
       return { from, foot, to: foot.map((coordinate, axis) => coordinate + vector[axis]), k };
     }).slice(first);
@@ -167,11 +209,15 @@ export class Handles {
 
   /**
    * Return the direction on the screen of the stem of a point at rest: at the base opposite to link 1, at another point the
-   * direction in which a positive angular velocity of the link before it moves it.
+   * direction in which a positive angular velocity of the link before it moves it; another one if the grip would be cut off.
    */
-  #aside(k) {
+  #aside(k, [x, y]) {
     const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
-    return k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
+    const [dx, dy] = k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
+    const [width, height] = this.player.drawing.size;
+    const isInside = (at, size) => at > GRIP / 2 && at < size - GRIP / 2;
+    const isWhole = ([ux, uy]) => isInside(x + STEM * ux, width) && isInside(y + STEM * uy, height);
+    return [[dx, dy], [-dy, dx], [dy, -dx], [-dx, -dy]].find(isWhole) ?? [dx, dy];
   }
 
   #grasp(event) {

@@ -1,4 +1,4 @@
-// The words for inputs and for the numbers of signals, in place of their names.
+// The words for inputs, parameters and the numbers of signals, in place of their names.
 
 // the quantities of a base by the first letter of their names: x, vx, ax
 const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
@@ -16,4 +16,20 @@ export function inputText(name) {
 /** Return the words for a number of a signal: "push: value 1" for the key value[1] of the signal push. */
 export function signalText(signal, key) {
   return `${signal}: ${key.replaceAll("_", " ").replace(/\[(\d+)\]$/, "\u00a0$1")}`;
+}
+
+/** Return the words for a parameter: "Mass of link 1" for link[1].mass, "Initial angle of link 2", "Gravity, x", "Box, x_min". */
+export function parameterText(name) {
+  const [head, ...rest] = name.split(".");
+  const key = rest.at(-1) ?? "";
+  const words = ["gravity", "box"].includes(head) ? `${head}, ${key}` : partsText(head, rest.slice(0, -1), key);
+  return words[0].toUpperCase() + words.slice(1);
+}
+
+/** Return words for a key and its owners, from the first one: "friction of wall ramp", "initial angle of link 1". */
+function partsText(head, others, key) {
+  const spaced = key.replaceAll("_", " ");
+  if (head === "initial") return `initial ${spaced.replace(/\[(\d+)\]$/, " of link $1")}`;
+  const owners = head === "wall" ? [`wall ${others.join(" ")}`] : [head, ...others];
+  return [spaced, ...owners.reverse().map((owner) => owner.replace(/\[(\d+)\]$/, " $1"))].join(" of ");
 }

@@ -2,10 +2,12 @@
 
 import { find } from "../../base/dom.js";
 import { numberText, readable, unitText } from "../../base/format.js";
+import { parameterText, signalText } from "../../scene/words.js";
 import { pictureOf, save } from "../export.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
+import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
 
 const POINTS = 41; // number of points in each direction
@@ -113,16 +115,23 @@ export class GridMap {
     find("map-files").hidden = true;
     this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
-    const shown = mainParametersOf(this.changes).map(({ name }) => name);
-    const preferred = [...shown.filter((name) => name.endsWith("restitution")).slice(0, 1), "initial.angle[1]", "gravity.y"];
+    this.labels = new Map(mainParametersOf(this.changes).map(({ name, label }) => [name, label]));
+    const restitutions = [...this.labels.keys()].filter((name) => name.endsWith("restitution"));
+    const preferred = [...restitutions.slice(0, 1), "initial.angle[1]", "gravity.y"];
     this.inputs.forEach(([name], k) => {
-      name.replaceChildren(...reals.map((parameter) => new Option(parameter.name)));
+      name.replaceChildren(...reals.map((parameter) => new Option(this.#wordsOf(parameter.name), parameter.name)));
       name.value = preferred[k];
       this.#range(k);
     });
     const outputs = this.#outputs;
     this.output.replaceChildren(...outputs.map(({ name }) => new Option(quantityOf(name), name)));
     this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
+  }
+
+  /** Return the words for a parameter, which its slider has, too. */
+  #wordsOf(name) {
+    const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
+    return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
   #range(k) {
@@ -154,11 +163,12 @@ export class GridMap {
     this.#refuses = false;
     this.#stop();
     this.#touched = this.#chosen = undefined;
-    const shown = { ...request, points, results: Array(points * points), faults: new Map(), rows: 0 };
+    const coarse = this.#coarseFor(request);
+    const shown = { ...request, points, coarse, results: Array(points * points), faults: new Map(), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
+    this.#draw();
     find("map-files").hidden = true;
-    this.#drawScales();
     const began = performance.now();
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
@@ -171,6 +181,13 @@ export class GridMap {
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
+  }
+
+  /** Return the preview of a request if it is shown; undefined if the shown map is another one. */
+  #coarseFor({ names, axes, values, output }) {
+    const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values, map.output.name]);
+    const isPreview = this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values, output });
+    return isPreview ? this.shown : undefined;
   }
 
   #say(text) {
@@ -201,11 +218,10 @@ export class GridMap {
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
-    let next = 0;
+    const rows = rowOrder(points);
     const work = async (engine) => {
-      while (next < points) {
-        const row = next;
-        next += 1;
+      while (rows.length) {
+        const row = rows.shift();
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
         if (!result) return; // the worker was ended
@@ -257,8 +273,9 @@ export class GridMap {
   }
 
   #draw() {
-    this.shown.scale = colourScale(this.shown.results, this.shown.output.integer);
-    this.drawing.drawRuns(this.shown);
+    const results = completed(this.shown);
+    this.shown.scale = colourScale(results, this.shown.output.integer);
+    this.drawing.drawRuns(this.shown, results);
     find("map-files").hidden = this.shown.points !== POINTS;
     this.#drawScales();
   }
@@ -267,7 +284,7 @@ export class GridMap {
     const { names } = this.shown;
     const units = names.map((name) => ({ ...shownIn(this.changes.parameters.get(name)), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
-    this.drawing.drawScales(this.shown, units, { present, chosen: this.#chosen });
+    this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
 
   /** Return whether the present parameters differ from the map's only in its two parameters; false if inputs have steps. */

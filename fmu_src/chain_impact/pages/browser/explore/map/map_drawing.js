@@ -7,6 +7,7 @@ import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between these numbers
+const PALER = 150; // opacity, of 255, of runs that are not simulated yet
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] margins around the canvas, equal to those in the style sheet
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
@@ -21,14 +22,15 @@ export class MapDrawing {
     this.scales.clear();
   }
 
-  /** Draw the runs of a map, which may be incomplete, with the `scale` of its colours. */
-  drawRuns({ results, points, scale }) {
+  /** Draw the runs of a map with the `scale` of its colours; paler the outputs `filled` in for runs that are not simulated yet. */
+  drawRuns({ results, points, scale }, filled) {
     const context = this.canvas.getContext("2d");
     const image = context.createImageData(points, points);
-    Array.from(results, (value, index) => {
+    filled.forEach((value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
-      if (value === undefined) return; // not simulated yet: the ground is seen
-      const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), 255] : [128, 128, 128, 60];
+      if (value === undefined) return; // neither simulated nor filled: the ground is seen
+      const opacity = results[index] === undefined ? PALER : 255;
+      const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), opacity] : [128, 128, 128, 60];
       image.data.set(colour, 4 * (row * points + column));
     });
     context.putImageData(image, 0, 0);
@@ -37,7 +39,7 @@ export class MapDrawing {
   /**
    * Draw the axes, the scale of the colours, and marks.
    *
-   * @param map names and values of both axes, number of points along an axis, the output and the scale of its colours.
+   * @param map words for and values of both axes, number of points along an axis, the output and the scale of its colours.
    * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
    * @param present the present values of both parameters; null if other parameters differ from the map's.
    * @param chosen the index of the run that the keyboard has chosen, if any.

@@ -1,0 +1,30 @@
+// The rows of a map that grows: their order, from coarse to fine, and what stands for runs that are not simulated yet.
+
+/** Return the numbers of the rows of a map in the order of their simulation: first rows that are far apart, then those between. */
+export function rowOrder(points) {
+  const largest = 2 ** Math.floor(Math.log2(Math.max(points - 1, 1)));
+  const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the row
+  return Array.from({ length: points }, (_, row) => row).sort((a, b) => stepOf(b) - stepOf(a) || a - b);
+}
+
+/**
+ * Return the outputs of a map with `points` along each axis, complete: a run that is not simulated yet has the output of the nearest run
+ * of `coarse`, a map of the same fields with fewer points; without it, of the nearest row. undefined stands for none.
+ */
+export function completed({ results, points, coarse }) {
+  const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);
+  return Array.from(results, (value, index) => {
+    if (value !== undefined) return value;
+    const [column, row] = [index % points, Math.floor(index / points)];
+    const nearest = known.reduce((best, other) => (Math.abs(other - row) < Math.abs(best - row) ? other : best), known[0]);
+    const before = coarseAt(coarse, column / (points - 1), row / (points - 1));
+    return before === undefined ? results[nearest * points + column] : before;
+  });
+}
+
+/** Return the output of a coarse map at fractions of its axes; undefined if it has none there. */
+function coarseAt(coarse, ...shares) {
+  if (!coarse) return undefined;
+  const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));
+  return coarse.results[row * coarse.points + column];
+}
