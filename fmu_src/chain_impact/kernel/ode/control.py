@@ -188,8 +188,10 @@ def time_scale(d, c):
 # The largest relative error of a penetration, however loose the tolerance is. With an error above some
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
-# the round-off of a position, relative to the largest coordinate, or angle times the longest link
-PLACE_ROUND_OFF = 1e-15
+# The round-off of a position, relative to the largest coordinate, or angle times the longest link: its usual
+# size, and a bound for contacts that are older than LASTING reciprocals of their frequency. There a single step
+# with more round-off than usual excites a motion that short steps keep alive.
+PLACE_ROUND_OFF, PLACE_ROUND_OFF_AT_REST, LASTING = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
@@ -228,13 +230,16 @@ def raise_scales(d, y, scale, contacts):
         return
     for i in range(n):
         turned = max(turned, abs(y[ANGLES + i]))
-    least = PLACE_ROUND_OFF / d.solver.tolerance * max(farthest(d), size * turned)
+    largest = max(farthest(d), size * turned) / d.solver.tolerance
     for k in range(contacts):
         c = d.touch.active_index[k]
+        frequency = d.touch.impact_speed[c] / d.touch.depth_scale[c]
+        lasts = frequency * (d.step.end - d.touch.onset[c]) > LASTING
+        least = largest * (PLACE_ROUND_OFF_AT_REST if lasts else PLACE_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
-        fastest = max(fastest, d.touch.impact_speed[c] / d.touch.depth_scale[c])
+        fastest = max(fastest, frequency * least)
     for j in range(velocity_at(n), dissipated_at(n)):
-        scale[j] = max(scale[j], fastest * least * (1.0 if j < omega_at(n) else 1.0 / size))
+        scale[j] = max(scale[j], fastest * (1.0 if j < omega_at(n) else 1.0 / size))
 
 
 def clear_faded(d, y):
