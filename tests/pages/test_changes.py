@@ -90,7 +90,11 @@ KEPT = function_of("changes", "keptByEdit")
 
 
 def kept(script, scene, changed, edit, *at):
-    """Return contents before the changes, changes, old name → new name, and names, of an edited scene."""
+    """Return what is known of an edited scene.
+
+    This is its contents before the changes, its changes, old name → new name, its names, and the signals that
+    the edit has removed.
+    """
     return script.evaluate(KEPT, [page_contents(scene), changed, edit, [*at]])
 
 
@@ -136,7 +140,7 @@ def test_names_of_variables_and_inputs_of_signals_follow_their_link(script):
         contents["chain"]["links"][link]["points"] = [{"x": 0.1, "y": 0.05}]
     contents["walls"] = [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}]
     scene = scene_from_dict(contents, "points.toml")
-    after, values, names, known = kept(script, scene, {"joint[4].torque": 3}, "removeLink", 1)
+    after, values, names, known, _ = kept(script, scene, {"joint[4].torque": 3}, "removeLink", 1)
     assert {name: names.get(name) for name in NAMES} == NAMES
     assert {name for name in names.values() if name} <= set(known)
     assert after["signals"]["push"]["input"] == ["joint[2].torque"]
@@ -153,6 +157,37 @@ def test_changes_stay_with_their_walls_when_a_wall_is_removed(script):
     contents, values, *_ = kept(script, scene, changed, "removeWall", 0)
     assert [wall["point"][0] for wall in contents["walls"]] == [-3.0]
     assert values == {"wall.wall2.x": 0.25, "link[2].mass": 5}
+
+
+DRIVEN = {
+    "chain": {"base": "pinned"},
+    "inputs": {"base_motion": True, "wall_motion": ["ramp", "x_max"]},
+    "walls": [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}],
+    "signals": {
+        "ride": {"input": "base.x", "form": "ramp", "final": 0.1, "duration": 1.0},
+        "lift": {"input": "wall.ramp.displacement", "form": "ramp", "final": 0.1, "duration": 1.0},
+        "close": {"input": "wall.x_max.displacement", "form": "ramp", "final": 0.1, "duration": 1.0},
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("removed", "edit", "at"),
+    [
+        ("lift", "removeWall", [0]),
+        ("close", "setBox", ["x_max"]),
+        ("ride", "setBase", ["free"]),
+        ("ride", "setBase", ["slider"]),
+    ],
+)
+def test_a_signal_goes_with_the_input_that_an_edit_removes(script, removed, edit, at):
+    contents = scene_to_dict(load_scene("pinned_arm"))
+    contents |= {key: contents[key] | DRIVEN[key] for key in ("chain", "inputs")}
+    contents |= {key: DRIVEN[key] for key in ("walls", "signals")}
+    scene = scene_from_dict(contents, "driven.toml")
+    after, *_, signals = kept(script, scene, {}, edit, *at)
+    assert signals == [removed]
+    assert after["signals"].keys() == DRIVEN["signals"].keys() - {removed}
 
 
 def test_changes_stay_with_points_whose_numbers_change(script):

@@ -2,7 +2,7 @@
 import { editedScene, partsOf } from "../../../fmu_src/chain_impact/pages/browser/explore/edited_scene.js";
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
-import { addLink, removeLink, removePoint, removeWall, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
+import { addLink, removeLink, removePoint, removeWall, setBase, setBox, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
 import { asWritten, complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
 
 export const refusedReset = (contents) => {
@@ -45,12 +45,12 @@ export const keptByEdit = ([contents, given, edit, at]) => {
   changes.set(given);
   const edited = contentsOf(changes);
   const before = partsOf(edited);
-  ({ addLink, removeLink, removePoint, removeWall, setOfLink })[edit](edited, ...at);
+  ({ addLink, removeLink, removePoint, removeWall, setBase, setBox, setOfLink })[edit](edited, ...at);
   const open = (file) => {
     const whole = complete(file, contents.kit);
     return { whole, scene: sceneOf({ file, kit: contents.kit }) };
   };
-  const { whole, scene, kept, nameOf } = editedScene(edited, before, changes, { kit: contents.kit, open });
+  const { whole, scene, kept, nameOf, removed } = editedScene(edited, before, changes, { kit: contents.kit, open });
   const names = [changes.scene, scene].map(({ parameters, columns }) => [...parameters, ...columns].map(({ name }) => name));
-  return [asWritten(whole), kept.values, Object.fromEntries(names[0].map((name) => [name, nameOf(name)])), names[1]];
+  return [asWritten(whole), kept.values, Object.fromEntries(names[0].map((name) => [name, nameOf(name)])), names[1], removed];
 };

@@ -45,24 +45,29 @@ function namesAfter({ file }, kit, before, after) {
   return (name) => (names.has(name) ? names.get(name) : name);
 }
 
-/** Let signals drive the inputs of the same links; a signal without inputs is removed. */
-function keepSignals(signals, nameOf) {
-  for (const [name, signal] of Object.entries(signals)) {
-    signal.input = [signal.input].flat().map(nameOf).filter(Boolean);
-    if (!signal.input.length) delete signals[name];
+/** Let signals drive the same inputs, as far as these are still there; remove signals without inputs, and return their names. */
+function keepSignals(contents, nameOf, open) {
+  const { scene: { inputs, still } } = open({ ...contents, signals: {} });
+  const there = new Set([...inputs, ...still]);
+  for (const signal of Object.values(contents.signals)) {
+    signal.input = [signal.input].flat().map(nameOf).filter((name) => there.has(name));
   }
+  const removed = Object.keys(contents.signals).filter((name) => !contents.signals[name].input.length);
+  removed.forEach((name) => delete contents.signals[name]);
+  return removed;
 }
 
 /**
  * Return the scene of edited contents with the reader's changes in it: `whole` and `scene`, as `open` returns them for contents, with the
- * values before the changes; the changes `kept`; and `nameOf`, the function from a name before the edit to the name after it. A value
- * that the edit has replaced is not a change. If the scene cannot be without the changes, only those of inputs stay changes.
+ * values before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and the names
+ * of the signals that are `removed`, because the edit has removed their inputs. A value that the edit has replaced is not a change. If
+ * the scene cannot be without the changes, only those of inputs stay changes.
  *
  * @param before from `partsOf`, for the contents before the edit.
  */
 export function editedScene(contents, before, { scene, parameters, values, inputSteps }, { kit, open }) {
   const nameOf = namesAfter(scene, kit, before, partsOf(contents));
-  keepSignals(contents.signals, nameOf);
+  const removed = Object.keys(contents.signals).length ? keepSignals(contents, nameOf, open) : [];
   const edited = open(contents);
   const paths = new Map(edited.scene.parameters.map(({ name, filePath }) => [name, filePath]));
   const [file, ofInputs, ofFile] = [structuredClone(edited.whole), {}, {}];
@@ -77,7 +82,7 @@ export function editedScene(contents, before, { scene, parameters, values, input
   }
   const steps = Object.fromEntries(Object.entries(inputSteps).map(([name, pairs]) => [nameOf(name), pairs]));
   const base = openIfPossible(file, open, Object.keys(ofFile));
-  return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf };
+  return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf, removed };
 }
 
 /** Return what `open` returns for a complete file, if its scene is possible and has parameters of all `names`; else undefined. */

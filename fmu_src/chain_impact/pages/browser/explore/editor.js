@@ -86,14 +86,15 @@ export class Editor {
     const before = partsOf(file);
     this.#try(() => {
       edit(file);
-      this.openScene.openEdited(file, before);
+      const signals = this.openScene.openEdited(file, before);
+      return signals.length ? `Without an input, and so removed, too: signal ${signals.join(", ")}.` : "";
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 
   #try(action, done, refused) {
     let text = done;
     try {
-      action();
+      text = action() ?? done;
     } catch (error) {
       text = refused(error);
     }

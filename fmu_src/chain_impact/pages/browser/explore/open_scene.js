@@ -27,13 +27,14 @@ export class OpenScene {
 
   /**
    * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error says which key is
-   * wrong. `before`: the parts before the edit.
+   * wrong. `before`: the parts before the edit. Return the names of the signals that the edit removes.
    */
   openEdited(contents, before) {
     const { changes, choice, kit } = this;
-    const { nameOf, kept, ...edited } = editedScene(contents, before, changes, { kit, open: (file) => this.#sceneIn(file) });
+    const { nameOf, kept, removed, ...edited } = editedScene(contents, before, changes, { kit, open: (file) => this.#sceneIn(file) });
     choice.names = choice.names.map(nameOf).filter(Boolean);
     this.#showFile(edited, kept);
+    return removed;
   }
 
   /** Return the complete file of some contents and its scene; commands call the file by the name of the scene. */
