@@ -265,9 +265,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         label, inside = axes.yaxis.label, axes.get_window_extent()
         if label.get_window_extent().height > LONGER * inside.height:
             label.set_text(label.get_text().replace(" [", "\n["))
-        numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
-        if isinstance(axes.xaxis.get_major_locator(), MaxNLocator) and any(map(meet, numbers, numbers[1:])):
-            axes.locator_params(axis="x", nbins=LEAST_TICKS)
+        thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
         # the label is centred on its axes, and must not reach beyond the figure
         longest = min(LONGER * inside.width, 2.0 * middle, 2.0 * (figure.bbox.x1 - middle))
@@ -275,6 +273,17 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             label.set_text(label.get_text().replace("\n", " "))
             in_lines(label, longest, "; ")
     return labels_of(figure) != before
+
+
+def thin_ticks(axes: Axes) -> None:
+    """Give axes fewer numbers along x while these would overlap."""
+    for most in (LEAST_TICKS, LEAST_TICKS - 1):
+        numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
+        if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not any(
+            map(meet, numbers, numbers[1:])
+        ):
+            return
+        axes.locator_params(axis="x", nbins=most, min_n_ticks=most)
 
 
 def labels_of(figure: Figure) -> list[str]:

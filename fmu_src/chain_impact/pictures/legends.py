@@ -1,4 +1,4 @@
-"""Legends above their axes, not wider than the axes, with as few rows as possible."""
+"""Legends above their axes or at the foot of a figure, not wider than these, in as few rows as possible."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
-from chain_impact.pictures.lines import HALVINGS
-from chain_impact.pictures.style import is_narrow
+from chain_impact.pictures.lines import HALVINGS, in_lines
+from chain_impact.pictures.style import LEFT, foot_of, is_narrow, reserve
 
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
 ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
@@ -33,6 +33,20 @@ def legend_beside(axes: Axes) -> Any:
     legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
     legend.set_in_layout(False)
     return legend
+
+
+def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
+    """Put a legend for all axes at the foot of the figure, above other texts there, in as few rows as fit."""
+    low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
+    legend = figure.legend(
+        handles=list(handles), ncols=1, loc="lower center", bbox_to_anchor=(0.5, low), **options
+    )
+    texts = legend.get_texts()
+    beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
+    for text in texts:
+        in_lines(text, room - beside)
+    _fill_rows(legend, room)
+    reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
 
 
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:

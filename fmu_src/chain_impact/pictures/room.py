@@ -23,9 +23,9 @@ from chain_impact.scene.half_planes import HalfPlane
 VIEW_MARGIN, BAND = 0.04, 0.14
 # a moving wall that is farther from the motion than this is not in view; relative to the motion's size
 FARTHEST = 1.0
-# a motion whose height is less than FLAT, relative to its width, has a scale of its own along y; FLAT_MARGIN:
-# the margin above and below it, relative to its height
-FLAT, FLAT_MARGIN = 0.03, 0.25
+# FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
+# FLAT_MARGIN: the margin above and below it, relative to its height
+FLATTEST, FLAT_MARGIN = 0.03, 0.25
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
 GROWN = 1.2  # the largest factor by which a side of the view grows to fill its axes
 # a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this
@@ -52,7 +52,7 @@ class View(NamedTuple):
 def is_flat(recording: Recording) -> bool:
     """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y."""
     reach = np.ptp(drawn_places(recording), axis=(0, 1))
-    is_line = len(drawn_places(recording)) == 1 or not 0.0 < reach[1] < FLAT * reach[0]
+    is_line = len(drawn_places(recording)) == 1 or not 0.0 < reach[1] < FLATTEST * reach[0]
     return not (is_line or recording.pinned or recording.rail or recording.outlines)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -203,7 +203,7 @@ def headline(figure: Figure, message: str, conditions: str = "") -> None:
             top += room
         else:
             lines_below.remove()
-    _reserve(figure, top / height, 0.0)
+    reserve(figure, top / height, 0.0)
 
 
 def broken(figure: Figure, text: str, more: int = 1) -> str:
@@ -222,49 +222,26 @@ def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | N
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
-    (width, height), low = figure.get_size_inches(), _foot(figure)
+    (width, height), low = figure.get_size_inches(), foot_of(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
     for more in (1, 0):
         foot.set_text(broken(figure, text, more))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
         if low + room <= most:
-            _reserve(figure, 0.0, low + room)
+            reserve(figure, 0.0, low + room)
             return foot
     foot.remove()
     return None
 
 
-def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
-    """Put a legend for all axes at the foot of the figure, above other texts there, in as few rows as fit."""
-    low, room, count = _foot(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, len(handles)
-    placement: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, low), "columnspacing": 1.2}
-    for rows in range(1, max(count, 1) + 1):
-        legend = figure.legend(handles=list(handles), ncols=max(1, -(-count // rows)), **placement, **options)
-        if legend.get_window_extent().width <= room:
-            break
-        if rows >= count:
-            fit_entries(legend, room)
-            break
-        legend.remove()
-    _reserve(figure, 0.0, low + legend.get_window_extent().height / figure.bbox.height)
-
-
-def fit_entries(legend: Any, room: float) -> None:
-    """Break the entries of a legend with one column into lines, so that it fits into a width [pixels]."""
-    texts = legend.get_texts()
-    beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
-    for text in texts:
-        in_lines(text, room - beside)
-
-
-def _foot(figure: Figure) -> float:
+def foot_of(figure: Figure) -> float:
     """Return the height of the texts at the foot, relative to the height of the figure."""
     engine = figure.get_layout_engine()
     return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
 
 
-def _reserve(figure: Figure, top: float, bottom: float) -> None:
+def reserve(figure: Figure, top: float, bottom: float) -> None:
     """Keep a part of the figure's height free of axes, at the top and at the bottom."""
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):

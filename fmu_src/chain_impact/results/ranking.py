@@ -204,10 +204,10 @@ class Ranking:
 
     def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:
         """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the bars."""
-        from chain_impact.pictures.bars import ONE_SCALE
+        from chain_impact import pictures
 
         own, of_all = (max(abs(effect.change) for effect in some) for some in (effects, self.effects))
-        factor, unit = readable(of_all if of_all <= ONE_SCALE * own else own, self.unit)
+        factor, unit = readable(of_all if of_all <= pictures.ONE_SCALE * own else own, self.unit)
         names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
         texts = [

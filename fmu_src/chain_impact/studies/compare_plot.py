@@ -16,11 +16,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band, merged_dashes
 from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
@@ -30,7 +33,6 @@ from chain_impact.pictures.style import (
     give_ticks,
     headline,
     is_narrow,
-    legend_at_foot,
     raised,
     styled,
 )
@@ -77,7 +79,7 @@ def plot_comparison(
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=legend_handles(ax))
+        ax.legend(handles=legend_handles(ax, looks_of(comparison)))
         fit_into_figure([ax])
     return ax
 
@@ -90,7 +92,7 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     loops, energy = figure.subplots(*((2, 1) if is_narrow(figure) else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    legend_at_foot(figure, legend_handles(energy))
+    legend_at_foot(figure, legend_handles(energy, looks))
     settle(figure)
 
 
@@ -101,8 +103,7 @@ def message(comparison: LawRuns) -> str:
     if not restitutions:
         return f"{name}: no law finished its first impact"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
-    impact = f"the {first_place(comparison.scene)}"
-    return f"{name}: asked for e = {e:g}, {len(restitutions)} laws give {span} in {impact}"
+    return f"{name}: restitution {span} for e = {e:g}, {plural(len(restitutions), 'law')}"
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -186,8 +187,11 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a line at penetration 0.
 
-    More than MOST_GREY laws without a colour are drawn together as a band.
+    More than MOST_GREY laws without a colour are drawn together as a band. A narrow figure has no room for
+    the name of an impulse without a colour, and does not draw it.
     """
+    figure = axes.get_figure(root=True)
+    small = figure is not None and is_narrow(figure)
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
     name = "moment" if comparison.at_stop else "force"
@@ -197,8 +201,10 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
-        axes.axvline(0.0, **looks[law])
-        if looks[law]["color"] == GREY:
+        is_grey = looks[law]["color"] == GREY
+        if not (is_grey and small):
+            axes.axvline(0.0, **looks[law])
+        if is_grey and not small:
             axes.annotate(f"{law} (impulse)", (0.0, 1.0), **IMPULSE)
     draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
     axes.set(
@@ -253,8 +259,11 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         if (result := comparison[law].result) is not None and law not in band
     }
     draw_lines(axes, courses, looks)
-    axes.set(xlabel="time [s]", ylabel="total energy [J]")
-    axes.margins(x=0.0)
+    every = [run.result for run in comparison.runs if run.result is not None]
+    shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
+    end = max(time.end for time in shown)
+    axes.set(xlabel="time [s]" + (f"; at rest until {last:g} s" if end < last else ""))
+    axes.set(ylabel="total energy [J]", xlim=(min(time.start for time in shown), end))
     give_ticks(axes)
 
 
@@ -269,10 +278,14 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
             line.set_linestyle(dashes[law])
 
 
-def legend_handles(axes: Axes) -> list[Any]:
-    """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any."""
-    lines = [line for line in axes.lines if line.get_color() != GREY]
+def legend_handles(axes: Axes, looks: Looks) -> list[Any]:
+    """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any.
+
+    An entry has the line of its law without the dashes that lines have where they merge.
+    """
+    styles = {look["label"]: look for look in looks.values() if look["color"] != GREY}
+    drawn = [styles[label] for line in axes.lines if (label := line.get_label()) in styles]
     return [
-        *lines,
+        *(Line2D([], [], **look) for look in drawn),
         *(collection for collection in axes.collections if str(collection.get_label())[:1] != "_"),
     ]

@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
-from chain_impact.pictures.style import legend_at_foot, raised
+from chain_impact.pictures.legends import legend_at_foot
+from chain_impact.pictures.style import raised
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
 from chain_impact.scene.unit_text import in_brackets, of_scene
 from chain_impact.studies.sweep.quantities import Quantity

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import draw_figure, settle
+from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
     BLACK,
@@ -27,7 +28,6 @@ from chain_impact.pictures.style import (
     give_ticks,
     headline,
     is_narrow,
-    legend_at_foot,
     raised,
     styled,
 )
