@@ -50,7 +50,7 @@ def test_a_hook_that_does_one_thing_does_it_with_each(function):
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     called = []
     output = SimpleNamespace(words=[0.0])
-    own = {"output": output, "trust": SimpleNamespace(split=0)}
+    own = {"output": output, "trust": SimpleNamespace(split=0, missing=[0] * DIRECTIONS)}
     tangents = [SimpleNamespace(**SIZES, **own, words=[0.0] * 5) for _ in range(3)]
     d = SimpleNamespace(tangents=3, tangent_instances=tangents, step=SimpleNamespace(time=1.5), **SIZES)
     d.statistics = SimpleNamespace(status=0)
@@ -93,12 +93,19 @@ def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("trusted", "status", "kept"), [(True, 0, True), (False, 0, False), (True, 3, False)]
+    ("trusted", "status", "missing", "kept"),
+    [
+        (True, 0, (), {0, 1, 2, 3}),
+        (False, 0, (), set()),
+        (True, 3, (), set()),
+        (True, 0, (1, 3), {0, 2}),
+    ],
 )
-def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypatch):
-    """The values of these outputs remain."""
+def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, monkeypatch):
+    """The values of these outputs remain, and the ``kept`` directions."""
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
-    t = SimpleNamespace(output=SimpleNamespace(words=words), trust=SimpleNamespace(split=0))
+    trust = SimpleNamespace(split=0, missing=[int(k in missing) for k in range(DIRECTIONS)])
+    t = SimpleNamespace(output=SimpleNamespace(words=words), trust=trust)
     d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
     d.step = SimpleNamespace(time=0.0)
     monkeypatch.setattr(entry, "set_own_output_time", lambda t, time: None)
@@ -106,8 +113,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
     monkeypatch.setattr(entry, "trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)
     found = [not math.isnan(number) for number in words]
-    values = [k % (1 + DIRECTIONS) == 0 for k in range(len(words))]
-    assert found == [value or kept for value in values]
+    assert found == [k % (1 + DIRECTIONS) in {0, *(1 + one for one in kept)} for k in range(len(words))]
 
 
 def test_each_function_has_a_stand_in():

@@ -27,7 +27,15 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Given, InputCourse, by_name, input_course
 from chain_impact.simulation.instance import Instance, SimulationError, WordRows
-from chain_impact.simulation.reasons import LEFT_OPEN, REASONS, REASONS_AT_STOPS, REASONS_OF_FRICTION
+from chain_impact.simulation.one_sided import bends_at_start
+from chain_impact.simulation.reasons import (
+    LEFT_OPEN,
+    NO_RISE,
+    ONE_SIDED,
+    REASONS,
+    REASONS_AT_STOPS,
+    REASONS_OF_FRICTION,
+)
 from chain_impact.variables.indices import WORD, first_word, word_index
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.prepared import PreparedScene
@@ -172,6 +180,7 @@ class DifferentiatedInstance(Instance):
                 rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
             kept[name][~valid | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+            kept[name][:, self._missing] = np.nan
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
@@ -180,12 +189,31 @@ class DifferentiatedInstance(Instance):
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
+    def _missing(self) -> np.ndarray:
+        """Whether the motion has no derivative by each parameter at all, shape (P,)."""
+        missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
+        return missing
+
+    @property
+    def _one_sided(self) -> list[str]:
+        """The parameters with one-sided derivatives: they move a bend of a signal at the start of the run."""
+        driven = self.prepared.structure.signals
+        slopes = self._tangents["knot"]["time"]["slope"][:, bends_at_start(self.record, driven)]
+        moves = (slopes != 0.0).any(axis=1).ravel()
+        return [name for name, moved in zip(self.parameters, moves, strict=False) if moved]
+
+    @property
     def limits(self) -> tuple[str, ...]:
-        """Sentences for users: from when on derivatives are NaN and why, and errors by dry friction."""
+        """Sentences for users: which derivatives are NaN and why, and errors by dry friction."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
-        left_open = (LEFT_OPEN.format(share=share),) if share > LEAST_REPORTED_SHARE else ()
+        rises = [name for name, missing in zip(self.parameters, self._missing, strict=True) if missing]
+        told = [
+            *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),
+            *(NO_RISE.format(parameter=name) for name in rises),
+            *(ONE_SIDED.format(parameter=name) for name in self._one_sided),
+        ]
         if trust["reason"] == TRUSTED:
-            return left_open
+            return tuple(told)
         where, reasons, cause = "", REASONS, "impact"
         if trust["reason"] in REASONS_OF_FRICTION:
             reasons, cause = REASONS_OF_FRICTION, "dry friction"
@@ -198,7 +226,7 @@ class DifferentiatedInstance(Instance):
             reasons = REASONS_AT_STOPS if at_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
-        return ended, *left_open
+        return ended, *told
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,6 +40,17 @@ REASONS_OF_FRICTION = {
 }
 """Code → reason why derivatives end because of dry friction."""
 
+NO_RISE = (
+    "there is no derivative by {parameter} at 0: the motion with a short rise need not be near the motion "
+    "without one"
+)
+"""The sentence on a rise of 0 by which the motion has no derivative."""
+
+ONE_SIDED = (
+    "the derivative by {parameter} is for an earlier time only: its signal bends at the start of the run"
+)
+"""The sentence on a time of a signal at which its value or slope jumps, and which is the start of the run."""
+
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
     "sticking end while the chain comes to rest"

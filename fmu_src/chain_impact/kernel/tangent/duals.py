@@ -46,6 +46,8 @@ TRUST = np.dtype(
             "split",
             np.int64,
         ),  # 1: the derivatives of friction impulses are unknown (``mark_split``)
+        # 1: the motion has no derivative in this direction (rises.py)
+        ("missing", np.int64, (DIRECTIONS,)),
     ]
 )
 

@@ -47,6 +47,7 @@ def observe_tangent(d, t):
     elif t.trust.split:
         forget_slopes(as_words(t.output.friction))
         forget_slopes(as_words(t.output.load))
+    forget_missing(t)
 
 
 def observe_trial_of_tangent(_d, t):
@@ -55,6 +56,16 @@ def observe_trial_of_tangent(_d, t):
     refill_motion(t)
     if not trusted(t):
         forget_slopes(as_words(t.output))
+    forget_missing(t)
+
+
+def forget_missing(t):
+    """Set the derivatives of the outputs in the directions without derivatives to NaN."""
+    words = as_words(t.output)
+    for k in range(DIRECTIONS):
+        if t.trust.missing[k]:
+            for j in range(1 + k, len(words), 1 + DIRECTIONS):
+                words[j] = math.nan
 
 
 def forget_slopes(words):

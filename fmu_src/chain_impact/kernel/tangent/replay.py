@@ -81,6 +81,7 @@ from chain_impact.kernel.tangent.duals import (
     varies,
 )
 from chain_impact.kernel.tangent.friction import check_coefficients
+from chain_impact.kernel.tangent.rises import check_rises, delay_jumps
 from chain_impact.kernel.tangent.step_ends import (
     ends_at_limit,
     ends_with_segment,
@@ -113,6 +114,7 @@ def start_tangent(d, t):
     begin_trust(t)
     set_start(t, d.step.time)
     check_coefficients(t)
+    check_rises(t)
     begin_explicit(t)
 
 
@@ -277,6 +279,8 @@ def replay(d, t):
     if d.channels > 0:
         copy_values(d.moved, t.moved)
     if d.signals > 0:
+        if d.statistics.steps == 1:
+            delay_jumps(t)
         begin_segments(t)
     if segment_ends_step and varies(t.step.end):
         fix_start(t)

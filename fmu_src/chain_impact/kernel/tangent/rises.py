@@ -1,0 +1,114 @@
+"""Derivatives by the rise of a sine without a rise, which are one-sided: a rise ρ cannot be less than 0.
+
+At its start the sine differs from its mean m by J = a sin ψ. With a rise the input is m + r J, where r grows
+from 0 to 1 in the time ρ. To first order in ρ the motion lacks the effect of J for the time ∫ (1 − r) dt =
+½ ρ: the input jumps from m to m + J a time ½ ρ after the start. So the rates ẏ with the two inputs give
+y′ = ½ (ẏ(m) − ẏ(m + J)) ρ′, as at any other jump.
+
+This applies if ẏ is linear in the input. Contacts, dry friction and limits of drives may change in the rise,
+so there is no derivative if there are any. There is none either where the motion with a short rise is not
+near the motion without one: where the velocity of the base, or the target of a servo, jumps at the start of
+the sine, and where a sine starts within the run, as its value before the start is m with a rise, else m + J.
+"""
+
+import math
+
+from chain_impact.kernel.chain.inputs import CHANNEL, TARGET
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.signals import SINE
+from chain_impact.kernel.chain.sines import TAU
+from chain_impact.kernel.events.segments import shift_start
+from chain_impact.kernel.mathematics.angles import direction
+from chain_impact.kernel.ode.last_step import evaluate_start
+from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, slope, value, varies
+
+LACKING = 0.5  # ∫ (1 − r) dx over a rise, x from 0 to 1, with r = 10 x³ − 15 x⁴ + 6 x⁵
+# the largest sine or cosine of a phase that is round-off of 0
+PHASE_ROUND_OFF = 1e-12
+
+
+def check_rises(t):
+    """Note in ``trust.missing`` the directions in which there is no derivative, because of a rise of 0."""
+    for k in range(DIRECTIONS):
+        t.trust.missing[k] = 0
+    for j in range(t.signals):
+        if is_sudden(t, j) and not is_differentiable(t, j):
+            rise = t.signal.rise[t.signal.source[j]]
+            for k in range(DIRECTIONS):
+                if slope(rise, k) != 0.0:
+                    t.trust.missing[k] = 1
+
+
+def is_sudden(t, j):
+    """Return whether signal j is a sine whose rise is 0 and has derivatives."""
+    rise = t.signal.rise[t.signal.source[j]]
+    return t.signal.form[j] == SINE and value(rise) == 0.0 and varies(rise)
+
+
+def is_differentiable(t, j):
+    """Return whether the motion has a derivative by the rise of signal j, which is 0."""
+    signal = t.signal
+    begins = value(signal.start[signal.source[j]]) - value(t.step.end)
+    if begins < 0.0:
+        return True
+    jump, speed = at_begin(t, j)
+    moves = signal.input[j] == CHANNEL and signal.integrals[j] == 0  # the input is a position
+    if jump == 0.0 and (speed == 0.0 or not moves):
+        return True
+    if begins > 0.0 or signal.input[j] == TARGET:
+        return False
+    if signal.input[j] == CHANNEL and t.model.base_moves and signal.index[j] < 2:
+        return signal.integrals[j] == 2 and is_linear(t)
+    # a wall that goes to its place at once, back by −J, must not meet a point on its way
+    return is_linear(t) and (not moves or nearest(t) > -jump)
+
+
+def at_begin(t, j):
+    """Return the jump a sin ψ of signal j at its start, and its rate there, without derivatives."""
+    signal, i = t.signal, t.signal.source[j]
+    cosine, sine = direction(signal.phase[i])
+    a, omega = value(signal.amplitude[i]), TAU * value(signal.frequency[i])
+    jump = a * value(sine) if abs(value(sine)) > PHASE_ROUND_OFF else 0.0
+    speed = a * omega * value(cosine) if abs(value(cosine)) > PHASE_ROUND_OFF else 0.0
+    return jump, speed
+
+
+def is_linear(t):
+    """Return whether the rates at the start of the run are linear in the inputs."""
+    return t.touch.active_count == 0 and t.friction.count == 0 and not t.model.has_drive_limits
+
+
+def nearest(t):
+    """Return the least clearance of all candidates [m]."""
+    least = math.inf
+    locate_points(t, t.step.state_end)
+    for c in range(t.candidates):
+        gap, _ = clearance(t, c)
+        least = min(least, value(gap))
+    return least
+
+
+def delay_jumps(t):
+    """Give the start of the run the derivatives by rises of 0: sines begin with a jump that is delayed."""
+    for j in range(t.signals):
+        i = t.signal.source[j]
+        jump, _ = at_begin(t, j)
+        if is_sudden(t, j) and value(t.signal.start[i]) == value(t.step.end) and jump != 0.0:
+            delay_jump(t, j, jump, carried(0.0, LACKING, t.signal.rise[i]))
+
+
+def delay_jump(t, j, jump, delay):
+    """Move the state at the start of the run, as signal j begins with a ``jump`` a ``delay`` [s] later."""
+    k, m = t.signal.segment[j], t.signal.integrals[j]
+    if t.signal.input[j] != CHANNEL or m == 2:
+        powers = t.knot.powers[k, m]
+        t.knot.powers[k, m] = powers - (jump if m == 0 else 0.5 * jump)
+        evaluate_start(t)
+        shift_start(t, delay)
+        t.knot.powers[k, m] = powers
+    if m > 0:
+        t.knot.powers[k, m - 1] -= jump * delay
+    evaluate_start(t)
+    if t.signal.input[j] != CHANNEL or m == 2:
+        shift_start(t, carried(0.0, -1.0, delay))

@@ -1,0 +1,59 @@
+"""Signals that bend at the start of the run: derivatives by the time of the bend are for earlier times."""
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.scene.scene import parse_scene
+from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TARGET, TORQUE
+
+SINE = 'form = "sine"\namplitude = 0.3\nfrequency = 3.0\n'
+RAMP = 'form = "ramp"\nfinal = 0.2\nduration = 0.2\n'
+BENDS = {
+    "a target's speed jumps": (TARGET, SINE, "start"),
+    "a target's ramp begins": (TARGET, RAMP + 'shape = "linear"', "start"),
+    "a target's ramp ends": (TARGET, RAMP + 'shape = "linear"\nstart = -0.2', "duration"),
+    "the acceleration of the base jumps": (HEIGHT, RAMP + 'shape = "trapezoid"', "start"),
+    "the speed of the base bends": ("base.vy", SINE, "start"),
+    "a step": (TORQUE, 'form = "steps"\ntimes = [-0.1, 0.0]\nvalues = [0.5, 0.0]', "time[2]"),
+}
+SMOOTH = {
+    "a torque": (TORQUE, SINE, "start"),
+    "a force with a phase": (PUSH, SINE + "phase = 1.0", "start"),
+    "a smooth ramp of the base": (HEIGHT, RAMP, "start"),
+    "the first of the steps": (TORQUE, 'form = "steps"\ntimes = [0.0, 0.1]\nvalues = [0.5, 0.0]', "time[1]"),
+}
+
+
+def by_time(case):
+    """Return the derivative by a time, its differences to earlier and later times, and the sentences."""
+    one, numbers, key = case
+    scene, parameter = (
+        parse_scene(f'{ARM}\n[signals.drive]\ninput = "{one}"\n{numbers}\n', "x"),
+        f"signal.drive.{key}",
+    )
+    run = simulate(scene, 0.4, tolerance=1e-12, sensitivities=["link[1].mass", parameter])
+    h, value, output = 1e-5, scene.values[parameter], "link[2].angle"
+
+    def changed(by):
+        return simulate(scene.with_values({parameter: value + by}), 0.4, tolerance=1e-12)[output]
+
+    sides = [(4.0 * changed(k * h) - 3.0 * changed(0.0) - changed(2 * k * h)) / (2 * k * h) for k in (-1, 1)]
+    told = [sentence for sentence in run.sensitivity_limits if parameter in sentence]
+    return run.sensitivity(output, parameter), *sides, told
+
+
+@pytest.mark.parametrize("name", BENDS)
+def test_where_a_signal_bends_the_derivative_is_for_an_earlier_time(name):
+    found, earlier, later, told = by_time(BENDS[name])
+    np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
+    assert np.abs(later - earlier).max() > 1e-2
+    assert len(told) == 1
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_where_a_signal_does_not_bend_the_derivative_is_for_both(name):
+    found, earlier, later, told = by_time(SMOOTH[name])
+    np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(found, later, rtol=0.0, atol=1e-6)
+    assert told == []
