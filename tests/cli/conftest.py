@@ -3,7 +3,6 @@
 import io
 
 import pytest
-from rich.console import Console
 
 from chain_impact import load_scene
 from chain_impact.cli import progress
@@ -24,7 +23,7 @@ def terminal(monkeypatch):
 
     def terminal(is_one):
         text = io.StringIO()
-        console = Console(file=text, force_terminal=is_one, width=100)
+        console = progress.plain_console(file=text, force_terminal=is_one, width=100)
         monkeypatch.setattr(progress, "err", console)
         return text
 

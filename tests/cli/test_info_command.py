@@ -138,3 +138,17 @@ def test_an_array_of_another_tool_has_a_list_of_start_values(run, here):
     code, said, errors = run("info", "other.fmu")
     assert (code, errors) == (0, "")
     assert {"  list = 1 2 3", "  one = 2.5", "  laws = 2 1", "  law = flores"} <= {*said.splitlines()}
+
+
+@pytest.mark.parametrize("text", ["swing [bold]b[/bold] [red]", "of :car: :b: :100:"])
+def test_texts_of_a_scene_are_printed_unchanged(run, here, text):
+    scene = (ROD / "scene.toml").read_text(encoding="utf-8")
+    described = scene.replace("Uniform rod dropped at a tilt onto a floor", text)
+    (here / "rod.toml").write_text(described, encoding="utf-8")
+    code, said, _ = run("info", "rod.toml")
+    assert code == 0
+    assert said.splitlines()[0] == f"RodDrop  {text}"
+    _, said, _ = run("simulate", "rod.toml", "--plot", "run:100:[bold].svg")
+    assert "run:100:[bold].svg" in said
+    _, _, errors = run("sweep", "rod.toml", "--vary", f"contact.restitution={text}", "-o", "all.csv")
+    assert text in errors

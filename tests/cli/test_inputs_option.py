@@ -16,7 +16,7 @@ STRANGE_TABLES = {
     "time\n0\n1": "drive.csv: has only the column time; must have one for each input",
     "time,joint[2].torque\n0,1\n0.1,much": "line 3: joint[2].torque = 'much' must be a finite number\n",
     "time,joint[2].torque\n0,1\n599,2": "time lasts 599 s, and the run 0.6 s: is it in seconds?",
-    "time,slider.force\n0,1": "inputs.slider_force = true makes it",
+    "time,slider.force\n0,1": 'only a chain with chain.base = "slider" has it',
     "time,wall.roof.belt_speed\n0,1": "there is no wall roof",
 }
 

@@ -66,7 +66,7 @@ def test_the_walls_that_were_hit_are_explained():
 
 def test_without_impacts_there_is_no_table_of_them():
     head, *lines = summary(record_scene(default_scene(), {"simulation.stop_time": 0.1}))
-    assert head.endswith("0 impacts")
+    assert head.plain.endswith("0 impacts")
     assert [line.split()[0] for line in lines] == ["energy", "balance"]
 
 

@@ -154,7 +154,7 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     {
         "joint[1].torque": "it is an input; a signal in the scene",
         "joint[*].torque": "it is an input; a signal in the scene",
-        "base.x": "it needs inputs.base_motion = true",
+        "base.x": "inputs.base_motion = true makes it",
         "joint[1].peak_force": "it needs outputs.loads = true",
         "contact.stiffness": "parameters are no outputs",
     }.items(),

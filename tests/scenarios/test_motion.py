@@ -199,7 +199,7 @@ def test_motions_that_are_not_asked_for_are_refused():
         SceneError, match=r"'base.x' is not an input of this scene; inputs.base_motion = true makes"
     ):
         simulate(scene, inputs={"base.x": 1.0})
-    with pytest.raises(SceneError, match=r'inputs.wall_motion = \["floor"\] makes it'):
+    with pytest.raises(SceneError, match="there is no wall floor"):
         simulate(scene, inputs={"wall.floor.velocity": 1.0})
     with pytest.raises(SceneError, match=r"base\.x is not a variable"):
         Chain(scene).set("base.x", 1.0)

@@ -201,7 +201,7 @@ def test_every_value_has_a_name_by_which_it_can_be_set():
         ("contact.restitutoin", "the nearest is contact.restitution"),
         ("link[5].mass", "links count from 1 to 4"),
         ("link[0].mass", "links count from 1 to 4"),
-        ("joint[1].torque", "it is an input: give it over time in Python, simulate(scene, inputs={"),
+        ("joint[1].torque", "it is an input: give it over time by a signal of the scene, by --inputs FILE,"),
         ("chain.links[1].mas", "the nearest is "),
         ("initial.angle", "the nearest is initial.angle[1]"),
         ("mass", "the nearest is link[1].mass"),

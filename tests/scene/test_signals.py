@@ -41,7 +41,7 @@ def refused(*signals, scene=ARM):
         (
             "slider.force",
             SINE,
-            "signals.a.input = 'slider.force' is not an input of the scene; inputs.slider_force = true",
+            "signals.a.input = 'slider.force' is not an input of the scene; only a chain with chain.base",
         ),
         ("base.y", STEPS, 'signals.a.form = "steps": base.y would jump'),
         ("wall.table.velocity", STEPS, 'signals.a.form = "steps": wall.table.velocity would jump'),

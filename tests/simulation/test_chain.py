@@ -218,6 +218,14 @@ def test_values_that_cannot_be_set_are_refused_and_change_nothing(arm, values, m
     assert chain.save() == state
 
 
+def test_an_input_that_a_signal_drives_is_refused_with_the_signal(arm):
+    signal = {"input": [TORQUE], "form": "constant", "value": 1.0}
+    chain = Chain(arm.with_values({("signals", "push"): signal}))
+    assert "signals.push drives it" in refusal(chain.set, TORQUE, 2.0)
+    chain.set("tip.force.y", 2.0)
+    assert chain.get(TORQUE) == 1.0
+
+
 def test_a_single_value_is_set_by_name_and_value(arm):
     chain = Chain(arm)
     chain.set(TORQUE, 2.0)
@@ -230,7 +238,7 @@ def test_a_single_value_is_set_by_name_and_value(arm):
 )
 def test_an_input_that_is_not_there_is_told_how_to_make_it(name, key):
     chain = Chain(load_scene("four_link_box"))
-    hint = f"FourLinkBox: {name} is not a variable; [inputs] {key} = true in the scene makes this input"
+    hint = f"FourLinkBox: {name} is not a variable; inputs.{key} = true makes it"
     assert refusal(chain.get, name) == hint
     assert refusal(chain.set, name, 1.0) == hint
 

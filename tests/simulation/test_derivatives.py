@@ -50,7 +50,7 @@ def test_a_repeated_name_counts_once():
         ("solver.tolerance", "it is a choice, or a setting of the solver"),
         ("point[2].x", "it is an output"),
         ("contact.points", "change it in the scene file"),
-        ("joint[1].torque", "the scene does not have this input: it needs inputs.joint_torques = true"),
+        ("joint[2].torque", "inputs.joint_torques = true makes it"),
         ("*.wall", "`chain-impact info` lists the names"),
     ],
 )

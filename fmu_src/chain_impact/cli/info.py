@@ -8,12 +8,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from rich.markup import escape
+from rich.text import Text
 
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.progress import out, say
-from chain_impact.cli.screen import variable_lines
+from chain_impact.cli.screen import headline, variable_lines
 from chain_impact.fmu.facts import read_facts
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
@@ -74,10 +74,10 @@ def run(options: argparse.Namespace) -> int:
             for name, value in scene.values.items()
             if name not in shown and value not in (None, "", ())
         ]
-    out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
+    out.print(Text.assemble((name, "bold"), f"  {description}"), soft_wrap=True)
     for key, value in facts:
         say(f"  {key} = {value}")
-    out.print("\n[bold]Variables of the FMU[/]")
+    out.print(headline("Variables of the FMU"))
     for line in variable_lines(variables, out.width):
         say(line)
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from time import monotonic
 
 from rich.console import Console
@@ -13,17 +14,19 @@ from chain_impact.progress import Progress, log, silent
 
 BRIEF = 1.0  # [s] the duration of work up to which no progress bar is needed
 LINES = 10.0  # [s] the time between two lines of progress if there is no terminal
-out, err = Console(highlight=False), Console(stderr=True, highlight=False)
+plain_console = partial(Console, highlight=False, markup=False, emoji=False)
+"""Make a console that prints each text unchanged: brackets are no markup, and :names: no pictures."""
+out, err = plain_console(), plain_console(stderr=True)
 
 
 def say(text: str) -> None:
     """Print a text unchanged."""
-    out.print(text, markup=False, soft_wrap=True)
+    out.print(text, soft_wrap=True)
 
 
 def complain(text: object) -> None:
     """Print an error, a warning or a message on standard error, after the name of the program."""
-    err.print(f"chain-impact: {text}", markup=False, soft_wrap=True)
+    err.print(f"chain-impact: {text}", soft_wrap=True)
 
 
 @contextmanager
@@ -84,7 +87,8 @@ def _bar(work: str) -> Iterator[Progress]:
     """Show a progress bar; when the work logs its next part, such as a compilation, a new bar replaces it."""
     from rich import progress as rich_progress  # this import takes long
 
-    columns = rich_progress.TextColumn("{task.description}"), rich_progress.BarColumn(pulse_style="cyan")
+    words = rich_progress.TextColumn("{task.description}", markup=False)
+    columns = words, rich_progress.BarColumn(pulse_style="cyan")
     bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)
     started, shown = monotonic(), 0.0
 

@@ -11,11 +11,11 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
-from rich.console import Console, RenderableType
-from rich.markup import escape
+from rich.console import RenderableType
 from rich.table import Table
+from rich.text import Text
 
-from chain_impact.cli.progress import out, say
+from chain_impact.cli.progress import out, plain_console, say
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.bodies import sites_of_links
 from chain_impact.recording.impacts import cut_sentence
@@ -72,10 +72,15 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 def plain_lines(table: Table) -> Iterator[str]:
     """Yield the lines of a table in its full width, for files and other programs."""
-    wide = Console(file=StringIO(), width=10_000, highlight=False, color_system=None)
+    wide = plain_console(file=StringIO(), width=10_000, color_system=None)
     with wide.capture() as captured:
         wide.print(table)
     yield from (line.rstrip() for line in captured.get().splitlines())
+
+
+def headline(bold: str, others: str = "") -> Text:
+    """Return a line after an empty one: a part in bold, then others."""
+    return Text.assemble("\n", (bold, "bold"), others)
 
 
 def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
@@ -112,7 +117,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     impacts = plural(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
-    yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
+    yield headline(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
     for part in tabulated(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
@@ -127,11 +132,11 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
     """Yield lines unchanged, and tables of texts as tables for the screen."""
     for part in parts:
         if isinstance(part, str):
-            yield escape(part)
+            yield part
             continue
         table = table_of(part.head)
         for row in part.rows:
-            table.add_row(*map(escape, row))
+            table.add_row(*row)
         yield table
 
 
@@ -203,24 +208,24 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     ]
     head = ("#", "onset, ms", *(f"{word}, %" for word in RELATIVE.values()))
     for k, parameter in enumerate(sensitivities.parameters):
-        change = f"{escape(parameter)} + {sensitivities.step_text(parameter)}"
-        yield f"\n[bold]Change of the impacts for {change}[/]"
+        change = f"{parameter} + {sensitivities.step_text(parameter)}"
+        yield headline(f"Change of the impacts for {change}")
         table = table_of(head, head[1:])
         for row in range(len(sensitivities.impacts)):
             cells = (column[row, k] for column in columns)
             table.add_row(str(row + 1), *(formatted(cell, "+.3g") if cell else "0" for cell in cells))
         yield table if len(sensitivities.impacts) else "no impact"
     for limit in sensitivities.limits:
-        yield f"limit    {escape(limit)}"
+        yield f"limit    {limit}"
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """Yield the table of the laws, and lines on the laws that suit the restitution."""
-    yield f"\n{escape(heading(comparison))}"
+    yield f"\n{heading(comparison)}"
     laws = compared(comparison)
     table = table_of(laws.head, laws.head[1:-1])
     for row in laws.rows:
-        table.add_row(*map(escape, row))
+        table.add_row(*row)
     yield table
-    yield escape(legend(comparison))
-    yield escape(f"advice   {advice(comparison)}")
+    yield legend(comparison)
+    yield f"advice   {advice(comparison)}"

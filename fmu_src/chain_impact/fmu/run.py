@@ -23,7 +23,15 @@ from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import SLIDER_STOPS, STOPS, by_owner, fmu_name, input_key, signal_hint
+from chain_impact.scene.names import (
+    SLIDER_STOPS,
+    STOPS,
+    by_owner,
+    fmu_name,
+    input_hint,
+    input_key,
+    signal_hint,
+)
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_result_size
@@ -185,7 +193,7 @@ def _named(variable: Any, value: float) -> float | str:
 
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
-        given = "it is an input: give it over time in a table, --inputs FILE"
+        given = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in by_owner(parameters) if owner == "signal"}
         hint = given if input_key(name) else signal_hint(name, signals)
         raise UnknownNameError(source, name, [*parameters, *TIMES], "not a parameter", hint)

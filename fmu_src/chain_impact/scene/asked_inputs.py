@@ -16,9 +16,14 @@ from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import read_table, samples_of
 
 
-def inputs_of(scene: Contents) -> Iterator[str]:
-    """Yield the names of the inputs that the scene asks for, with or without a signal that drives them."""
-    templates = [name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) for name in names]
+def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
+    """Yield the names of the inputs that the scene asks for, with or without a signal that drives them.
+
+    With ``asked = False``, yield all that it could ask for.
+    """
+    templates = [
+        name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names
+    ]
     if not templates:
         return
     facts = SceneFacts(scene)
@@ -26,7 +31,7 @@ def inputs_of(scene: Contents) -> Iterator[str]:
         "joint[{n}]": [{"n": n} for n, link in enumerate(facts["links"], 1) if link["jointed"]],
         "slider": [{}] * facts["slider"],
         "tip": [{}],
-        "base": [{}],
+        "base": [{}] * facts["pinned"],
         "wall": facts["moving_walls"],
     }
     for head, words in owners.items():
@@ -38,14 +43,17 @@ def inputs_of(scene: Contents) -> Iterator[str]:
 def how_asked(scene: Contents, name: str) -> str:
     """Return words for an error on an input that is not there: how to get it, or which inputs are there."""
     key, there = input_key(name), list(inputs_of(scene))
+    possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
     if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
         return f"there is no wall {wall}"
     if key == "wall_motion" and not scene.may_touch:
         return "no point can touch a wall"
-    if key and (key == "wall_motion" or not getattr(scene.inputs, key)):
+    if key == "wall_motion" or name in possible:
         return f"{input_asked(name)} makes it"
-    if near := nearest(name, there):
-        return f"the nearest is {near}"
+    if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
+        return f'only a chain with chain.base = "{base}" has it'
+    if near := nearest(name, possible):
+        return f"the nearest is {near}" + ("" if near in there else f", and {input_asked(near)} makes it")
     return f"it has {', '.join(there)}" if there else "it has none"
 
 

@@ -211,6 +211,22 @@ def sensitivity_name(output: str, parameter: str) -> str:
     return f"{SENSITIVITY}{parameter}.{output}"
 
 
+VALUE_WITHOUT_DRIVE = {
+    "joint[{n}].target_angle": "link[{n}].joint_rest_angle",
+    "slider.target_position": "slider.rest_position",
+}
+"""Input → the parameter whose value it has while nothing drives it; {n} stands for a number."""
+
+
+def input_hint(name: str, how: str) -> str:
+    """Return a hint for the name of an input that is set like a parameter: ``how`` to give it instead."""
+    hint = f"it is an input: give it over time {how}"
+    for template, parameter in VALUE_WITHOUT_DRIVE.items():
+        if is_like(name, template):
+            hint += f"; without, it is {parameter.format(n=re.sub('[^0-9]', '', name))}, which can be set"
+    return hint
+
+
 JOINT_ANGLES = "initial.joint_angles"
 
 
@@ -222,15 +238,16 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
         links: the number of links.
         signals: the names of the scene's signals.
     """
+    owner, _, key = name.partition(".")
+    numbered = key and any(_fits(owner, form) for form in ("link[{n}]", "joint[{n}]"))
+    if numbered and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
+        return f"{owner.partition('[')[0]}s count from 1 to {links}"
     if input_key(name):
-        return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
+        python = f'simulate(scene, inputs={{"{name}": 1.0}})'
+        return input_hint(name, f"by a signal of the scene, by --inputs FILE, or in Python, {python}")
     if name.startswith(JOINT_ANGLES):
         return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
-    if hint := signal_hint(name, signals):
-        return hint
-    owner, _, key = name.partition(".")
-    absent = key and _fits(owner, "link[{n}]") and not 1 <= int(owner[5:-1]) <= links
-    return f"links count from 1 to {links}" if absent else None
+    return signal_hint(name, signals)
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:

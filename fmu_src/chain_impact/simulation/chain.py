@@ -19,7 +19,8 @@ from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.recording.text import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import input_asked, input_key
+from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.names import input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
@@ -89,6 +90,7 @@ class Chain:
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
         self._accesses = {v.name: _access(v, prepared.table_row(v)) for v in prepared.variables}
+        self._signal_of = prepared.signals_by_input
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._ended_word = word_index(dtype, ("contact_log", "count"))
@@ -317,9 +319,11 @@ class Chain:
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
         if access.row.kind == "output" or (access.row.kind == "fixed" and self._stepped):
-            what = "an output" if access.row.kind == "output" else "a fixed parameter"
-            late = "" if access.row.kind == "output" else " after the first step"
-            raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
+            what = "is a fixed parameter and cannot be set after the first step"
+            if access.row.kind == "output":
+                by = self._signal_of.get(name)
+                what = f"cannot be set: signals.{by} drives it" if by else "is an output and cannot be set"
+            raise SceneError(f"{self.scene.name}: {name} {what}")
         try:
             number = access.choices.index(value) + 1 if value in access.choices else value
             number = in_radians(number, access.unit)
@@ -333,12 +337,9 @@ class Chain:
 
     def _hint(self, name: str) -> str | None:
         """Return a hint what in the scene would make an absent variable exist; None if nothing would."""
-        key = input_key(name)
-        if key is None or (key != "wall_motion" and getattr(self.scene.inputs, key)):
-            return absent_hint(name) or fixed_hint(self.scene, name)
-        if key == "wall_motion":
-            return f"{input_asked(name)} in the scene makes this input"
-        return f"[inputs] {key} = true in the scene makes this input"
+        if input_key(name):
+            return how_asked(self.scene, name)
+        return absent_hint(name) or fixed_hint(self.scene, name)
 
     @cached_property
     def _digest(self) -> bytes:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
-from chain_impact.scene.names import INPUTS_OF, DataPath, input_asked
+from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.names import INPUTS_OF, DataPath, input_key
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
@@ -261,9 +262,9 @@ def _hint(prepared: PreparedScene, name: Any) -> str:
     """Return a hint for a name that is not an input: what drives or makes it, or which inputs exist."""
     if name in prepared.signals_by_input:
         return f"signal.{prepared.signals_by_input[name]} drives it"
-    other = not isinstance(name, str) or name.startswith(("joint", "tip"))
-    how = None if other else input_asked(name)
-    return f"{how} makes it" if how else inputs_text(variable.name for variable in prepared.inputs)
+    if isinstance(name, str) and input_key(name):
+        return how_asked(prepared.scene, name)
+    return inputs_text(variable.name for variable in prepared.inputs)
 
 
 def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
+from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.key_rules import keys
-from chain_impact.scene.names import DataPath, input_asked, parameter_hint
+from chain_impact.scene.names import DataPath, input_key, parameter_hint
 from chain_impact.scene.reading import find_names, names_matching
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.tables import Outputs
@@ -50,8 +51,8 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
             return "it is an output: derivatives of it are with respect to parameters and inputs"
         if name in prepared.parameter_paths:
             return "it is a choice, or a setting of the solver, of which the motion is not a smooth function"
-        if input_asked(name):
-            return f"the scene does not have this input: it needs {input_asked(name)}"
+        if input_key(name):
+            return how_asked(scene, name)
         hint = parameter_hint(name, len(scene.chain.links), scene.signals)
         return absent_hint(name) or hint or fixed_hint(scene, name)
 
@@ -91,8 +92,8 @@ def missing_output_hint(prepared: Available, name: str) -> str | None:
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint
-    if asked := input_asked(name):
-        return f"the scene does not have this input: it needs {asked}"
+    if input_key(name):
+        return how_asked(prepared.scene, name)
     if find_names(name, outputs):
         return None
     scene = prepared.scene

@@ -1,0 +1,39 @@
+"""The advice for an input that a scene does not have makes this input or a named one, or says why not."""
+
+import re
+
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.scene.asked_inputs import how_asked, inputs_of
+from chain_impact.scene.names import INPUTS_OF
+from tests.helpers.tools.refusal import refusal
+
+ASKS = re.compile(r"inputs\.(\w+) = (true|\[\"(\w+)\"\]) makes it$")
+NAMES = [name for names in INPUTS_OF.values() for name in names]
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "cart_pole", "bouncing_table", "golf_ball"])
+def test_what_is_advised_makes_the_input(model):
+    scene = load_scene(model)
+    links, walls = len(scene.chain.links), [*scene.half_planes, "nowhere"]
+    names = {
+        form.format(n=number, name=wall)
+        for form in NAMES
+        for number in (1, links, links + 1)
+        for wall in walls
+    }
+    for name in sorted(names - {*inputs_of(scene)}):
+        advice = how_asked(scene, name)
+        near = re.search(r"the nearest is ([^,]+)", advice)
+        wanted = near[1] if near else name
+        if asked := ASKS.search(advice):
+            value = [asked[3]] if asked[3] else True
+            assert wanted in inputs_of(scene.with_values({f"inputs.{asked[1]}": value})), advice
+        elif near:
+            assert wanted in inputs_of(scene), advice
+        elif "chain.base" in advice:
+            key = "slider_force" if name.startswith("slider") else "base_motion"
+            assert refusal(scene.with_values, {f"inputs.{key}": True})
+        else:
+            assert advice.startswith(("there is no wall nowhere", "no point can touch a wall", "it has "))
