@@ -84,7 +84,7 @@ def test_each_quantity_has_the_decimals_of_its_largest_value(script):
     ("onset", "ends", "step", "expected"),
     [
         (None, (0.0, 1.02), 0.5, {"0 s": 0.0, "0.5 s": 0.5, "1.0 s": 1.0}),
-        (0.4007, (0.3985, 0.404), 2e-3, {"-2 ms": 0.3987, "0 ms": 0.4007, "2 ms": 0.4027}),
+        (0.4007, (0.3985, 0.404), 2e-3, {"\u22122 ms": 0.3987, "0 ms": 0.4007, "2 ms": 0.4027}),
     ],
 )
 def test_a_view_of_one_impact_counts_the_time_from_its_onset(script, onset, ends, step, expected):

@@ -52,6 +52,38 @@ def test_cards_lie_side_by_side_on_a_phone_on_its_side(show, size):
         page.evaluate("document.getElementById('pin').click()")
 
 
+@pytest.mark.parametrize("size", [(1400, 900), (1000, 700), (390, 844), (844, 390)])
+def test_the_forces_in_joints_are_within_the_list_of_impacts(show, size):
+    page = show(
+        "pinned_arm", {"outputs.loads": True}, viewport=dict(zip(("width", "height"), size, strict=True))
+    )
+    assert page.locator("#impacts th").count() == 8
+    assert not page.evaluate(IS_CUT_OFF, "impacts")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("kind", ["inputs", "outputs", "pins"])
+def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
+    hash_ = {
+        "inputs": "#joint[2].torque@=0.5:8.64",
+        "outputs": "#curves=point[*].y,contact[*].*.force",
+        "pins": "",
+    }
+    page = show("pinned_arm" if kind == "inputs" else "four_link_box", hash_=hash_[kind])
+    if kind == "pins":
+        page.get_by_role("button", name="Pin").click()
+    heights = "charts => charts.map((one) => one.clientHeight).filter(Boolean)"
+    assert min(page.locator("aside .chart .u-over").evaluate_all(heights)) >= 90
+    rows, left = page.evaluate("""(() => {
+      const boxOf = (id) => document.getElementById(id).getBoundingClientRect();
+      const [list, card] = [boxOf("impacts"), boxOf("list")];
+      return [Math.round((list.height - 20) / 24), card.bottom - list.bottom];
+    })()""")
+    assert rows >= 3
+    assert page.locator("#impacts tbody tr").count() > 3
+    assert left < 24 + 8, "one more row would not fit"
+
+
 def test_the_map_is_whole_in_a_low_window(show):
     page = show(viewport=ON_ITS_SIDE)
     page.get_by_role("button", name="Map…").click()

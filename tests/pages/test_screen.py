@@ -288,8 +288,9 @@ def test_fingers_meet_every_control_of_a_phone(show, size):
         page.keyboard.press("Escape")
 
 
-def test_on_a_phone_controls_take_a_tenth_of_the_height(show):
-    page = show(viewport=PHONE, has_touch=True)
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_on_a_phone_controls_take_a_tenth_of_the_height(show, size):
+    page = show(viewport=size, has_touch=True)
     assert (
         page.evaluate("document.querySelector('footer').getBoundingClientRect().height / innerHeight") <= 0.1
     )

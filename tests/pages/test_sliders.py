@@ -48,7 +48,7 @@ def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
     page = show()
     slider = page.get_by_role("slider", name="Stiffness")
     unit = page.locator("label[for='main-contact.stiffness'] small")
-    for exponent, shown in ((1, "N/m"), (1.5, "N/m^1.5")):
+    for exponent, shown in ((1, "N/m"), (1.5, "N/m¹·⁵")):
         page.evaluate(f"chainImpact.show({{'contact.exponent': {exponent}}})")
         assert unit.inner_text() == shown
     assert slider.evaluate("slider => slider.valueAsNumber / slider.max") == 0.5
@@ -192,3 +192,28 @@ def test_the_targets_of_a_slider_have_sliders(show):
     for quantity in ("position", "velocity"):
         page.get_by_role("slider", name=f"Target {quantity} of the slider").press("End")
         assert float(page.evaluate("chainImpact.parameters")[f"slider.target_{quantity}"]) > 0.0
+
+
+def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
+    page = show("pinned_arm")
+    page.locator("#list-of-parameters summary").click()
+    for name, text, told in (
+        ("contact.restitution", "", "contact.restitution is empty"),
+        ("initial.angle[1]", "45 grad", '"90 deg"'),
+    ):
+        field = page.locator(f"#list-of-parameters input[aria-label='{name}']")
+        field.fill(text)
+        field.press("Enter")
+        assert told in page.locator(".parameter .refusal:not(:empty)").last.inner_text()
+
+
+def test_a_stiffness_without_effect_is_pale_and_its_forces_have_no_chart(show):
+    page = show("bouncing_ball", {"simulation.stop_time": 2.0})
+    row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Stiffness"))
+    assert "newton_impact" in row.locator("label").get_attribute("title")
+    opacity = "one => Number(getComputedStyle(one).opacity)"
+    assert row.locator("input[type=range]").evaluate(opacity) < 0.6
+    assert not page.locator("#force").is_visible()
+    page.evaluate("chainImpact.show({ 'contact.model': 'flores' })")
+    page.locator("#force").wait_for(state="visible")
+    assert row.locator("input[type=range]").evaluate(opacity) == 1.0

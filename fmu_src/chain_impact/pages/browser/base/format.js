@@ -13,6 +13,17 @@ export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }
 
+/** Return a unit with the digits of its power raised: N/m¹·⁵ for N/m^1.5. */
+export function raised(unit) {
+  const raisedSign = (sign) => "·⁰¹²³⁴⁵⁶⁷⁸⁹"[".0123456789".indexOf(sign)];
+  return unit.replace(/\^([\d.]+)$/, (_, power) => [...power].map(raisedSign).join(""));
+}
+
+/** Return a text with a minus sign in place of a hyphen before a number. */
+export function withMinus(text) {
+  return text.replace(/^-(?=[\d.])/, "−");
+}
+
 /** Return a number with `count` significant digits, or more if more are before the point, and at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
@@ -47,6 +58,13 @@ export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
   const value = newtons / factor;
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
+}
+
+/** Return the ticks of an axis of forces as texts, all with the prefix of the largest one. */
+export function forceTicks(ticks, unit) {
+  const most = Math.max(...ticks.map(Math.abs));
+  const [factor, prefix] = PREFIXES.find(([least]) => most >= least) ?? [1, ""];
+  return ticks.map((tick) => (tick ? `${+(tick / factor).toPrecision(6)}\u202f${prefix}${unit}` : "0"));
 }
 
 /** Return a short time as text, for example 0.62 ms. */

@@ -1,6 +1,6 @@
 // The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
 
-import { fixed, ticksOf } from "../base/format.js";
+import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
@@ -32,7 +32,7 @@ export function ticksUpwards({ height }, low, high, whole) {
 /** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
 export function ticksText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
-  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+  return withMinus(`${+(factor * tick).toPrecision(6)} ${unit}`);
 }
 
 /** Return the times between two times that are whole steps from an onset. */
@@ -44,7 +44,7 @@ export function timeTicks(low, high, step, onset = 0) {
 
 /** Return times as texts: in s, or in s or ms since an onset. */
 export function timeTexts(ticks, onset) {
-  if (onset === undefined) return ticksOf(ticks).map((tick) => `${tick} s`);
+  if (onset === undefined) return ticksOf(ticks).map((tick) => `${withMinus(tick)} s`);
   const since = ticks.map((tick) => tick - onset);
   return since.map((time) => ticksText(Math.abs(time) < 1e-12 ? 0 : time, since));
 }

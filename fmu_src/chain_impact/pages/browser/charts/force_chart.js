@@ -1,6 +1,6 @@
 // The chart of the force of one contact, over time or over penetration.
 
-import { durationText, forceText, unitsOf } from "../base/format.js";
+import { durationText, forceTicks, unitsOf, withMinus } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
 import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
@@ -40,15 +40,18 @@ function depthText(tick, ticks) {
 
 /** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
-  constructor(element, title, loopButton) {
+  constructor(element, quantity, title, loopButton) {
     super(element, 120);
-    Object.assign(this, { title, loopButton });
+    Object.assign(this, { quantity, title, loopButton });
     this.unit = { ...unitsOf({}) }; // the units of the shown contact
     this.make(
       {
         series: [
           {},
-          { stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false } },
+          {
+            stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false },
+            paths: uPlot.paths.spline(), // monotone between the rows
+          },
           { stroke: () => styleColour("friction"), width: 1.6, dash: [2, 3], points: { show: false } },
         ],
         scales: { x: { time: false }, y: { range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)] } },
@@ -63,7 +66,7 @@ export class ForceChart extends Chart {
           axisOptions({
             size: labelledWidth,
             splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
-            values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")),
+            values: (_, ticks) => forceTicks(ticks, this.unit.force).map(withMinus),
           }),
         ],
       },
@@ -139,6 +142,10 @@ export class ForceChart extends Chart {
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
+    const isKnown = inside.some((force) => force > 0) || this.curves.length > 0;
+    this.element.hidden = !isKnown;
+    this.loopButton.hidden ||= !isKnown;
+    this.quantity.textContent = unitsOf(contact).force === "N" ? "Contact force" : "Moment of the stop";
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
     const text = `${contactTitle(contact)}, ${length}${legend}`;

@@ -1,6 +1,6 @@
 // Charts of quantities over the whole time, among them the chart of the energies.
 
-import { ticksOf } from "../base/format.js";
+import { ticksOf, withMinus } from "../base/format.js";
 import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf } from "./chart.js";
 
 const WIDTHS = { total: 2.4 };
@@ -52,7 +52,7 @@ export class TimeChart extends Chart {
           axisOptions({
             size: labelledWidth,
             splits: (plot, axis, low, high) => ticksUpwards(plot, low, high, this.isOfCounts),
-            values: (_, ticks) => ticksOf(ticks),
+            values: (_, ticks) => ticksOf(ticks).map(withMinus),
           }),
         ],
         hooks: {

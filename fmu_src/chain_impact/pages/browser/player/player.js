@@ -33,7 +33,7 @@ export class Player {
           { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
             title: find("outputs-impact"), note: find("outputs-note") })],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("contact-name"), find("force-loop"))],
+        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"))],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     this.showControls = connect(this.clock, this.drawing);

@@ -2,7 +2,7 @@
 
 import { numberText } from "../base/format.js";
 import { inFile, pathText } from "../base/paths.js";
-import { inRadians } from "./angles.js";
+import { inRadians, orDegrees } from "./angles.js";
 import { sumOf } from "./geometry.js";
 import { keepFileRules } from "./refusals.js";
 
@@ -79,7 +79,11 @@ export class Changes {
     const isNumber = typeof number === "number" || (typeof number === "string" && number !== "");
     const value = choice || (isNumber ? Number(number) : NaN);
     const whole = type === "real" || Number.isInteger(value);
-    if (!(value >= low && value <= high && whole)) throw new RangeError(`${name} = ${given} must be ${allowed}`);
+    if (!(value >= low && value <= high && whole)) {
+      const told = text === "" ? `${name} is empty, and` : `${name} = ${given}`;
+      const advice = typeof text === "string" && !Number.isFinite(Number(text)) ? orDegrees(unit) : "";
+      throw new RangeError(`${told} must be ${allowed}${advice}`);
+    }
     return value;
   }
 

@@ -4,6 +4,7 @@ import { find } from "../../base/dom.js";
 import { numberText, readable, unitText } from "../../base/format.js";
 import { parameterText, signalText } from "../../scene/words.js";
 import { pictureOf, save } from "../export.js";
+import { presentUnit } from "../parameters/parameter_fields.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
@@ -134,11 +135,17 @@ export class GridMap {
     return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
+  /** Return the factor and the unit in which an axis shows a parameter. */
+  #unitOf(name) {
+    const shown = shownIn(this.changes.parameters.get(name));
+    return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name) } : shown;
+  }
+
   #range(k) {
     const [name, from, to] = this.inputs[k];
     const parameter = this.changes.parameters.get(name.value);
     const range = rangeOf(parameter, this.changes.valueOf(name.value));
-    const { factor, text } = shownIn(parameter);
+    const { factor, text } = this.#unitOf(name.value);
     find(`map-${"xy"[k]}-unit`).textContent = text;
     [from, to].forEach((field, end) => {
       const round = Number((factor * range[end]).toPrecision(2));
@@ -282,7 +289,7 @@ export class GridMap {
 
   #drawScales() {
     const { names } = this.shown;
-    const units = names.map((name) => ({ ...shownIn(this.changes.parameters.get(name)), isLogarithmic: isLogarithmic(name) }));
+    const units = names.map((name) => ({ ...this.#unitOf(name), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
     this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }

@@ -1,7 +1,7 @@
 // The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
 
 import { make } from "../../base/dom.js";
-import { readable, unitOfPower, unitText } from "../../base/format.js";
+import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { valueText } from "../../scene/angles.js";
 
 /** Make a change; if its value is refused, mark the field, and show the reason in its row. */
@@ -31,7 +31,7 @@ export function explain(row) {
 /** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law. */
 export function presentUnit(changes, name) {
   const { unit } = changes.parameters.get(name);
-  return unit.includes("^") ? unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"))) : unitText(unit);
+  return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent")))) : unitText(unit);
 }
 
 /** Return a field for a number or a choice, and a function that shows the present value in it. */

@@ -51,8 +51,8 @@ function labelOf(changes, { name, label: words }) {
   const label = make("label", { className: "main-parameter-label", textContent: words, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
-  const showUnit = () => {
-    element.textContent = text();
+  const showUnit = (shown) => {
+    element.textContent = /deg/.test(shown) ? "" : text(); // a text has its own unit
   };
   return { label, text, showUnit };
 }
@@ -75,11 +75,22 @@ function mainParameter(changes, entry, now) {
   row.append(element, refusal());
   return { name, row, follow, refresh: () => {
     refresh();
-    showUnit();
     show();
+    showUnit(field.value);
     explain(row);
+    const law = idleUnder(changes, name);
+    row.classList.toggle("idle", Boolean(law));
+    label.title = law ? `${name}: no effect with ${law}` : name;
     row.classList.toggle("changed", changes.isChanged(name));
   } };
+}
+
+/** Return the name of the law under which a stiffness has no effect, because the law has impulses; "" for another one. */
+function idleUnder(changes, name) {
+  const model = changes.parameters.get(name.replace(/stiffness$/, "model"));
+  if (!name.endsWith(".stiffness") || !model?.items?.length) return "";
+  const [law] = model.items[changes.valueOf(model.name) - 1];
+  return SHARED.laws[law]?.impulsive ? law : "";
 }
 
 /** Return the sentence on the present choice of a parameter, and a function that shows it. */
