@@ -189,9 +189,9 @@ def time_scale(d, c):
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
 # The round-off of a position, relative to the largest coordinate, or angle times the longest link: its usual
-# size, and a bound for contacts that are older than LASTING reciprocals of their frequency. There a single step
-# with more round-off than usual excites a motion that short steps keep alive.
-PLACE_ROUND_OFF, PLACE_ROUND_OFF_AT_REST, LASTING = 1e-15, 4e-15, 1e3
+# size, and a bound for contacts older than OLD reciprocals of their frequency. There a single step with
+# more round-off than usual excites a motion that short steps keep alive.
+PLACE_ROUND_OFF, PLACE_ROUND_OFF_AT_REST, OLD = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
@@ -234,7 +234,7 @@ def raise_scales(d, y, scale, contacts):
     for k in range(contacts):
         c = d.touch.active_index[k]
         frequency = d.touch.impact_speed[c] / d.touch.depth_scale[c]
-        lasts = frequency * (d.step.end - d.touch.onset[c]) > LASTING
+        lasts = frequency * (d.step.end - d.touch.onset[c]) > OLD
         least = largest * (PLACE_ROUND_OFF_AT_REST if lasts else PLACE_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
         fastest = max(fastest, frequency * least)
