@@ -239,7 +239,7 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     for key, value in SPRING.items():
         edit(page, f"slider.{key}", str(value))
     heads = [page.locator(f"#edit-{name} th").all_inner_texts() for name in ("links", "slider")]
-    assert heads[0][3:6] == ["Centre of mass along, m", "Centre of mass left, m", "Inertia, kg·m²"]
+    assert heads[0][4:7] == ["Centre of mass along, m", "Centre of mass left, m", "Inertia, kg·m²"]
     assert heads[1][2:5] == ["Damping, N·s/m", "Stiffness, N/m", "Rest position, m"]
     scene = downloaded(page, tmp_path)
     slider = scene.chain.slider

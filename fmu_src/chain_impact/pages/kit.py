@@ -159,6 +159,8 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
     pattern = {"pattern": f"^(?:{rule['pattern'][0]})$"} if rule["pattern"] else {}
     if rule["unit_by"]:
         limits["hasUnitOfInput"] = True
+    if rule["label"]:
+        limits["label"] = rule["label"]
     return limits | pattern | {"kind": kind.__name__, "unit": rule["unit"], "allowed": allowed(kind, rule)}
 
 

@@ -17,10 +17,10 @@ OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 class Site:
     """A point of a link that is not one of its two ends, such as a heel or a corner; it may touch walls."""
 
-    x: float = quantity("m", "position along the link, from the joint nearer to the base")
-    y: float = quantity("m", "position to the left of the link's line", 0.0)
-    radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0)
-    name: str = quantity("", "name in lists and pictures", "", pattern=OPTIONAL_NAME)
+    x: float = quantity("m", "position along the link, from the joint nearer to the base", label="Along")
+    y: float = quantity("m", "position to the left of the link's line", 0.0, label="Left")
+    radius: float | None = quantity("m", "radius of the point", CONTACT_RADIUS, minimum=0.0, label="Radius")
+    name: str = quantity("", "name in lists and pictures", "", pattern=OPTIONAL_NAME, label="Name")
 
     @property
     def is_at_joint(self) -> bool:
@@ -35,19 +35,29 @@ class Link:
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
     )
-    length: float = quantity("m", "length", above=0.0)
-    mass: float = quantity("kg", "mass", above=0.0, alone=True)
+    length: float = quantity("m", "length", above=0.0, label="Length")
+    mass: float = quantity("kg", "mass", above=0.0, alone=True, label="Mass")
     shape: str | None = quantity(
         "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
     )
-    height: float | None = quantity("m", "height of the box, across the link", None, above=0.0)
+    height: float | None = quantity(
+        "m", "height of the box, across the link", None, above=0.0, label="Box height"
+    )
     center_of_mass: float = quantity(
-        "m", "centre of mass, from the joint nearer to the base, behind which it may lie", MIDDLE
+        "m",
+        "centre of mass, from the joint nearer to the base, behind which it may lie",
+        MIDDLE,
+        label="Centre of mass along",
     )
     center_of_mass_offset: float = quantity(
-        "m", "distance of the centre of mass from the link's line, to its left", 0.0
+        "m",
+        "distance of the centre of mass from the link's line, to its left",
+        0.0,
+        label="Centre of mass left",
     )
-    inertia: float = quantity("kg.m2", "inertia about the centre of mass", ROD, minimum=0.0, alone=True)
+    inertia: float = quantity(
+        "kg.m2", "inertia about the centre of mass", ROD, minimum=0.0, alone=True, label="Inertia"
+    )
     points: tuple[Site, ...] = quantity("", "points of the link, beside its ends, that may touch", ())
     joint_damping: float = quantity(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0, alone=True
@@ -65,9 +75,11 @@ class Link:
     joint_torque_limit: float | None = quantity(
         "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
     )
-    joint_min: float | None = quantity("rad", "stop at the least angle of the joint nearer to the base", None)
+    joint_min: float | None = quantity(
+        "rad", "stop at the least angle of the joint nearer to the base", None, label="Stop from"
+    )
     joint_max: float | None = quantity(
-        "rad", "stop at the largest angle of the joint nearer to the base", None
+        "rad", "stop at the largest angle of the joint nearer to the base", None, label="Stop to"
     )
 
     @property
@@ -80,16 +92,22 @@ class Link:
 class Slider:
     """The carriage of a base that slides along a straight line through the initial position."""
 
-    angle: float = quantity("rad", "direction of the line, from +x", 0.0)
-    mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0)
-    damping: float = quantity("N.s/m", "viscous damping along the line", 0.0, minimum=0.0)
-    stiffness: float = quantity("N/m", "stiffness of a spring along the line", 0.0, minimum=0.0)
-    rest_position: float = quantity("m", "position on the line at which the spring is slack", 0.0)
-    friction: float = quantity("N", "force of dry friction along the line", 0.0, minimum=0.0)
-    min: float | None = quantity("m", "stop at the least position of the carriage", None)
-    max: float | None = quantity("m", "stop at the largest position of the carriage", None)
+    angle: float = quantity("rad", "direction of the line, from +x", 0.0, label="Slider: angle")
+    mass: float = quantity("kg", "mass of the carriage", 1.0, minimum=0.0, label="Mass")
+    damping: float = quantity("N.s/m", "viscous damping along the line", 0.0, minimum=0.0, label="Damping")
+    stiffness: float = quantity(
+        "N/m", "stiffness of a spring along the line", 0.0, minimum=0.0, label="Stiffness"
+    )
+    rest_position: float = quantity(
+        "m", "position on the line at which the spring is slack", 0.0, label="Rest position"
+    )
+    friction: float = quantity(
+        "N", "force of dry friction along the line", 0.0, minimum=0.0, label="Friction"
+    )
+    min: float | None = quantity("m", "stop at the least position of the carriage", None, label="Stop from")
+    max: float | None = quantity("m", "stop at the largest position of the carriage", None, label="Stop to")
     force_limit: float | None = quantity(
-        "N", "limit of the force of motor, spring and damper together", None, minimum=0.0
+        "N", "limit of the force of motor, spring and damper together", None, minimum=0.0, label="Force limit"
     )
 
     @property

@@ -36,6 +36,7 @@ class KeyRules(TypedDict, total=False):
     or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
     alone: bool  # `with_values` can change the key without reading the scene again: fast_values.py
     or_one: bool  # a single value stands for a list with this value
+    label: str  # the head of the key's column in the editor of a page, which changes only keys with a label
     file_only: bool  # the key is a short form of other keys, which replace it when a file is read
     # name of another key, in the same table or as "table.key"; if that key names a file, the file's name
     # without its suffix is one more choice, such as the law of a user

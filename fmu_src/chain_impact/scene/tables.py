@@ -28,10 +28,10 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 class Box:
     """The walls along the axes; a missing key (None) is a missing wall."""
 
-    x_min: float | None = quantity("m", "left wall", None)
-    x_max: float | None = quantity("m", "right wall", None)
-    y_min: float | None = quantity("m", "floor", None)
-    y_max: float | None = quantity("m", "ceiling", None)
+    x_min: float | None = quantity("m", "left wall", None, label="left")
+    x_max: float | None = quantity("m", "right wall", None, label="right")
+    y_min: float | None = quantity("m", "floor", None, label="floor")
+    y_max: float | None = quantity("m", "ceiling", None, label="ceiling")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +40,9 @@ class Wall:
 
     name: str = quantity("", "name, different for each wall", pattern=IDENTIFIER)
     point: tuple[float, float] = quantity("m", "a point on the wall")
-    angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
+    angle: float | None = quantity(
+        "rad", "direction of the wall, from +x; its left is free", None, label="Angle"
+    )
     normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)
 
 

@@ -11,35 +11,12 @@ import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { partsOf } from "./edited_scene.js";
 
-const BOX = { x_min: "left", x_max: "right", y_min: "floor", y_max: "ceiling" };
-const LINK = {
-  length: "Length",
-  mass: "Mass",
-  center_of_mass: "Centre of mass along",
-  center_of_mass_offset: "Centre of mass left",
-  inertia: "Inertia",
-  height: "Box height",
-};
-const STOP_HEADS = { joint_min: "Stop from", joint_max: "Stop to" };
-const SLIDER = {
-  angle: "Slider: angle",
-  mass: "Mass",
-  damping: "Damping",
-  stiffness: "Stiffness",
-  rest_position: "Rest position",
-  friction: "Friction",
-  force_limit: "Force limit",
-  min: "Stop from",
-  max: "Stop to",
-};
-const POINT = { x: "Along", y: "Left", radius: "Radius" };
-
 export class Editor {
-  /** `keys` are the rules of the keys of a scene file, with their units. */
+  /** `keys` are the rules of the keys of a scene file, with their units and labels. */
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
-    const units = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
-    Object.assign(this, { changes, openScene, units });
+    const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
+    Object.assign(this, { changes, openScene, tables });
     this.dialog = find("edit");
     find("edit-open").addEventListener("click", () => {
       this.#draw();
@@ -109,41 +86,55 @@ export class Editor {
   #draw() {
     const { scene: { file } } = this.changes;
     find("edit-base").value = file.chain.base;
-    const ofStops = Object.fromEntries(stopsShown(file.chain).map((stop) => [stop, STOP_HEADS[stop]]));
-    const heads = ["Link", ...this.#heads("link", { ...LINK, ...ofStops }), ""];
+    const heads = ["Link", ...this.#heads("link", this.#keysOfLinks(file)), ""];
     fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
-    const ofPoints = ["Point", "Link", ...this.#heads("point", POINT), "Name", ""];
+    const ofPoints = ["Point", "Link", ...this.#heads("point"), ""];
     fillTable(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
     find("edit-points").hidden = points.length === 0;
     const { slider } = file.chain;
     find("edit-slider").hidden = !slider;
     if (slider) {
       const cellOf = (key) =>
-        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), this.units.slider[key].unit);
-      fillTable(find("edit-slider"), this.#heads("slider", SLIDER), [Object.keys(SLIDER).map(cellOf)]);
+        this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), this.tables.slider[key].unit);
+      fillTable(find("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
     }
-    fillTable(find("edit-box"), this.#heads("box", BOX), [Object.keys(BOX).map((key) =>
+    fillTable(find("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
-    const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.units.wall.point.each.unit)}`);
-    const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall", { angle: "Angle" }), ""];
+    const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.tables.wall.point.each.unit)}`);
+    const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall"), ""];
     fillTable(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
-  /** Return heads of the columns for keys of a table, from their labels: with units. */
-  #heads(table, labels) {
-    return Object.entries(labels).map(([key, label]) => `${label}, ${unitText(this.units[table][key].unit)}`);
+  /** Return the keys of a table that the reader can change: those with a label. */
+  #keysIn(table) {
+    return Object.keys(this.tables[table]).filter((key) => this.tables[table][key].label);
+  }
+
+  /** Return the keys of links that the reader can change; a free chain of one link has no joint, and so no stop. */
+  #keysOfLinks({ chain: { base, links } }) {
+    const hasJoints = base !== "free" || links.length > 1;
+    return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
+  }
+
+  /** Return the heads of the columns for keys of a table: labels with units. */
+  #heads(table, shown = this.#keysIn(table)) {
+    return shown.map((key) => {
+      const { label, unit } = this.tables[table][key];
+      return unit ? `${label}, ${unitText(unit)}` : label;
+    });
   }
 
   /** Return the cells of a link's row. A free base has no joint, and so no stop; an only link cannot be removed. */
-  #linkRow({ chain: { base, links } }, link, k) {
+  #linkRow(file, link, k) {
+    const { base, links } = file.chain;
     const field = (key) =>
-      this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), this.units.link[key].unit);
+      this.#field(`link[${k + 1}].${key}`, link[key], (value, all) => setOfLink(all, k, key, value), this.tables.link[key].unit);
     const hasJoint = k > 0 || base !== "free";
-    const stops = stopsShown({ base, links }).map((stop) => (hasJoint ? field(stop) : ""));
+    const cells = this.#keysOfLinks(file).map((key) => (hasJoint || !STOPS.includes(key) ? field(key) : ""));
     const remover = links.length > 1 ? this.#remover(`link ${k + 1}`, (all) => removeLink(all, k)) : "";
-    return [`${k + 1}`, ...Object.keys(LINK).map(field), ...stops, remover];
+    return [`${k + 1}`, ...cells, remover];
   }
 
   /** Return the cells of the row of a link's point, among them a field for the link to which the point belongs. */
@@ -153,11 +144,10 @@ export class Editor {
     const label = `point[${number}]`;
     const pointOf = (all) => ownPoint(all, link, entry);
     const of = this.#field(`${label}.link`, link + 1, (value, all) => moveToLink(all, link, entry, value));
-    const fields = Object.keys(POINT).map((key) =>
-      this.#field(`${label}.${key}`, site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
-    const name = this.#field(`${label}.name`, site.name || undefined, (value, all) => setOrRemove(pointOf(all), "name", value));
+    const fields = this.#keysIn("point").map((key) =>
+      this.#field(`${label}.${key}`, site[key] === "" ? undefined : site[key], (value, all) => setOrRemove(pointOf(all), key, value)));
     const remover = this.#remover(`point ${number}`, (all) => removePoint(all, link, entry));
-    return [`${number}`, of, ...fields, name, remover];
+    return [`${number}`, of, ...fields, remover];
   }
 
   #wallRow({ name, point, angle }, k) {
@@ -166,7 +156,7 @@ export class Editor {
     }));
     const turn = this.#field(`wall.${name}.angle`, angle, (value, all) => {
       all.walls[k].angle = value;
-    }, this.units.wall.angle.unit);
+    }, this.tables.wall.angle.unit);
     return [name, ...coordinates, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
@@ -191,11 +181,6 @@ export class Editor {
     button.addEventListener("click", () => this.#change(remove));
     return button;
   }
-}
-
-/** Return the stops that the table of links shows; a free chain of one link has no joint. */
-function stopsShown({ base, links }) {
-  return base === "free" && links.length === 1 ? [] : STOPS;
 }
 
 /** Return a cell with the head of its column as data: on a narrow screen the style sheet shows this head above the cell. */
