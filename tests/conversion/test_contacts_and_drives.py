@@ -4,10 +4,12 @@
 # Tests: conversion/points.py, conversion/walls.py
 
 import math
+import re
 import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from chain_impact.cli import main
 from tests.conversion.robot_files import TWO, arm, drives, joint, key, link, read, refused, urdf
@@ -147,6 +149,26 @@ def test_shapes_that_touch_a_floor_become_points_at_their_places(tmp_path, name,
     assert sorted(row[:3] for row in found) == [pytest.approx(row, abs=1e-12) for row in sorted(rows)]
     assert {row[3] for row in found} == {row[3] for row in expected}
     assert not [line for line in done.warnings if "reach" in line]
+
+
+def test_how_far_an_oblique_cylinder_reaches_beyond_its_points_is_told(tmp_path):
+    """Compared with many points on both rims of the cylinder."""
+    angles = 0.5, 1.2, 0.2
+    roll = '<geom type="cylinder" size=".05 .2" pos=".5 0 .05" euler="{} {} {}"/>'
+    where = [math.degrees(angle) for angle in angles]
+    bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
+    text = arm(world=FLOOR.format("")).replace(bare, roll.format(*where).replace("/>", ' mass="1"/>'))
+    scene, done = read(tmp_path, text)
+    (told,) = [line for line in done.differs if "reach" in line]
+    rotation = Rotation.from_euler("XYZ", angles).as_matrix()
+    turn = np.linspace(0.0, 2.0 * np.pi, 3600)
+    rims = [[0.05 * np.cos(turn), 0.05 * np.sin(turn), np.full_like(turn, z)] for z in (-0.2, 0.2)]
+    rims = (rotation @ np.concatenate(rims, axis=1))[[0, 2]].T + np.array([0.5, 0.05])
+    points = np.array([(site.x, site.y) for i, site in scene.chain.sites if i == 1])
+    walls = np.array([np.cos(turn), np.sin(turn)])
+    beyond = ((rims @ walls).max(axis=0) - (points @ walls).max(axis=0)).max()
+    assert float(re.search(r"reach ([\d.e-]+) m", told)[1]) == pytest.approx(beyond, rel=0.02)
+    assert 1e-4 < beyond < 4e-4
 
 
 def test_a_roll_whose_axis_has_few_digits_is_one_point(tmp_path):

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from tests.conversion.robot_files import arm, drives, joint, key, link, read, refused, urdf
+from tests.conversion.robot_files import arm, drives, free, joint, key, link, read, refused, urdf
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
@@ -56,6 +56,16 @@ def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
     motor, _ = read(tmp_path, cart(rest=drives('<motor joint="rail" gear="10" ctrlrange="-1 1"/>')))
     assert motor.inputs.slider_force
     assert motor.chain.slider.force_limit == 10.0
+
+
+def test_remarks_on_joints_of_a_free_base_name_no_table_of_the_scene(tmp_path):
+    """A scene with a free base has no slider and no joint 1, so that it has no form of their limits."""
+    soft = 'range="-9 9" limited="true" frictionloss=".2"'
+    scene, done = read(tmp_path, free(x=soft, z=soft, turn=soft))
+    assert scene.chain.base == "free"
+    assert not [line for line in done.differs if line.startswith("joint")]
+    assert {line.partition(":")[0] for line in done.warnings} == {"joints x, z", "joint turn"}
+    assert all("friction 0.2" in line for line in done.warnings)
 
 
 def test_a_slide_that_starts_beyond_its_limit_starts_there(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import tomlkit
 
+from chain_impact.conversion.carried import with_carried
 from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Choices, Converted
@@ -33,9 +34,13 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
     with warnings.catch_warnings():
         # a robot may have numbers that are right, but unusual for a scene: the checks of a scene would warn
         warnings.simplefilter("ignore", SceneWarning)
-        done = chain_of(
-            read_robot(path, choices.keyframe), choices, str(path), lambda converted: _scene(converted, path)
-        )
+        robot = read_robot(path, choices.keyframe)
+
+        def completed(found: Converted) -> Converted:
+            ours = robot.carried
+            return found if ours is None else with_carried(found, ours, choices, str(path))
+
+        done = completed(chain_of(robot, choices, str(path), lambda found: _scene(completed(found), path)))
         return _scene(done, path), done
 
 

@@ -19,11 +19,10 @@ from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import Compiled, compiled
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
-from chain_impact.scene.reading import UnknownNameError
+from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
-"""The name of a text element in files of this package; the text has, as JSON, the data that MJCF cannot
-hold."""
+"""The name of a text element in files of this package; the text has, as JSON, the data of the scene."""
 UNLIMITED = 1e9  # [rad] or [m]; stands for the missing limit of a joint with one limit: MJCF needs both
 NO_KEYFRAME = "none"
 """The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
@@ -52,7 +51,16 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
     mujoco = require("mujoco", "convert")
     file = compiled(mujoco, path)
     start, note = _start(mujoco, file.model, keyframe, str(path))
-    return _Reader(mujoco, file, start).robot(path.stem, note)
+    return _Reader(mujoco, file, start, str(path)).robot(path.stem, note)
+
+
+def read_mjcf_text(text: str) -> Robot:
+    """Return the robot of MJCF that this package has written; errors are those of ``read_mjcf``."""
+    mujoco = require("mujoco", "convert")
+    spec = mujoco.MjSpec.from_string(text)
+    file = Compiled(spec, spec.compile(), set(), [])
+    start, note = _start(mujoco, file.model, None, CARRIED)
+    return _Reader(mujoco, file, start, CARRIED).robot(CARRIED, note)
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
@@ -72,39 +80,45 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
     return Start(*map(np.array, state)), note
 
 
+def _carried(text: str, source: str) -> dict[str, Any]:
+    """Return the data of the scene in a file of this package; files of older versions have two parts."""
+    try:
+        data = json.loads(text)
+        return {**data["tables"], **data["numbers"]} if "numbers" in data else dict(data)
+    except (ValueError, TypeError, KeyError):
+        raise SceneError(f"{source}: its text {CARRIED} is not the data of a scene") from None
+
+
 class _Reader:
     """A reader of a compiled model, which collects the parts that a scene cannot have."""
 
-    def __init__(self, mujoco: Any, file: Compiled, start: Start) -> None:
+    def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == CARRIED)
-        self.carried: dict[str, Any] | None = next(map(json.loads, texts), None)
-        ours = self.carried is not None
-        self.drives = Drives(mujoco, self.model, start.control, start.activation, ours)
-        self.contacts = Contacts(mujoco, self.model, file.stand_ins)
+        self.carried = next((_carried(text, source) for text in texts), None)
+        self.drives = Drives(mujoco, self.model, start.control, start.activation)
+        self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.carried is not None)
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
         """Return the robot with a given name, else with the name in the file."""
-        model, ours = self.model, self.carried is not None
+        model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
         self.differences += [
             *self.drives.differences,
             *couplings(self.mujoco, model),
             *unsupported_fields(model),
-            *([] if ours else [*self.contacts.differences(), *self._others()]),
+            *self.contacts.differences(),
+            *self._others(),
         ]
         return Robot(
             name=self.spec.modelname or name,
             bodies=bodies,
             gravity=np.zeros(3) if weightless else np.array(model.opt.gravity),
-            planes=[] if not self.contacts.works else list(self.contacts.planes(ours)),
-            tables=(self.carried or {}).get("tables", {}),
-            first_link=(self.carried or {}).get("first_link", {}),
-            link_tables=(self.carried or {}).get("bodies", ()),
-            numbers=(self.carried or {}).get("numbers", {}),
-            notes=[] if ours else [*notes, *flag_notes(self.mujoco, model)],
+            planes=[] if not self.contacts.works else list(self.contacts.planes()),
+            carried=self.carried,
+            notes=[*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )
 
@@ -131,7 +145,7 @@ class _Reader:
             inertia=inertial @ np.diag(model.body_inertia[b]) @ inertial.T,
             joints=[self.joint(j) for j in joints if model.body_jntnum[b] > 0],
             frames=[(model.site(s).name or f"site {s}", np.array(model.site_pos[s])) for s in sites],
-            shapes=[] if self.carried is not None else self.contacts.shapes(b),
+            shapes=self.contacts.shapes(b),
             borne=float(model.body_gravcomp[b]) if passive else 0.0,
         )
 
@@ -188,9 +202,8 @@ class _Reader:
         return self.drives.driven(one, j, zero)
 
     def _tell_soft(self, joint: str, what: str, where: str) -> None:
-        if self.carried is None:
-            text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
-            self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
+        text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
+        self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
         """Yield a difference that counts the elements that only measure or show, if there are any."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +11,13 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
+POINT = re.compile(r"point\[\d+\]")  # ``point_name`` of any point
 BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << BITS) + second
+
+
+def point_name(number: int) -> str:
+    """Return the name of the shape of a point in files of this package."""
+    return f"point[{number}]"
 
 
 class Contacts:
@@ -19,12 +26,13 @@ class Contacts:
     ``differences`` tells which contacts no scene has, or only in another form.
     """
 
-    def __init__(self, mujoco: Any, model: Any, stand_ins: set[str]) -> None:
+    def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
         """Find the shapes of a model.
 
         ``stand_ins`` are the names of meshes that replace missing files; their corners mean nothing.
+        ``ours``: whether this package wrote the file.
         """
-        self.mujoco, self.model = mujoco, model
+        self.mujoco, self.model, self.ours = mujoco, model, ours
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
         self.works = not flags & (bits.mjDSBL_CONTACT | bits.mjDSBL_CONSTRAINT)
@@ -79,12 +87,8 @@ class Contacts:
         friction = friction if self.friction is None else self.friction
         return friction if rubs else 0.0
 
-    def planes(self, ours: bool) -> Iterator[Plane]:
-        """Yield the planes that do not move.
-
-        ``ours``: whether this package wrote the file. Then the friction of each plane is read from the data
-        of this package in the file, not from MuJoCo's friction.
-        """
+    def planes(self) -> Iterator[Plane]:
+        """Yield the planes that do not move."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -97,15 +101,14 @@ class Contacts:
                 name=model.geom(g).name or f"{g}",
                 point=np.array(data.geom_xpos[g]),
                 normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
-                touching=None if ours else touching,
+                touching=touching,
             )
 
     def shapes(self, b: int) -> list[LinkShape]:
         """Return the shapes of body ``b``, except planes that become walls."""
         model = self.model
-        return [
-            self._shape(g) for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g)
-        ]
+        geoms = (g for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g))
+        return [self._shape(g) for g in geoms]
 
     def _shape(self, g: int) -> LinkShape:
         model, kinds = self.model, self.mujoco.mjtGeom
@@ -122,11 +125,16 @@ class Contacts:
         else:  # for an ellipsoid the box that encloses it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
+        walls = list(filter(self._is_wall, self.still))
+        # without walls, a point touches nothing, but is a point
+        is_point = self.ours and bool(POINT.fullmatch(name))
+        alone = is_point and not walls and self.works
         return LinkShape(
             kind=word,
-            touches=any(self._touch(g, other) for other in range(model.ngeom) if other != g),
+            touches=alone or any(self._touch(g, other) for other in range(model.ngeom) if other != g),
             name=identifier(name, "geom") if name else "",
-            walls=any(self._touch(g, wall) for wall in self.still if self._is_wall(wall)),
+            walls=any(self._touch(g, wall) for wall in walls),
+            is_point=is_point,
             corners=corners @ axes.T + model.geom_pos[g],
             radius=radius,
             disc=None if disc is None else axes @ disc,

@@ -51,15 +51,9 @@ class Drive:
 class Drives:
     """The actuators of a model; ``differences`` collects what of them a scene has not, or in another form."""
 
-    def __init__(
-        self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray, ours: bool
-    ) -> None:
-        """Find the actuators of a model, with the controls and activations at the start.
-
-        ``ours``: whether this package wrote the file.
-        """
+    def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
+        """Find the actuators of a model, with the controls and activations at the start."""
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
-        self.ours = ours
         self.differences: list[Difference] = []
         self.at: dict[int, list[int]] = {}
         self.works = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
@@ -219,7 +213,7 @@ class Drives:
         inputs = {"joint_targets" if drive.is_servo else "joint_torques" for drive in drives}
         self.differences += self._drive_differences(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
-        if limit is not None and not self.ours:
+        if limit is not None:
             self._tell_limit(joint, limit)
         if servo and joint.stiffness > 0.0:
             self._tell_joint(

@@ -26,8 +26,6 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# the largest difference of two numbers of a scene, absolute or relative, that counts as round-off
-SAME = 1e-13
 # number of digits of numbers in a scene; robot files have fewer digits, so further digits are round-off
 DIGITS = 14
 
@@ -107,32 +105,27 @@ class _Conversion:
             links.append({"length": length, **self._mass(self.parts[i], hinge, arm / length)})
         angles, speeds = self._state(links, directions)
         base, start = self._base(places[0], gravity)
-        links[0] |= self.robot.first_link if self.chosen.base == "free" else {}
         began = start["position"], angles
         walls, points, differences = Walls(
             self.robot, self.chosen, self.plan, self.parts, places=places, start=began
         ).converted()
-        bodies = self.robot.link_tables or [{"points": tables} if tables else {} for tables in points]
+        bodies = ({"points": tables} if tables else {} for tables in points)
         links = [link | body for link, body in zip(links, bodies, strict=True)]
         data = {
             "name": self.robot.name,
-            **{key: value for key, value in self.robot.tables.items() if not isinstance(value, dict)},
             "gravity": gravity,
             "chain": {"base": self.chosen.base, **base, "links": links},
             **walls,
             **self._inputs(),
             "initial": {"angles": angles, "angular_velocities": speeds, **start},
         }
-        data = _as_written(data, self.robot.numbers) if self.robot.tables else _rounded(data)
-        for key, table in self.robot.tables.items():
-            if isinstance(table, dict):
-                data[key] = {**data.get(key, {}), **table}
         if self.held:
             self.notes.append(line("joint", sorted(self.held), "held at the start"))
         relevant = [found for found in self.robot.differences if found.matters(self.held, self.link_of)]
+        relevant = [found for found in relevant if not (found.differs and found.joints & self._unheld())]
         relevant += [*self.differences, *differences]
         remarks = [lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
-        return Converted(data, remarks[0], remarks[1], remarks[2], self.notes)
+        return Converted(_rounded(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return the table of the inputs that the drives need; a free base has no joint 1."""
@@ -141,6 +134,11 @@ class _Conversion:
         for name in self.slides[0].joint.inputs if slides else ():
             inputs.add("slider_force" if name == "joint_torques" else name)
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
+
+    def _unheld(self) -> set[str]:
+        """Return the names of the joints that move a free base: the scene has no form of them."""
+        free = self.chosen.base == "free"
+        return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
     def _carriage(self) -> list[int]:
         """Return the bodies that slide with the base and belong to no link."""
@@ -359,17 +357,6 @@ class _Conversion:
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{name: value for key, value in values.items() if (name := JOINT_KEYS[key].slider)},
         }
-
-
-def _as_written(data: Any, written: Any) -> Any:
-    """Return ``data``, with the number of ``written`` where the two numbers differ by round-off only."""
-    if isinstance(data, dict) and isinstance(written, dict):
-        return {key: _as_written(value, written.get(key)) for key, value in data.items()}
-    if isinstance(data, list) and isinstance(written, list) and len(data) == len(written):
-        return [_as_written(*pair) for pair in zip(data, written, strict=True)]
-    if isinstance(data, float) and isinstance(written, float):
-        return written if math.isclose(data, written, rel_tol=SAME, abs_tol=SAME) else data
-    return data
 
 
 def _rounded(data: Any) -> Any:

@@ -31,12 +31,14 @@ class Ball(NamedTuple):
         name: name of its shape.
         blur: distance [m] within which places count as equal, because directions that differ by ``PARALLEL``
             count as parallel.
+        is_point: whether it is a point, also if others lie further out.
     """
 
     at: np.ndarray
     radius: float
     name: str
     blur: float = ZERO_LENGTH
+    is_point: bool = False
 
 
 def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
@@ -60,7 +62,23 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
             edge = np.outer(np.cos(rim), across) + np.outer(np.sin(rim), aside)
             centers = (centers[:, np.newaxis] + edge).reshape(-1, 2)
     for at in centers:
-        yield Ball(at, radius, shape.name, blur)
+        yield Ball(at, radius, shape.name, blur, shape.is_point)
+
+
+def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
+    """Return how far a shape reaches in each direction [m]; None if balls replace it exactly.
+
+    A disc whose axis has the angle γ to a direction reaches radius · sin γ from its centre in this direction.
+    """
+    if shape.disc is None:
+        return None
+    rotation, position = pose
+    along, size = plan.flat(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
+    if not PARALLEL < float(np.linalg.norm(along)) / size < math.sqrt(1.0 - PARALLEL**2):
+        return None
+    centers = plan.flat(position + shape.corners @ rotation.T)
+    beside = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ along) ** 2, 0.0))
+    return np.asarray((DIRECTIONS @ centers.T).max(axis=1) + beside + shape.radius)
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
@@ -79,7 +97,7 @@ def outermost(balls: Sequence[Ball]) -> list[Ball]:
         return []
     far = reach(balls)
     first = far >= far.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
-    needed = np.zeros(len(balls), bool)
+    needed = np.array([ball.is_point for ball in balls])
     for row in first[np.argsort(first.sum(axis=1), kind="stable")]:
         if not needed[row].any():
             needed[row.argmax()] = True
@@ -103,8 +121,11 @@ def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) ->
     for i in range(1, len(kept)):
         joint = places[i]
         for this, other in ((i, i - 1), (i - 1, i)):
+            around = kept[other]
             kept[this] = [
-                ball for ball in kept[this] if not any(is_within(ball, by, joint) for by in kept[other])
+                ball
+                for ball in kept[this]
+                if ball.is_point or not any(is_within(ball, by, joint) for by in around)
             ]
     return kept
 

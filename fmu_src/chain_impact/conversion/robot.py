@@ -118,6 +118,7 @@ class LinkShape:
         touches: whether the shape can touch anything.
         name: a name of letters, digits and _, or empty.
         walls: whether the shape can touch a plane that does not move.
+        is_point: whether the shape is a point of a scene, also if other points lie further out.
         corners: points of the body [m], shape (n, 3); the shape is the convex hull of balls around these
             points.
         radius: radius of the balls [m].
@@ -129,6 +130,7 @@ class LinkShape:
     touches: bool
     name: str = ""
     walls: bool = False
+    is_point: bool = False
     corners: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     radius: float = 0.0
     disc: np.ndarray | None = None
@@ -213,12 +215,7 @@ class Robot:
         bodies: the bodies.
         gravity: [m/s²].
         planes: the planes that do not move.
-        tables: tables of a scene that the file contains.
-        first_link: values for the joint of link 1 in a scene with a free base. They have no effect, but the
-            converted scene keeps them.
-        link_tables: points and shape of each link that the file contains, in the form of a scene file.
-        numbers: the data of the scene from which this package wrote the file. If a converted number differs
-            from its number here by round-off only, the number here is used.
+        carried: the data of the scene from which this package wrote the file; None for other files.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene has, or only in another form.
     """
@@ -227,9 +224,6 @@ class Robot:
     bodies: Sequence[Body]
     gravity: np.ndarray
     planes: Sequence[Plane] = ()
-    tables: dict[str, Any] = field(default_factory=dict)
-    first_link: dict[str, float] = field(default_factory=dict)
-    link_tables: Sequence[dict[str, Any]] = ()
-    numbers: dict[str, Any] = field(default_factory=dict)
+    carried: dict[str, Any] | None = None
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

@@ -6,22 +6,18 @@ import json
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.conversion.mjcf import CARRIED, UNLIMITED
+from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.recording.text import few
 from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
 
-WRITTEN = ("name", "gravity", "chain", "box", "walls", "initial")
-"""The parts of a scene that elements of MJCF can hold."""
 HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upward in MuJoCo's pictures
 LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
-# keys of a link for its outline and points, which elements of MJCF cannot hold
-BODY = ("shape", "height", "points")
 # radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
 LEAST_RADIUS = 1e-4
 LARGEST_STEP = 2e-3  # [s] MuJoCo's default time step; with larger steps MuJoCo would be too inaccurate
@@ -39,15 +35,8 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
         timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
     )
     free, links = scene.chain.base == "free", scene.chain.links
-    whole = scene_to_dict(scene)
-    tables = {key: table for key, table in whole.items() if key not in WRITTEN}
-    carried = {
-        "tables": tables,
-        "first_link": _of_the_joint(links[0]) if free else {},
-        "bodies": [{key: link[key] for key in BODY if key in link} for link in whole["chain"]["links"]],
-        "numbers": {key: whole[key] for key in WRITTEN[1:]},
-    }
-    for table, link in zip(whole["chain"]["links"], links, strict=True):
+    carried = scene_to_dict(scene)
+    for table, link in zip(carried["chain"]["links"], links, strict=True):
         table |= {"center_of_mass": link.center_of_mass, "inertia": link.inertia}
     SubElement(SubElement(root, "custom"), "text", name=CARRIED, data=json.dumps(carried))
     world = SubElement(root, "worldbody")
@@ -136,7 +125,7 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
-    SubElement(body, "geom", ball, name=f"point[{number}]")
+    SubElement(body, "geom", ball, name=point_name(number))
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
@@ -167,11 +156,6 @@ def _attributes(
             -UNLIMITED if low is None else low, UNLIMITED if high is None else high
         )
     return attributes | ({"actuatorfrcrange": _numbers(-limit, limit)} if limit else {})
-
-
-def _of_the_joint(link: Link) -> dict[str, Any]:
-    """Return the keys of link 1 for its joint, which does not exist because the base is free."""
-    return {key.link: value for key in JOINT_KEYS.values() if (value := getattr(link, key.link))}
 
 
 def _add_start(root: Element, scene: Scene) -> None:
@@ -217,7 +201,8 @@ def _left_out(scene: Scene) -> Iterator[str]:
     if scene.half_planes and _radii(scene):
         law = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
         yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
-        if scene.has_contact_friction:
+        walls = scene.contact.wall.values()
+        if any([scene.contact.static_friction, *(wall.static_friction for wall in walls)]):
             yield "static_friction: MuJoCo has one coefficient"
     for name, limit in _limits(scene):
         if limit == 0.0:

@@ -22,6 +22,7 @@ from chain_impact.conversion.points import (
     once_at_joints,
     outermost,
     reach,
+    reach_of_oblique,
     tables_of,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
@@ -244,19 +245,21 @@ class Walls:
                 )
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
-        """Report how far the shapes of a link reach beyond its points or ends, which touch walls."""
+        """Report how far the shapes of a link reach beyond its points or ends, which touch walls.
+
+        Points on the rim of an oblique cylinder lie inside its outline between them.
+        """
         ends = self.places[i : i + 2]
         touching = balls or [Ball(end, 0.0, "") for end in ends]
-        others = [
-            ball
-            for b in self.parts[i]
-            for shape in self.robot.bodies[b].shapes
-            if shape.touches and not self._is_point(shape)
-            for ball in balls_of(shape, self.chosen.poses[b], self.plan)
-        ]
-        if not others:
-            return
-        beyond = float((reach(others).max(axis=1) - reach(touching).max(axis=1)).max())
+        others = []
+        for b in self.parts[i]:
+            for shape in self.robot.bodies[b].shapes:
+                where = shape, self.chosen.poses[b], self.plan
+                if shape.touches and not self._is_point(shape):
+                    others += [reach(balls).max(axis=1)] if (balls := list(balls_of(*where))) else []
+                elif shape.touches and (far := reach_of_oblique(*where)) is not None:
+                    others.append(far)
+        beyond = max((float((far - reach(touching).max(axis=1)).max()) for far in others), default=0.0)
         if beyond > ZERO_LENGTH:
             length = float(np.linalg.norm(ends[1] - ends[0]))
             name, what = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"

@@ -1,0 +1,219 @@
+"""The scene in a file of this package, completed by the elements of the file.
+
+Two conversions are compared: of the elements in the file, and of those that the scene gives. Where they are
+the same, the scene holds, because it is exact and has what MJCF cannot hold. Elsewhere a user has changed
+the file, or has chosen other axes or joints; there the elements in the file hold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from chain_impact.conversion.differences import LINE_NAMES
+from chain_impact.conversion.mjcf import read_mjcf_text
+from chain_impact.conversion.mjcf_contacts import point_name
+from chain_impact.conversion.planar import Choices, Converted, planar_chain
+from chain_impact.conversion.robot import identifier
+from chain_impact.conversion.to_mjcf import mjcf_of
+from chain_impact.recording.text import few
+from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
+
+# the largest difference of two numbers, absolute or relative, that counts as round-off
+SAME = 1e-12
+ABSENT: Any = object()
+"""The mark of a value that does not exist."""
+BODY = ("shape", "height", "points")
+"""The keys of a link for its outline and points."""
+
+
+def with_carried(found: Converted, carried: Mapping[str, Any], choices: Choices, source: str) -> Converted:
+    """Return the conversion of a file of this package, completed by the scene in the file.
+
+    Args:
+        found: the conversion of the file's elements.
+        carried: the data of the scene.
+        choices: the choices for the conversion.
+        source: the file's name for messages.
+
+    Raises:
+        SceneError: when the data are not a scene.
+    """
+    scene = scene_from_dict({**carried, "name": identifier(found.data["name"], "model")}, source)
+    written = planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source)
+    merger = _Merger(scene, written.data, found.data, choices)
+    data = merger.data()
+    warnings, differs, left_out, notes = (
+        [remark for remark in remarks if remark not in known]
+        for remarks, known in zip(found[1:], written[1:], strict=True)
+    )
+    if merger.changed:
+        text = few(list(dict.fromkeys(merger.changed)), LINE_NAMES)
+        notes.append(f"the file's elements differ from the scene in the file, and hold: {text}")
+    if merger.lost:
+        text = f"{', '.join(merger.lost)} of the scene in the file: its axes or joints are others"
+        warnings.append(text)
+    return Converted(data, warnings, differs, left_out, notes)
+
+
+class _Merger:
+    """A merger of a scene with two conversions: of the elements that it gives, and of those in the file.
+
+    Attributes:
+        alike: whether both conversions have the same base and as many links.
+        changed: the keys whose values are those of the file's elements.
+        lost: the tables of the scene that are left out.
+    """
+
+    def __init__(
+        self, scene: Scene, written: Mapping[str, Any], found: Mapping[str, Any], choices: Choices
+    ) -> None:
+        self.scene, self.written, self.found = scene, written, found
+        self.changed: list[str] = []
+        self.lost: list[str] = []
+        one, other = written["chain"], found["chain"]
+        self.alike = one["base"] == other["base"] and len(one["links"]) == len(other["links"])
+        chosen = bool(choices.joints or choices.plane or choices.tip)
+        angles = (data["initial"]["angles"] for data in (written, found))
+        self.turned = not self.alike or (chosen and not _same(*angles))
+        count = len(scene.chain.links) + len(scene.chain.sites)
+        self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
+
+    def data(self) -> dict[str, Any]:
+        """Return the data of the merged scene."""
+        ours = scene_to_dict(self.scene)
+        data: dict[str, Any] = self._merged("", *map(_mergeable, (ours, self.written, self.found)))
+        if self.found["chain"]["base"] != "slider":
+            data["chain"].pop("slider", None)
+        data["walls"] = list(data["walls"].values())
+        data["contact"] = self._contact(ours["contact"])
+        data["chain"]["links"], touching = self._links(ours["chain"]["links"])
+        if touching is not None:
+            data["contact"]["points"] = touching
+        if self.turned and data.pop("signals", None):
+            self.lost.append("signals")
+        if not self.alike and data["outputs"].pop("sensitivities", None):
+            self.lost.append("outputs.sensitivities")
+        return data
+
+    def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
+        """Return the value of the scene if the two conversions have the same value, else the one in the file.
+
+        Tables, and lists of equal length, are merged entry by entry.
+        """
+        if isinstance(found, dict) or isinstance(written, dict):
+            tables = [table if isinstance(table, dict) else {} for table in (ours, written, found)]
+            values = {
+                name: self._merged(f"{key}.{name}".strip("."), *(table.get(name, ABSENT) for table in tables))
+                for name in dict.fromkeys(name for table in tables for name in table)
+            }
+            return {name: value for name, value in values.items() if value is not ABSENT}
+        lists = [value for value in (ours, written, found) if isinstance(value, list)]
+        if len({len(value) for value in lists}) == 1 and len(lists) == 3:  # noqa: PLR2004
+            numbered = isinstance(next(iter(found), None), dict)
+            keys = [f"{key}[{n}]" if numbered else key for n in range(1, len(found) + 1)]
+            return [self._merged(*parts) for parts in zip(keys, *lists, strict=True)]
+        if _same(written, found):
+            return ours
+        self.changed.append(key)
+        return found
+
+    def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
+        """Return the table of contacts without points; planes with another friction have it as a material."""
+        before, now = _frictions(self.written), _frictions(self.found)
+        removed = before.keys() - now.keys()
+        walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}
+        for name, friction in now.items():
+            if not _same(before.get(name), friction):
+                self.changed.append(f"contact.wall.{name}.friction")
+                walls.setdefault(name, {})["friction"] = friction
+                if "static_friction" in walls[name]:  # MJCF has one coefficient
+                    walls[name]["static_friction"] = friction
+        return {**ours, "wall": walls}
+
+    def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
+        """Return the tables of the links, and the ends that touch; None for those of the scene."""
+        written, found = (data["chain"]["links"] for data in (self.written, self.found))
+        points = [link.get("points", []) for link in found]
+        if self.alike:
+            bare = [[_without(link, BODY) for link in tables] for tables in (ours, written, found)]
+            links: list[dict[str, Any]] = self._merged("link", *bare)
+            same = [
+                _same([one["length"], one.get("points", [])], [other["length"], of])
+                for one, other, of in zip(written, found, points, strict=True)
+            ]
+        else:
+            self.changed.append("chain.links")
+            links, same = [_without(link, BODY) for link in found], [False] * len(found)
+        touching = set[int]()
+        for i, (link, tables) in enumerate(zip(links, points, strict=True)):
+            own, ends = self._points(i, tables, link["length"])
+            touching |= ends
+            if same[i]:
+                link |= {key: ours[i][key] for key in BODY if key in ours[i]}
+            elif own or self.alike:
+                link |= {"points": own}
+                self.changed.append(f"link[{i + 1}].points")
+        return links, None if all(same) else sorted(touching)
+
+    def _points(
+        self, i: int, tables: Sequence[dict[str, Any]], length: float
+    ) -> tuple[list[dict[str, Any]], set[int]]:
+        """Return the points of link ``i``, and which of its ends touch."""
+        points, ends = list[dict[str, Any]](), set[int]()
+        first = len(self.scene.chain.links) + 1
+        before = {
+            self.numbers.get(table.get("name", ""), -1): table
+            for link in self.written["chain"]["links"]
+            for table in link.get("points", [])
+        }
+        for table in tables:
+            number = self.numbers.get(table.get("name", ""), -1)
+            if number not in before:
+                points.append(table)
+                continue
+            known = before[number]
+            place = [table["x"], table["y"]]
+            at_end = [i + end for end in (0, 1) if _same(place, [end * length, 0.0])]
+            if number < first and at_end and _same(table["radius"], known["radius"]):
+                ends |= {*at_end}
+            elif number < first:
+                points.append(table | {"name": f"point_{number}"})
+            else:
+                points.append(self._kept(table, known, number - first))
+        return points, ends
+
+    def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
+        """Return the table of a point of the scene; numbers that are the same are those of the scene."""
+        site = self.scene.chain.sites[index][1]
+        kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _same(table[key], known[key])}
+        return {**table, **kept, "name": site.name}
+
+
+def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of a scene without links and contacts, with its walls as tables by name."""
+    walls = {wall["name"]: wall for wall in data.get("walls", [])}
+    return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}
+
+
+def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
+    """Return the friction of each wall of a conversion."""
+    names = [*data.get("box", {}), *(wall["name"] for wall in data.get("walls", []))]
+    materials = data.get("contact", {}).get("wall", {})
+    return {name: materials.get(name, {}).get("friction", 0.0) for name in names}
+
+
+def _without(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if key not in keys}
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Return whether two values are the same, except for round-off of numbers."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return math.isclose(one, other, rel_tol=SAME, abs_tol=SAME)
+    return bool(one == other)
