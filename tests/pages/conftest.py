@@ -24,6 +24,7 @@ RECORDING = (
     "drawing/label_positions.js",
     "drawing/trace.js",
     "charts/curve_charts.js",
+    "charts/energy_zero.js",
     "base/similar_names.js",
     "base/ticks.js",
     "explore/edited_scene.js",

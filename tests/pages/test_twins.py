@@ -9,6 +9,7 @@ libraries round sines differently.
 # Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
 # Tests: pages/browser/recording/free_region.js, pages/browser/recording/frames.js
+# Tests: pages/browser/charts/energy_zero.js
 # Tests: pages/browser/solver/bodies.js, pages/browser/scene/angles.js
 
 import re
@@ -26,7 +27,7 @@ from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.film_figure import CHAIN, FORCE, MUTED, TIP
-from chain_impact.pictures.over_time import ENERGIES
+from chain_impact.pictures.over_time import ENERGIES, without_gap
 from chain_impact.pictures.style import LOAD
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
@@ -228,6 +229,18 @@ def test_the_lengths_of_arrows(script):
     assert found == [least] * 4
     large = script.evaluate(ARROWS.replace("1, 1", "1000, 2000"), [3e3, forces])
     close(large, 1000.0 * np.array(known))
+
+
+@pytest.mark.parametrize("height", [-1e5, -20.0, -4.661, -0.03, 0.0, 0.7, 60.0])
+def test_the_zero_of_the_potential_energy(script, height):
+    wave = np.linspace(0.0, 1.0, 20)
+    energies = {"kinetic": wave, "potential": height - wave, "total": height + 0.0 * wave}
+    shifted, offset = without_gap(energies)
+    given = {name: values.tolist() for name, values in energies.items()}
+    assert script.evaluate("energyOffset", given) == pytest.approx(offset, rel=1e-12)
+    moved = script.evaluate("(energies) => movedBy(energies, energyOffset(energies))", given)
+    for name, values in shifted.items():
+        assert moved[name] == pytest.approx(values.tolist(), abs=1e-9 * (1.0 + abs(height)))
 
 
 def test_words_of_rates_units_and_angles(script):

@@ -2,6 +2,7 @@
 
 import { ticksOf, withMinus } from "../base/format.js";
 import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf } from "./chart.js";
+import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
 
@@ -93,24 +94,31 @@ export class TimeChart extends Chart {
   }
 }
 
-/** The chart of all energies over the whole time. */
+/** The chart of all energies over the whole time; the zero of the potential energy is moved if it is far from the others. */
 export class EnergyChart extends TimeChart {
   soft = true;
+  energies = {}; // name → values, as they are drawn
+  offset = 0; // [J] what is added to the potential and the total energy
 
   constructor(element, energies, seek) {
     super(element, 180, energies, seek);
   }
 
   get comparedCurves() {
-    return this.compared.map(({ recording: { time, energies }, ...line }) => ({ points: [time, energies.total ?? []], ...line }));
+    return this.compared.map(({ recording: { time, energies }, ...line }) =>
+      ({ points: [time, movedBy(energies, this.offset).total ?? []], ...line }));
   }
 
   show(recording) {
     const names = Object.keys(recording.energies);
-    const data = [recording.time, ...Object.values(recording.energies)];
+    const { offset: before } = this;
+    this.offset = energyOffset(recording.energies);
+    this.energies = movedBy(recording.energies, this.offset);
+    const data = [recording.time, ...Object.values(this.energies)];
     this.recording = recording;
-    if (names.join() !== this.names.join()) this.makeCurves(names.map((name) => ({ name, stroke: name })), data);
-    else this.plot.setData(data);
+    const isSame = names.join() === this.names.join() && this.offset === before;
+    if (isSame) this.plot.setData(data);
+    else this.makeCurves(names.map((name) => ({ name, words: energyText(name, this.offset), stroke: name })), data);
     this.written = writerOf(data.slice(1));
     this.legend?.parentElement.remove();
     const letters = this.compared.map(({ letter }) => letter).join(", ");
@@ -125,7 +133,7 @@ export class EnergyChart extends TimeChart {
   draw(frame) {
     this.mark(this.recording.timeAt(frame));
     this.values.forEach(([name, value]) => {
-      value.textContent = this.written(this.recording.between(this.recording.energies[name], frame));
+      value.textContent = this.written(this.recording.between(this.energies[name], frame));
     });
   }
 }

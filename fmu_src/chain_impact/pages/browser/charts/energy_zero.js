@@ -1,0 +1,45 @@
+// The zero of the potential energy in a chart, as `over_time.py` chooses it for pictures.
+
+import { digits } from "../base/format.js";
+
+// the zero is moved if the range of all energies then is smaller than this, relative to the range with the usual zero
+const CLOSER = 0.8;
+const MOVED = ["potential", "total"];
+
+/**
+ * Return what is added to the potential and the total energy [J], so that no gap between their curves and the others takes much of
+ * the axis: two digits, or 0 without a large gap. `energies`: name → values.
+ */
+export function energyOffset(energies) {
+  const least = endsOf(energies.potential ?? [0])[0];
+  if (least === 0 || !Number.isFinite(least)) return 0;
+  const step = 10 ** (Math.floor(Math.log10(Math.abs(least))) - 1);
+  const offset = Math.ceil(Number((-least / step).toFixed(6))) * step;
+  return energyRange(movedBy(energies, offset)) < CLOSER * energyRange(energies) ? offset : 0;
+}
+
+/** Return energies, name → values, with an offset [J] of the potential and the total energy. */
+export function movedBy(energies, offset) {
+  return Object.fromEntries(Object.entries(energies).map(([name, values]) =>
+    [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));
+}
+
+/** Return the name of an energy with its offset [J], such as "total + 22 J". */
+export function energyText(name, offset) {
+  return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
+}
+
+function endsOf(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  return [low, high];
+}
+
+/** Return the range of all energies and 0 [J]. */
+function energyRange(energies) {
+  const ends = [0, ...Object.values(energies).flatMap(endsOf)];
+  return Math.max(...ends) - Math.min(...ends);
+}
