@@ -21,7 +21,7 @@ from benchmarks import common
 from benchmarks.certificate import NO_EVENT, UNDECIDED, certify
 from benchmarks.step_equations import Step
 from chain_impact import load_scene
-from chain_impact.kernel.forces.candidate_laws import HARMLESS, USER_LAW
+from chain_impact.kernel.forces.candidate_laws import HARMLESS_DEPTH, USER_LAW
 from chain_impact.kernel.status import OK
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import Scene
@@ -122,7 +122,7 @@ def look(d: Any, count: Counter[str]) -> None:
         count["faults"] += verdict == NO_EVENT and c in step.marked
     open_ones = [c for c, one in enumerate(verdicts) if one != NO_EVENT and c not in step.marked]
     for c, depth in zip(open_ones, least(step, open_ones) if open_ones else [], strict=True):
-        count["faults"] += int(depth < -(HIDDEN if verdicts[c] == UNDECIDED else HARMLESS * step.lever))
+        count["faults"] += int(depth < -(HIDDEN if verdicts[c] == UNDECIDED else HARMLESS_DEPTH * step.lever))
         count["undecided, without a solution"] += int(np.isnan(depth))
     if UNDECIDED in verdicts or isinstance(found, str):
         count[f"undecided: {found if isinstance(found, str) else 'a candidate too near'}"] += 1

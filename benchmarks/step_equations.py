@@ -34,7 +34,7 @@ class Step:
         """Copy the needed data from the record."""
         step, touch, model, own = d["step"], d["touch"], d["model"], d["inputs"]
         self.links, self.pinned = int(d["links"]), bool(model["has_base_joint"])
-        self.size, self.kept = float(step["size"]), float(step["kept"])
+        self.size, self.kept = float(step["size"]), float(step["end_fraction"])
         self.regularized, self.lever = int(step["regularized"]), float(model["longest_link"])
         free = range(2 * self.pinned, self.links + 2)
         variables = [*free, *(self.links + 2 + j for j in free)]

@@ -41,10 +41,6 @@ def asked(line, folder):
         ),
         ("chain-impact simulate pinned_arm --rank joint_f", ["joint_force"]),
         ("chain-impact sweep --vary contact.rad", ["contact.radius="]),
-        ("chain-impact simulate --style dark_b", ["dark_background"]),
-        ("chain-impact build --platform linux64,w", ["linux64,win64"]),
-        ("chain-impact sweep pinned_arm --panels energy.total,peak_f", ["energy.total,peak_force"]),
-        ("chain-impact fit pinned_arm --columns energy.total,point[2].vx", [r"energy.total,point\[2\].vx"]),
         ("chain-impact simulate nowhere.toml --set contact.re", []),
     ],
 )

@@ -17,7 +17,6 @@ STRANGE_TABLES = {
     "time,joint[2].torque\n0,1\n0.1,much": "line 3: joint[2].torque = 'much' must be a finite number\n",
     "time,joint[2].torque\n0,1\n599,2": "time lasts 599 s, and the run 0.6 s: is it in seconds?",
     "time,slider.force\n0,1": 'only a chain with chain.base = "slider" has it',
-    "time,joint[2].torque,status\n0,1,ok": "column status is not an input of Arm",
     "time,wall.roof.belt_speed\n0,1": "there is no wall roof",
 }
 

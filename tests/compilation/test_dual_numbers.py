@@ -12,7 +12,7 @@ from numba import cfunc, float64, njit, types
 from chain_impact.compilation import functions  # noqa: F401 - lets numba compile the kernel's functions
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
-from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, dual_dtype, value, varies
+from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_dtype, dual_with_slope, has_slope, value
 from tests.tiers import needs_compilers
 
 pytestmark = needs_compilers
@@ -152,13 +152,13 @@ def test_a_branch_may_give_a_plain_number():
 
 def test_a_dual_number_answers_the_questions_of_the_kernel():
     assert of_duals(lambda x, y: value(x) * value(y), result=float64)[0] == AT[0] * AT[1]
-    found = of_duals(lambda x, y: carried(5.0, 3.0, x))
+    found = of_duals(lambda x, y: dual_with_slope(5.0, 3.0, x))
     assert np.array_equal(found, [5.0, *(3.0 * SLOPES[0])])
 
 
 def test_whether_a_number_varies():
     def vary(x, y):
-        return 1.0 * varies(x) + 2.0 * varies(y)
+        return 1.0 * has_slope(x) + 2.0 * has_slope(y)
 
     for direction in range(DIRECTIONS):
         slopes = np.zeros((2, DIRECTIONS))

@@ -62,7 +62,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     scratch.rate_start[:], scratch.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
     step.start, step.clock, step.time = start, start, start
     step.end = start + step.state_end[time_at(d.links)]
-    step.size, step.kept, step.regularized = size, 1.0, regularized
+    step.size, step.end_fraction, step.regularized = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
     step.dense_for, step.rate_known, scratch.at_end = SOLVER, 1, 1
     step.breaks += 1

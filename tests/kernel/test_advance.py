@@ -13,7 +13,7 @@ from chain_impact.kernel.ode import last_step
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
     IMPLICIT,
-    conclude,
+    set_outcome,
 )
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
@@ -35,7 +35,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     d = started()
     assert advance(d, 0.1) == OK
     reached, state = float(d["step"]["end"]), d["step"]["state_end"].copy()
-    monkeypatch.setattr(loop, "attempt", lambda d, _h: conclude(d, error, 1.0))
+    monkeypatch.setattr(loop, "attempt", lambda d, _h: set_outcome(d, error, 1.0))
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
     # the run stands at the last accepted time
@@ -184,9 +184,9 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
     monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
     for name in ("commit_quadratures", "reset_quadratures"):
         monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
-    monkeypatch.setattr(last_step, "keep_end_rates", lambda _: done.append("keep_end_rates"))
+    monkeypatch.setattr(last_step, "store_end_rates", lambda _: done.append("store_end_rates"))
     loop.apply_pending_events(d)
-    kept = ["keep_end_rates"] if changed else []
+    kept = ["store_end_rates"] if changed else []
     assert done == (["commit_quadratures", "apply", "reset_quadratures", *kept] if events else [])
 
 

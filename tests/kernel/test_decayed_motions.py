@@ -38,11 +38,11 @@ def test_an_explicit_step_with_a_faded_error_is_accepted(size, other):
     _, d = chain(np.random.default_rng(0), 3)
     d.scratch.stage[:] = 0.0
     d.scratch.stage[6], d.scratch.stage[7] = size, other * size
-    error = explicit.estimate(d, 0.1)
+    error = explicit.error_estimate(d, 0.1)
     assert 0.0 <= error < 1e-80
-    control.conclude(d, error, 1.0)
+    control.set_outcome(d, error, 1.0)
     assert control.accepted(d)
-    assert finite(control.factor(d))
+    assert finite(control.next_size_factor(d))
 
 
 @small
@@ -51,7 +51,7 @@ def test_an_implicit_step_with_a_faded_error_is_accepted(monkeypatch, size, othe
     d = resting()
     monkeypatch.setattr(collocation, "largest_errors", lambda *_: (size, other))
     monkeypatch.setattr(collocation, "solve_real", lambda *_: None)
-    assert 0.0 <= collocation.estimate(d, 0.1, 1) <= size
+    assert 0.0 <= collocation.error_estimate(d, 0.1, 1) <= size
 
 
 def resting():
@@ -74,7 +74,7 @@ def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
     d.trial.state[:] = sign * size
     d.trial.state[0], d.trial.state[velocity_at(3) + 2] = 0.25, -1e-99
     d.trial.state[time_at(3)], d.trial.size = 0.1, 0.1
-    last_step.accept(d)
+    last_step.make_last_step(d)
     found = d.step.state_end
     assert (found[0], found[velocity_at(3) + 2]) == (0.25, -1e-99)
     assert np.count_nonzero(found[: dissipated_at(3)]) == 2
@@ -98,7 +98,7 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
     d = resting()
     c = 0
     d.touch.event[:] = marks.NONE
-    marks.mark(d, c, marks.ONSET)
+    marks.mark_contact_event(d, c, marks.ONSET)
     d.step.size = 1e-3
     with np.errstate(all="ignore"):
         gap, rate = np.float64(size), -np.float64(slope)

@@ -21,9 +21,9 @@ SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # calls of each hook for every instance of dual numbers: the kernel's functions, in their order
 DONE = {
-    hooks.on_observe: ["set_own_output_time", "fill_outputs", "trusted"],
-    hooks.on_observe_trial: ["return_to_kept_state", "refill_motion", "trusted"],
-    hooks.on_truncate: ["set_own_output_time", "keep_state", "update_own_to_output_time", "move_end"],
+    hooks.on_observe: ["set_own_output_time", "fill_outputs", "is_trusted"],
+    hooks.on_observe_trial: ["return_to_stored_state", "refill_motion", "is_trusted"],
+    hooks.on_truncate: ["set_own_output_time", "store_output_state", "update_own_to_output_time", "move_end"],
     hooks.indices_valid: ["within_bounds"],
     hooks.words_behind: [],
 }
@@ -66,7 +66,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     for name in {name for names in DONE.values() for name in names}:
         monkeypatch.setattr(entry, name, note(name))
     shared = []
-    monkeypatch.setattr(entry, "share_reason", lambda t, other: shared.append((id(t), id(other))))
+    monkeypatch.setattr(entry, "copy_reason", lambda t, other: shared.append((id(t), id(other))))
     answer = HOOKS[function](d)
     first, *others = map(id, tangents)
     # the first instance gets the earliest end of all, and the other instances get it from the first
@@ -110,7 +110,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, 
     d.step = SimpleNamespace(time=0.0)
     monkeypatch.setattr(entry, "set_own_output_time", lambda t, time: None)
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
-    monkeypatch.setattr(entry, "trusted", lambda t: trusted)
+    monkeypatch.setattr(entry, "is_trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)
     found = [not math.isnan(number) for number in words]
     assert found == [k % (1 + DIRECTIONS) in {0, *(1 + one for one in kept)} for k in range(len(words))]

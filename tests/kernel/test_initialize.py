@@ -19,7 +19,7 @@ from chain_impact.kernel.initialize import (
     set_initial_state,
 )
 from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, size_in_flight
-from chain_impact.kernel.ode.methods import stable
+from chain_impact.kernel.ode.methods import stable_size
 from chain_impact.kernel.record.contacts import LATEST
 from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (
@@ -109,7 +109,7 @@ LEFT |= dict.fromkeys([("impact", "last_time"), ("limits", "event_start"), ("lim
 
 def test_a_start_clears_everything_of_an_earlier_run():
     _, d = prepared()
-    d.latest.kept = 4
+    d.latest.requested = 4
     d.scratch.load.joint[:] = 9.0
     for record, field in LEFT:
         d.numpy_record[record][field] = 5
@@ -117,7 +117,7 @@ def test_a_start_clears_everything_of_an_earlier_run():
     for (record, field), value in LEFT.items():
         assert np.all(d.numpy_record[record][field] == value), (record, field)
     assert not d.scratch.load.joint.any()
-    assert d.latest.kept == 4
+    assert d.latest.requested == 4
     assert len(d.latest.point) == LATEST
 
 
@@ -163,8 +163,8 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     assert initialize(d, 0.0) == OK
     size = size_in_flight(d, d.step.state, d.scratch.rate_start)
     assert first_size(d) == size
-    assert stable(d, size) < 0.1 * size
-    assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable(d, size))
+    assert stable_size(d, size) < 0.1 * size
+    assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable_size(d, size))
 
 
 POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact", "minimum_impact_speed")]
@@ -268,7 +268,7 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
     assert check_parameters(d) == OK
     d.stops[name] = bad
     assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
-    d.model.has_stops = 0  # without stops the value is not used
+    d.model.has_joint_stops = 0  # without stops the value is not used
     assert check_parameters(d) == OK
 
 

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force
 from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
-from chain_impact.kernel.rows.geometry import first_stop, place_walls
+from chain_impact.kernel.rows.geometry import first_stop, set_candidate_rows
 from tests.helpers.models.reference import generalized_force, mass_matrix
 from tests.helpers.tools.differences import slope
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
@@ -93,7 +93,7 @@ def seen(request):
     return found
 
 
-def rate_of(quantity, y):
+def rate_from_resistance(quantity, y):
     """Return the rate of a quantity of the coordinates, by a central difference along the motion."""
     along = np.zeros(len(y))
     along[:HALF] = y[HALF : 2 * HALF]
@@ -102,13 +102,13 @@ def rate_of(quantity, y):
 
 def force_of(seen):
     """Return the force of the contact inside its wall, and the rate of its penetration."""
-    rate = -rate_of(lambda y: gaps_of(seen.d, y), seen.y)[IN]
+    rate = -rate_from_resistance(lambda y: gaps_of(seen.d, y), seen.y)[IN]
     return law_force(seen.d, IN, 1e-3, rate)[0], rate
 
 
 def test_positions_and_velocities_are_those_of_the_state(seen):
     out, y = seen.d.output, seen.y
-    velocities = rate_of(lambda y: points_of(seen.d, y), y)
+    velocities = rate_from_resistance(lambda y: points_of(seen.d, y), y)
     np.testing.assert_allclose(out.point_position @ [1.0, 1j], points_of(seen.d, y), rtol=0, atol=1e-12)
     np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocities, rtol=0, atol=1e-8)
     np.testing.assert_allclose(out.angle, y[2:HALF], rtol=0, atol=1e-13)
@@ -188,7 +188,7 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
 
 def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
     d = seen_at(0.3).d
-    d.latest.kept, told = 2, []
+    d.latest.requested, told = 2, []
     monkeypatch.setattr(hooks, "on_observe", lambda d: told.append(d.output.kinetic))
     d.output.kinetic = -1.0
     observe(d)
@@ -267,7 +267,7 @@ def stopped():
     y, n = motion.at(0.0), d.links
     angle, rate = y[3] - y[2], y[n + 5] - y[n + 4]
     d.drive.min[1], d.drive.max[1] = angle - 1.0, angle - 0.02
-    place_walls(d)
+    set_candidate_rows(d)
     d.candidate.offset[:low] = -1e9
     touch(d, [high])
     locate_points(d, y)

@@ -15,8 +15,8 @@ from chain_impact.kernel.ode.control import (
     SAFETY,
     SPOILED,
     accepted,
-    conclude,
     reject_step,
+    set_outcome,
 )
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
@@ -38,7 +38,7 @@ class Trials:
         monkeypatch.setattr(loop, "attempt", self.attempt)
         monkeypatch.setattr(loop, "prepare", lambda _, h: h)
         monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
-        monkeypatch.setattr(loop, "accept", self.note("accept"))
+        monkeypatch.setattr(loop, "make_last_step", self.note("accept"))
         monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
@@ -49,7 +49,7 @@ class Trials:
 
     def attempt(self, d, h):
         self.sizes.append(h)
-        conclude(d, self.errors.pop(0), 1.0)
+        set_outcome(d, self.errors.pop(0), 1.0)
 
     def run(self):
         status = loop.find_step(self.d)
@@ -146,17 +146,17 @@ class Landing:
 
         def attempt(d, h):
             self.noted.append(("try", h / SIZE))
-            conclude(d, errors.pop(0), costs.pop(0))
+            set_outcome(d, errors.pop(0), costs.pop(0))
 
         def check_energy(d, theta):
             self.noted.append(("energy", theta))
-            conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
+            set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
             if not keeps:
                 reject_step(d, SPOILED)
             return KEPT
 
         monkeypatch.setattr(loop, "attempt", attempt)
-        monkeypatch.setattr(loop, "accept", lambda _: self.noted.append("accept"))
+        monkeypatch.setattr(loop, "make_last_step", lambda _: self.noted.append("accept"))
         monkeypatch.setattr(loop, "check_energy", check_energy)
 
     def located(self, d, theta):

@@ -73,7 +73,7 @@ BOUNDS = {
     ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
-    ("latest", "kept"): (0, LATEST),
+    ("latest", "requested"): (0, LATEST),
     ("contact_log", "count"): (0, None),
     ("touch", "active_count"): (0, 16),
     ("touch", "compliant_count"): (0, 0),

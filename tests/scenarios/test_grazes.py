@@ -2,13 +2,13 @@
 
 The maximal height is known, and a run without the wall shows the error there. A penetration above that error
 must give an impact, and a distance above that error must give none. Force laws ignore penetrations below
-HARMLESS of a link length, a picometre.
+HARMLESS_DEPTH of a link length, a picometre.
 """
 
 import numpy as np
 import pytest
 
-from chain_impact.kernel.forces.candidate_laws import HARMLESS
+from chain_impact.kernel.forces.candidate_laws import HARMLESS_DEPTH
 from tests.scenarios.grazes import FAR, instance, run, set_motion
 
 pytestmark = pytest.mark.full("takes long")
@@ -32,7 +32,7 @@ def test_every_graze_is_found_and_no_other(motion):
         depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-12.0, -3.0)
         _, hits = run(rod, height - depth, 1.2 * top)
         if depth > 0.0 and law != "newton_impact":
-            error += HARMLESS * float(rod.record["model"]["length"][0])
+            error += HARMLESS_DEPTH * float(rod.record["model"]["length"][0])
         if abs(depth) > error:
             clear += 1
             assert (hits > 0) == (depth > 0.0), (case, law, depth, error)

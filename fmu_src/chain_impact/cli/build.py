@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.completers import Offer, complete, is_fmu
+from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.simulate import Canvas, report
@@ -40,14 +40,13 @@ def add(verbs: Verbs) -> None:
         default=Path("build"),
         help="folder of the FMU; default: build",
     )
-    platform = build.add_argument(
+    build.add_argument(
         "--platform",
         type=_platforms,
         default=(HOST,),
         metavar="LIST",
         help=f"comma-separated, of: {', '.join(PLATFORMS)}; or all; default: this machine",
     )
-    complete(platform, lambda _: Offer(PLATFORMS), listed=True)
     build.add_argument(
         "--target",
         choices=["pythonfmu", "native"],

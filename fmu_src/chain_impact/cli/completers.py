@@ -104,13 +104,6 @@ def laws(source: str) -> Offer:
     return Offer(load_scene(source).law_names)
 
 
-def styles(_source: str) -> Offer:
-    """Return the styles of matplotlib that ``--style`` accepts."""
-    from matplotlib import style
-
-    return Offer(style.available)
-
-
 def _of_fmu(source: str, causality: str) -> Offer:
     """Return the variables of an FMU that have the given causality, such as ``input`` or ``output``."""
     from chain_impact.fmu.importer import read_fmu

@@ -6,7 +6,7 @@ import argparse
 from itertools import chain
 from pathlib import Path
 
-from chain_impact.cli.completers import complete, differentiable, outputs
+from chain_impact.cli.completers import complete, differentiable
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -68,10 +68,9 @@ def add(verbs: Verbs) -> None:
         named = add_repeated(fit, *option)
         if "=" not in option[1]:
             complete(named, differentiable, listed=True)
-    columns = fit.add_argument(
+    fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )
-    complete(columns, outputs, listed=True)
     fit.add_argument(
         "--interpolation",
         choices=INTERPOLATIONS,

@@ -10,7 +10,7 @@ from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings, styles
+from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.models import model_names, scene_path
@@ -169,14 +169,13 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
 
 def add_style(command: argparse.ArgumentParser) -> None:
     """Add the option for the style of a picture."""
-    style = command.add_argument(
+    command.add_argument(
         "--style",
         action=Once,
         metavar="NAME",
         type=style_name,
         help="draw in a style of matplotlib, such as dark_background",
     )
-    complete(style, styles)
 
 
 def style_name(text: str) -> str:

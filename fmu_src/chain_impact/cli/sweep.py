@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from chain_impact.cli.completers import complete, outputs, parameters, rankable
+from chain_impact.cli.completers import complete, outputs, parameters
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -78,7 +78,7 @@ def add(verbs: Verbs) -> None:
     )
     add_plot(sweep, "the main results over the parameters that vary")
     what = "draw these columns or outputs: peak_force,point[4].x"
-    complete(add_repeated(sweep, "--panels", "NAMES", what), rankable, listed=True)
+    complete(add_repeated(sweep, "--panels", "NAMES", what), outputs, listed=True)
     sweep.set_defaults(run=run)
 
 

@@ -32,7 +32,7 @@ from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
     *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
-    *(functions.clear, functions.copy_row, inputs.input_field),
+    *(functions.clear_numbers, functions.copy_row, inputs.input_field),
     *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
 """The functions for which this module gives numba the code."""
@@ -179,7 +179,7 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return array_at(context, builder, types.float64, address_of(context, builder, instance, whole), [size])
 
 
-@type_callable(functions.clear)
+@type_callable(functions.clear_numbers)
 def _type_of_clear(_context: Any) -> Any:
     def typer(record: types.Type) -> types.Type | None:
         return types.none if isinstance(record, Record) else None
@@ -187,7 +187,7 @@ def _type_of_clear(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(functions.clear, Record)
+@lower_builtin(functions.clear_numbers, Record)
 def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     part = signature.args[0].field()

@@ -351,15 +351,15 @@ def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
 
 _declare(duals.value, float64)
 _lower(duals.value, lambda _context, builder, x: builder.extract_value(x, 0), Dual)
-_declare(duals.carried, DUAL)
-_lower(duals.carried, _carried, types.Float, types.Float, Dual)
+_declare(duals.dual_with_slope, DUAL)
+_lower(duals.dual_with_slope, _carried, types.Float, types.Float, Dual)
 _declare(duals.slope, float64, types.int64)
 _lower(duals.slope, _slope, Dual, types.Integer)
-_declare(duals.sloped, DUAL, None)
+_declare(duals.with_slope, DUAL, None)
 _lower(
-    duals.sloped,
+    duals.with_slope,
     lambda _c, b, x, k, one: _made(b, _parts(b, x)[0], b.insert_element(_parts(b, x)[1], one, k)),
     *(Dual, types.Integer, types.Float),
 )
-_declare(duals.varies, boolean)
-_lower(duals.varies, _varies, Dual)
+_declare(duals.has_slope, boolean)
+_lower(duals.has_slope, _varies, Dual)

@@ -46,7 +46,7 @@ _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
 # functions for which dual_numbers.py and built_in.py give numba the code
 BUILT_IN: set[Any] = {
-    *(duals.value, duals.slope, duals.sloped, duals.carried, duals.varies),
+    *(duals.value, duals.slope, duals.with_slope, duals.dual_with_slope, duals.has_slope),
     *built_in.FUNCTIONS,
 }
 

@@ -33,8 +33,8 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if is_fmi_2 else platforms[::-1]
     file = f"{identifier}{PLATFORMS[HOST].suffix if HOST else ''}"
-    places = [f"binaries/{platform}/{file}" for platform in platforms]
-    for path in places:
+    paths = [f"binaries/{platform}/{file}" for platform in platforms]
+    for path in paths:
         if path in names:
             return path, None
     if others := _folders(names):
@@ -44,7 +44,7 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
     else:
         there = "it has no folder binaries"
     said = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
-    return "", Finding(said, places[0] if places else "binaries")
+    return "", Finding(said, paths[0] if paths else "binaries")
 
 
 def _folders(names: Collection[str]) -> list[str]:

@@ -53,22 +53,22 @@ from chain_impact.kernel.ode.balance import (
     apply_next_piece,
     check_balance,
     check_energy,
-    keep_energy,
-    rebase_energy,
     reinit_balance,
+    restart_balance,
+    store_energy,
 )
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import (
     commit_quadratures,
+    correct_falling_impulses,
     reset_quadratures,
     set_quadrature_stage_at_end,
-    settle_impulses,
 )
 from chain_impact.kernel.ode.last_step import (
-    accept,
     choose_variable,
     ensure_rate,
     evaluate_start,
+    make_last_step,
     reset_step,
     roll_back,
     set_own_output_time,
@@ -203,13 +203,13 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.rescale(d, time_rate_now(d, d.step.state_end))  # converts the next size to seconds
+    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # converts the next size to seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
     # the proposed step of a chain at rest is far too long for the motion that a new input may cause
-    control.limit(d, first_size(d))
+    control.limit_next_size(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
     return status
@@ -233,7 +233,7 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Set the values that active contacts keep from their onset again, as laws may have changed."""
+    """Set the latched values of active contacts again, as laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
@@ -281,16 +281,16 @@ def find_step(d):
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
-        suggested = h * min(grow, control.factor(d))
+        suggested = h * min(grow, control.next_size_factor(d))
         if control.accepted(d):
             # a step that was shortened to end with a piece of the inputs does not reduce the proposed size
-            control.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
+            control.propose_size(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
             return OK
         count_rejected_step(d)
         if cost_exceeded(d):
             return TOO_MUCH_WORK
         h, grow = suggested, 1.0
-    return control.no_step(d)
+    return control.no_step_status(d)
 
 
 def try_step(d, h):
@@ -299,7 +299,7 @@ def try_step(d, h):
     attempt(d, h)
     if not control.accepted(d):
         return
-    accept(d)
+    make_last_step(d)
     theta = find_event(d)
     if control.accepted(d) and must_land(d, theta):
         theta = land(d, theta)
@@ -312,10 +312,10 @@ def try_step(d, h):
         roll_back(d)
         drop_events(d)
         return
-    keep_energy(d, present, available)
+    store_energy(d, present, available)
     if theta >= 0.0:
         truncate_step(d, theta)
-    settle_impulses(d)
+    correct_falling_impulses(d)
 
 
 def must_land(d, theta):
@@ -341,9 +341,9 @@ def land(d, theta):
     if not control.accepted(d):
         control.reject_step(d, control.SPOILED)
         return -1.0
-    accept(d)
+    make_last_step(d)
     # the error of the whole step, not of the repeated part, determines the size of the next step
-    control.conclude(d, error, d.trial.cost_factor)
+    control.set_outcome(d, error, d.trial.cost_factor)
     return onset_fraction(d)
 
 
@@ -355,12 +355,12 @@ def begin_step(d):
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and d.step.method != IMPLICIT:
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
-        rebase_energy(d)
+        restart_balance(d)
     if not kinked:
         choose_method(d)  # not after a kink, where the size of the last step does not show the stiffness
     choose_variable(d, events > 0)

@@ -23,7 +23,7 @@ from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.forces.user_law import is_present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_motion
-from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state
+from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
 from chain_impact.kernel.record.ranges import BOUNDED, bounded_field, least_bound, most_bound
 from chain_impact.kernel.rows.geometry import candidate_within_bounds
 from chain_impact.kernel.status import (
@@ -59,14 +59,14 @@ def indices_within_bounds(d):
 def relations_hold(d):
     """Return whether the indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
-    fits = d.contact_log.count >= 0 and within(d.touch.compliant_count, 0, d.touch.active_count)
-    fits = fits and within(d.model.base_moves, 0, d.channels // 2)
+    fits = d.contact_log.count >= 0 and is_within(d.touch.compliant_count, 0, d.touch.active_count)
+    fits = fits and is_within(d.model.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
         fits = fits and candidate_within_bounds(d, c)
-        fits = fits and within(d.shift.channel[c], -1, max(-1, d.channels - 2))
-        fits = fits and within(d.law.number[c], least_law(d), laws)
-        fits = fits and within(d.law.same_as[c], 0, c)
-        fits = fits and within(d.touch.number[c], 0, d.impact.count)
+        fits = fits and is_within(d.shift.channel[c], -1, max(-1, d.channels - 2))
+        fits = fits and is_within(d.law.number[c], least_law(d), laws)
+        fits = fits and is_within(d.law.same_as[c], 0, c)
+        fits = fits and is_within(d.touch.number[c], 0, d.impact.count)
     return fits and friction_counts_fit(d) and signals_fit(d)
 
 
@@ -76,7 +76,7 @@ def signals_fit(d):
     for j in range(d.signals):
         driven, first, last = signal.input[j], signal.first[j], signal.last[j]
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
-        if not (within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
+        if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
         given = signal.first[signal.source[j]]  # the first of as many given knots as from first to last
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
@@ -88,10 +88,10 @@ def signals_fit(d):
 def friction_counts_fit(d):
     """Return whether each count of elements with dry friction is at most the count that contains it."""
     friction = d.friction
-    fits = within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
-    fits = fits and within(friction.contact_count, 0, min(friction.count, d.candidates))
-    fits = fits and within(friction.stuck_count, 0, friction.count)
-    return fits and within(friction.stuck_joints, 0, friction.stuck_count)
+    fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
+    fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
+    fits = fits and is_within(friction.stuck_count, 0, friction.count)
+    return fits and is_within(friction.stuck_joints, 0, friction.stuck_count)
 
 
 def least_law(d):
@@ -100,7 +100,7 @@ def least_law(d):
     return 1 if started or d.touch.active_count > 0 else 0
 
 
-def within(number, least, most):
+def is_within(number, least, most):
     """Return whether least ≤ number ≤ most."""
     return least <= number <= most
 
@@ -139,11 +139,11 @@ def observe_trial(d):
     No run can continue from the instance afterwards. After a fault all outputs stay unchanged.
     """
     counted = counted_cost(d)
-    keep_state(d)
+    store_output_state(d)
     status = reinit(d)
     if status == OK:
         # rigid walls correct the state at the start of a step; the outputs show the state before that
-        return_to_kept_state(d)
+        return_to_stored_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)
     uncount_cost(d, counted)

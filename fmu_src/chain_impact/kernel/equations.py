@@ -15,13 +15,13 @@ from chain_impact.kernel.chain.drives import (
     drive_power,
     first_joint,
     mode_margin,
+    passive_spring_force,
     rotor_energy,
     spring_energy,
-    stored_force,
 )
 from chain_impact.kernel.chain.elimination import accelerations
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
-from chain_impact.kernel.chain.sites import carry_sites, joint_place
+from chain_impact.kernel.chain.sites import joint_place, move_site_loads
 from chain_impact.kernel.chain.slider import carriage_energy
 from chain_impact.kernel.chain.state import (
     coordinate_count,
@@ -38,7 +38,7 @@ from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.functions import inlined
-from chain_impact.kernel.rows.compliance import geared_accelerations
+from chain_impact.kernel.rows.compliance import accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance
 
@@ -114,7 +114,7 @@ def rate_from_points(d, y, rate):
     """Set rate = f(y) for the located points, and evaluate the inputs."""
     ensure_inputs(d, y)
     free_rate_from_inputs(d, y, rate)
-    constrain(d, y, rate)
+    add_constraints(d, y, rate)
 
 
 def true_rate_from_inputs(d, y, rate):
@@ -124,10 +124,10 @@ def true_rate_from_inputs(d, y, rate):
     """
     apply_true_contacts(d)
     free_rate_from_loads(d, y, 0.0, rate)
-    constrain(d, y, rate)
+    add_constraints(d, y, rate)
 
 
-def constrain(d, y, rate):
+def add_constraints(d, y, rate):
     """Add to a rate ẏ accelerations and power of constraints, and power of moving base, walls and belts."""
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
@@ -153,14 +153,14 @@ def free_rate_from_loads(d, y, dissipated, rate):
         dissipated += damped
     if d.slides:
         force, damped, of_drive = drive_power(d, y, n)
-        d.scratch.thrust = force - stored_force(d, y, n)
+        d.scratch.thrust = force - passive_spring_force(d, y, n)
         dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
-    carry_sites(d, d.scratch.link, d.scratch.load)
+    move_site_loads(d, d.scratch.link, d.scratch.load)
     if d.model.has_armatures:
-        geared_accelerations(d, y, rate)
+        accelerations_with_armatures(d, y, rate)
     else:
         accelerations(d, y, rate)
     rate[dissipated_at(n)] = dissipated
@@ -215,7 +215,7 @@ def add_place_moments(d):
 def add_spring_moments(d, y):
     """Add the moments of the springs of passive drives in the joints."""
     for i in range(d.links):
-        add_joint_moment(d, i, -stored_force(d, y, i))
+        add_joint_moment(d, i, -passive_spring_force(d, y, i))
 
 
 def add_joint_moment(d, i, torque):

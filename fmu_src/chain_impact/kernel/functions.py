@@ -1,7 +1,7 @@
 """Functions that the compiler treats specially, marks for functions, and functions that combine functions."""
 
 
-def clear(part):
+def clear_numbers(part):
     """Set all numbers of a part of the record to zero."""
     part.clear()
 
@@ -41,11 +41,11 @@ def dispatch(functions):
     return lambda number, *arguments: first(*arguments) if number == 0 else after(number - 1, *arguments)
 
 
-def sequence(first, *others):
+def called_in_turn(first, *others):
     """Return a function that calls several functions in turn with its arguments, and returns nothing."""
     if not others:
         return first
-    following = sequence(*others)
+    following = called_in_turn(*others)
 
     def both(d, h, *more):
         first(d, h, *more)

@@ -3,8 +3,14 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import drive_count, drive_inertia, note_effects
-from chain_impact.kernel.chain.inertia import corner_of_box, in_use, inertia_of_box, loose_links, middle
+from chain_impact.kernel.chain.drives import drive_count, drive_inertia, set_effect_flags
+from chain_impact.kernel.chain.inertia import (
+    corner_of_box,
+    given_or_derived,
+    inertia_of_box,
+    loose_links,
+    middle_of_rod,
+)
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
@@ -21,21 +27,21 @@ from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_load
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.forces.inputs import apply_inputs, begin_motion
-from chain_impact.kernel.functions import clear
+from chain_impact.kernel.functions import clear_numbers
 from chain_impact.kernel.loads import start_loads
 from chain_impact.kernel.mathematics.angles import direction
 from chain_impact.kernel.ode.balance import start_balance
 from chain_impact.kernel.ode.control import (
     IMPLICIT,
     SOLVER_METHODS,
-    keep_for_flight,
     prescribed_method,
-    propose,
+    propose_size,
     size_in_flight,
+    store_flight_size,
 )
 from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
-from chain_impact.kernel.ode.methods import begin_explicit, stable
+from chain_impact.kernel.ode.methods import begin_explicit, stable_size
 from chain_impact.kernel.record.ranges import (
     OF_CARRIAGE,
     OF_LINKS,
@@ -47,7 +53,7 @@ from chain_impact.kernel.record.ranges import (
     ranged_field,
 )
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import OVERLAP, at_joint, clearance, place_walls
+from chain_impact.kernel.rows.geometry import OVERLAP, at_joint_stop, clearance, set_candidate_rows
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -79,8 +85,8 @@ def initialize(d, time):
         return d.statistics.status
     set_start(d, time)
     size = first_size(d)
-    propose(d, size if prescribed_method(d.solver.method) == IMPLICIT else stable(d, size))
-    keep_for_flight(d)
+    propose_size(d, size if prescribed_method(d.solver.method) == IMPLICIT else stable_size(d, size))
+    store_flight_size(d)
     start_balance(d, time)
     begin_explicit(d)
     if set_status(d, check_start(d)) == OK:
@@ -90,7 +96,7 @@ def initialize(d, time):
 
 def set_start(d, time):
     """Set walls, state, loads and modes of dry friction at the start of a run, at ``time`` [s]."""
-    place_walls(d)
+    set_candidate_rows(d)
     set_initial_state(d, d.scratch.y)
     reset_step(d, time, d.scratch.y)
     clear_loads(d)
@@ -122,19 +128,19 @@ def clear_run(d, time):
 
     The other large parts of the record stay: to clear them would take a twentieth of the time of a short run.
     """
-    clear(d.step)
-    clear(d.trial)
-    clear(d.scratch)
-    clear(d.implicit.pairs.load)
-    clear(d.implicit.pairs.impedance)
-    clear(d.search)
-    clear(d.touch)
-    clear(d.element)
-    clear(d.friction)
-    clear(d.peaks)
-    clear(d.fault)
-    clear(d.statistics)
-    clear(d.limits)
+    clear_numbers(d.step)
+    clear_numbers(d.trial)
+    clear_numbers(d.scratch)
+    clear_numbers(d.implicit.pairs.load)
+    clear_numbers(d.implicit.pairs.impedance)
+    clear_numbers(d.search)
+    clear_numbers(d.touch)
+    clear_numbers(d.element)
+    clear_numbers(d.friction)
+    clear_numbers(d.peaks)
+    clear_numbers(d.fault)
+    clear_numbers(d.statistics)
+    clear_numbers(d.limits)
     clear_friction(d)
     clear_impacts(d, time)
     clear_log(d)
@@ -146,17 +152,17 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive parameters that are not given, constants of the recursion, scales, and ``has_stops``."""
+    """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``."""
     model = d.model
-    d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
+    d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
     # the same choice of the middle joint as in `accelerations`
     model.meeting_joint = 0 if model.has_base_joint else len(model.length) // 2
     model.longest_link, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
-        c = in_use(model.given_center_of_mass[i], middle(model.length[i]))
+        c = given_or_derived(model.given_center_of_mass[i], middle_of_rod(model.length[i]))
         model.center_of_mass[i] = c
         inertia = inertia_of_box(model.mass[i], model.length[i], model.height[i])
-        model.inertia[i] = in_use(model.given_inertia[i], inertia)
+        model.inertia[i] = given_or_derived(model.given_inertia[i], inertia)
         model.center_of_mass_ratio[i] = c / model.length[i]
         # the inertia I + m c² about the proximal joint
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
@@ -177,10 +183,10 @@ def derive_chain(d):
         armatures += drive_inertia(d, i)
     model.energy_scale = total * model.longest_link * model.longest_link + armatures
     model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
-    model.has_stops = 0
+    model.has_joint_stops = 0
     for c in range(d.candidates):
-        if at_joint(d, c):
-            model.has_stops = 1
+        if at_joint_stop(d, c):
+            model.has_joint_stops = 1
     if d.slides:
         d.slider.ux, d.slider.uy = direction(d.slider.angle)
 
@@ -196,7 +202,7 @@ def derive_sites(d):
                 d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, model.height[i])
             x, y = d.site.x[s], d.site.y[s]
             d.site.along[s], d.site.beside[s] = x / length, y / length
-            d.site.radius[s] = in_use(d.site.given_radius[s], d.contact.radius)
+            d.site.radius[s] = given_or_derived(d.site.given_radius[s], d.contact.radius)
             model.reach = max(model.reach, before + math.sqrt(x * x + y * y))
             s += 1
         before += model.length[i]
@@ -209,7 +215,7 @@ def derive_drives(d):
     The modes of all drives are first set to "below the limit".
     """
     clear_saturation(d)
-    note_effects(d)
+    set_effect_flags(d)
     d.model.joint_rate_bound = joint_rate_bound(d)
 
 
@@ -237,7 +243,7 @@ def check_parameters(d):
 def check_ranges(d):
     """Check that each real that the scene gives is in its range (record/fields.py); return a status."""
     for k in range(len(RANGED)):
-        if RANGE_OWNERS[k] == OF_STOPS and not d.model.has_stops:
+        if RANGE_OWNERS[k] == OF_STOPS and not d.model.has_joint_stops:
             continue
         values = ranged_field(d, k)
         for i in range(len(values)):

@@ -22,7 +22,7 @@ wall. The record of a scene that does not request loads has no such rows.
 import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
-from chain_impact.kernel.chain.kinematics import accelerate_points, at_center, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, at_center_of_mass, locate_points
 from chain_impact.kernel.cost import counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
@@ -32,11 +32,11 @@ from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
 from chain_impact.kernel.rows.geometry import (
     WALLS,
-    at_joint,
+    at_joint_stop,
     at_wall,
+    joint_stop_moment,
     link_of,
     normal_row,
-    stop_moment,
     tangent_row,
 )
 
@@ -62,7 +62,7 @@ def start_loads(d, time):
         transmitted.peak[i] = 0.0
 
 
-def keep_tip_impulse(d, j, impulse):
+def store_tip_impulse(d, j, impulse):
     """Store component j of the impulse [N·s] of the tip's force since the start."""
     d.transmitted.tip_impulse[j] = impulse
 
@@ -75,14 +75,14 @@ def set_load_peak(d, i, square):
 def link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
-        vx, vy = at_center(d, d.scratch.velocity, i)
+        vx, vy = at_center_of_mass(d, d.scratch.velocity, i)
         x[i], y[i] = d.model.mass[i] * vx, d.model.mass[i] * vy
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to f_i [N] for the accelerated points, from the forces of each candidate."""
     for i in range(d.links):
-        ax, ay = at_center(d, d.scratch.acceleration, i)
+        ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
         x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
         y[i] = d.model.mass[i] * (ay - d.model.gravity[1])
     for k in range(d.touch.active_count):
@@ -114,7 +114,7 @@ def sum_from_tip(d, at_tip, x, y):
 def wall_force(d, c, along_normal, along_tangent):
     """Return the force [N] or impulse [N·s] of a wall on candidate c's point.
 
-    ``along_normal`` and ``along_tangent`` hold its two components for each candidate.
+    ``along_normal`` and ``along_tangent`` contain its two components for each candidate.
     """
     _, nx, ny = normal_row(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
@@ -138,18 +138,18 @@ def fill_loads(d, y, rate):
         if d.elements > 0:
             out.load.moment[i] += out.friction.drive_friction[i]
     if d.slides:
-        fill_guide(d)
+        fill_slider_reaction(d)
     for row in range(d.links, d.loads):
         out.load.x[row], out.load.y[row], out.load.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if at_wall(d, c):
-            load_wall(d, c)
-        elif at_joint(d, c):
-            out.load.moment[d.candidate.point[c] - 1] += stop_moment(d, c, out.force[c])
+            add_wall_load(d, c)
+        elif at_joint_stop(d, c):
+            out.load.moment[d.candidate.point[c] - 1] += joint_stop_moment(d, c, out.force[c])
 
 
-def fill_guide(d):
+def fill_slider_reaction(d):
     """Fill the outputs of force and moment of the line on the carriage, from the loads of joint 1."""
     out, slider, gravity = d.output, d.slider, d.model.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
@@ -158,7 +158,7 @@ def fill_guide(d):
     out.slider_reaction, out.slider_moment = slider.ux * fy - slider.uy * fx, out.load.moment[0]
 
 
-def load_wall(d, c):
+def add_wall_load(d, c):
     """Add the force of candidate c on its wall, and the moment of this force, to the outputs.
 
     The moment is about the wall's point; for a wall of the box it is about the origin.

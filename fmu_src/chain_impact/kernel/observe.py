@@ -26,11 +26,17 @@ from chain_impact.kernel.forces.active_contacts import apply_true_contacts
 from chain_impact.kernel.forces.friction import STICKS, drive_of_element
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.forces.inputs import ensure_inputs
-from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, keep_tip_impulse
+from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, store_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import at_joint, clearance, first_stop, lever_of_candidate, stop_moment
+from chain_impact.kernel.rows.geometry import (
+    at_joint_stop,
+    clearance,
+    first_stop,
+    joint_stop_moment,
+    lever_of_candidate,
+)
 
 
 def observe(d):
@@ -58,7 +64,7 @@ def fill_outputs(d):
     if d.loads > 0:
         fill_load_impulses(d)
     list_latest(d)
-    if d.model.has_stops:
+    if d.model.has_joint_stops:
         combine_forces(d)
         combine_impulses(d)
     if d.loads > 0:
@@ -70,7 +76,7 @@ def refill_motion(d):
     """Fill all outputs again except impulses, peaks and friction energy, with the values at ``step.time``."""
     counted = counted_cost(d)
     fill_motion(d, fraction(d, d.step.time))
-    if d.model.has_stops:
+    if d.model.has_joint_stops:
         combine_forces(d)
     uncount_cost(d, counted)
 
@@ -110,7 +116,7 @@ def fill_state(d, theta):
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
         # The interpolant satisfies constraints and prescribed motions only up to its error. In the projection
-        # sticking elements share their load in proportion to the limits of friction in this state.
+        # sticking elements carry the load in proportion to the limits of friction in this state.
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
@@ -195,7 +201,7 @@ def fill_quadrature(d, i, value):
     elif e == d.elements:
         d.output.friction.dissipated = value
     else:
-        keep_tip_impulse(d, e - d.elements - 1, value)
+        store_tip_impulse(d, e - d.elements - 1, value)
 
 
 def combine_forces(d):
@@ -206,8 +212,8 @@ def combine_forces(d):
     out = d.output
     for c in range(d.candidates):
         arm = lever_of_candidate(d, c)
-        if at_joint(d, c):
-            moment = stop_moment(d, c, out.force[c])
+        if at_joint_stop(d, c):
+            moment = joint_stop_moment(d, c, out.force[c])
             depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
             first = first_stop(d, c)
@@ -220,7 +226,7 @@ def combine_impulses(d):
     """Convert impulses of stops to angular impulses [N·m·s], in the entry of each joint's first stop."""
     out = d.output
     for c in range(d.candidates):
-        if at_joint(d, c):
-            impulse = stop_moment(d, c, out.impulse[c])
+        if at_joint_stop(d, c):
+            impulse = joint_stop_moment(d, c, out.impulse[c])
             out.impulse[c] = 0.0
             out.impulse[first_stop(d, c)] += impulse

@@ -13,7 +13,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
-from chain_impact.scene.names import input_key, name_parts
+from chain_impact.scene.names import name_parts
 from chain_impact.scene.reading import SceneError, names_matching
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.unit_text import in_brackets, unit_text, with_unit
@@ -60,10 +60,8 @@ class Effect(NamedTuple):
 
     @property
     def told(self) -> str:
-        """The value with its unit; if it is 0, also the step: "0 + 0.01 N·m", of an input the step alone."""
-        if self.value:
-            return with_unit(f"{self.value:.6g}", self.unit)
-        return f"+ {self.step}" if input_key(self.parameter) else f"0 + {self.step}"
+        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
+        return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
 WHOLE = 99.5  # the size from which on two digits would be written as 1e+02
@@ -128,7 +126,7 @@ class Ranking:
         of_value, at_zero = by_step(self.effects)
         yield from self._tables(of_value)
         if at_zero:
-            yield f"effect   of a step of {PART:g} of its unit: of inputs, and of parameters that are 0"
+            yield f"effect   of the step added to a parameter that is 0: {PART:g} of its unit"
         yield from self._tables(at_zero)
         if self.without:
             yield f"without effect: {', '.join(self.without)}"
@@ -186,8 +184,8 @@ class Ranking:
         more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
-            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0 or an input" if added else "",
-            f"{more} smaller effects are left out" if more else "",
+            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if added else "",
+            f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
             f"without {' and '.join(self.left_out)}" if self.left_out else "",
@@ -202,8 +200,7 @@ class Ranking:
 
     def _blocks(self) -> list[list[Effect]]:
         """Return the effects that have bars, with one kind of step in each list."""
-        largest = sorted(self.effects, key=lambda effect: -abs(effect.change))[:MOST_BARS]
-        return list(filter(None, by_step([effect for effect in self.effects if effect in largest])))
+        return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:
         """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the bars."""

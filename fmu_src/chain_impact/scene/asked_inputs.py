@@ -13,7 +13,7 @@ from chain_impact.scene.names import INPUTS_OF, input_asked, input_key
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.signals import driven_alone
 from chain_impact.scene.similar_names import nearest
-from chain_impact.scene.table_file import TIME, read_table, samples_of
+from chain_impact.scene.table_file import read_table, samples_of
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
@@ -69,14 +69,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
         SceneError: when the table cannot drive the scene.
         OSError: when the file cannot be read.
     """
-    read, there = read_table(file), list(inputs_of(scene))
-    # names before numbers: a table of another kind may have columns of texts
-    strange = next((name for name in read.names if name not in (TIME, *there)), None)
-    if TIME in read.names and strange:
-        raise SceneError(
-            f"{file}: column {strange} is not an input of {scene.name}; {how_asked(scene, strange)}"
-        )
-    _, columns = samples_of(read, scene.simulation.stop_time)
+    _, columns = samples_of(read_table(file), scene.simulation.stop_time)
     numbered = (f"inputs_{k}" for k in count(2))
     name = next(free for free in chain(("inputs",), numbered) if free not in scene.signals)
     owners = {
@@ -90,6 +83,10 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
             if driven in owners:
                 by = f"signals.{owners[driven]} of {scene.name} drives {driven}"
                 raise SceneError(f"{file}: column {column} must be left out: {by}")
+        if column not in inputs_of(scene):
+            raise SceneError(
+                f"{file}: column {column} is not an input of {scene.name}; {how_asked(scene, column)}"
+            )
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
     table |= {"interpolation": interpolation} if interpolation else {}
     return scene.with_values({("signals", name): table})

@@ -142,7 +142,7 @@ def scene_of(source: SceneSource) -> Scene:
     return source if isinstance(source, Scene) else load_scene(source)
 
 
-def parse_scene(text: str, source: str = "text of a scene") -> Scene:
+def parse_scene(text: str, source: str) -> Scene:
     """Return the scene that the TOML `text` describes; a SceneError names the text as `source`."""
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))

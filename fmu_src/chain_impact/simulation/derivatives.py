@@ -205,7 +205,7 @@ class DifferentiatedInstance(Instance):
     @property
     def limits(self) -> tuple[str, ...]:
         """Sentences for users: which derivatives are NaN and why, and errors by dry friction."""
-        trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["share"].max())
+        trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         rises = [name for name, missing in zip(self.parameters, self._missing, strict=True) if missing]
         told = [
             *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),

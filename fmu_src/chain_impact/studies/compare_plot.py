@@ -38,7 +38,7 @@ from chain_impact.pictures.style import (
 )
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.unit_text import of_power
-from chain_impact.studies.law_change import LOSSLESS, first_place
+from chain_impact.studies.law_change import LOSSLESS, compared_impact
 from chain_impact.studies.law_runs import LawRuns
 from chain_impact.variables.impact_units import unit_at
 
@@ -113,7 +113,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     mass, speed, force, depth = (unit_at(name, stop=comparison.at_stop) for name in names)
     per = f"{force}/{depth}"
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
-    hit = f"{first_place(comparison.scene)} of {moving}"
+    hit = f"{compared_impact(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
@@ -208,7 +208,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
             axes.annotate(f"{law} (impulse)", (0.0, 1.0), **IMPULSE)
     draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
     axes.set(
-        xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]",
+        xlabel=f"penetration in the {compared_impact(comparison.scene)} [{depth_unit}]",
         ylabel=f"{name} [{force_unit}]",
     )
     give_ticks(axes)

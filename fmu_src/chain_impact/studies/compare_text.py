@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.text import TextTable, prefixed
-from chain_impact.studies.law_change import EXACT_LAW, first_place
+from chain_impact.studies.law_change import EXACT_LAW, compared_impact
 from chain_impact.studies.law_runs import LawRun, LawRuns
 from chain_impact.variables.impact_units import unit_at
 
@@ -35,7 +35,7 @@ def heading(comparison: LawRuns) -> str:
     mass, speed = (unit_at(name, stop=comparison.at_stop) for name in ("effective_mass", "impact_speed"))
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
-        f"K = {contact.stiffness:.4g}; {first_place(scene)} at {impact['onset']:.6g} s with "
+        f"K = {contact.stiffness:.4g}; {compared_impact(scene)} at {impact['onset']:.6g} s with "
         f"{impact['effective_mass']:.4g} {mass} at {impact['impact_speed']:.4g} {speed}"
     )
 
@@ -82,7 +82,7 @@ def legend(comparison: LawRuns) -> str:
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
-        f"Columns e′ to lost describe the {first_place(scene)}; e′ is its restitution, separation over "
+        f"Columns e′ to lost describe the {compared_impact(scene)}; e′ is its restitution, separation over "
         "approach speed, and lost is the energy that the whole chain dissipates meanwhile. "
         "'differs at' is the first impact with another point "
         f"or wall than under {comparison.reference}: its number and time.{kept}"

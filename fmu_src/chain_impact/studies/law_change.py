@@ -56,7 +56,7 @@ def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
     return next((k for k, row in enumerate(impacts) if not (differs and at_stop(scene, row["wall"]))), None)
 
 
-def first_place(scene: Scene) -> str:
+def compared_impact(scene: Scene) -> str:
     """Return the words for the impact with which laws are compared."""
     return "first impact" if scene.stops.model is None else "first impact at a wall"
 

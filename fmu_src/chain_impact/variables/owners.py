@@ -148,7 +148,7 @@ RECORD = {
     "has_servos": Written(("model", "has_servos"), "inputs.joint_targets"),
     "base_moves": Written(("model", "base_moves"), "inputs.base_motion"),
     "interpolates": Written(("motion", "interpolates"), ALWAYS),
-    "kept": Written(("latest", "kept"), "outputs.impacts"),
+    "requested": Written(("latest", "requested"), "outputs.impacts"),
     "impulses": Written(("quadrature", "computed"), "impulses"),
     "site_link": Written(("site", "link", AT), "link", "sites"),
     "site_corner": Written(("site", "corner", AT), "corner", "sites"),

@@ -17,7 +17,7 @@ from itertools import combinations
 
 import numpy as np
 
-from chain_impact.kernel.events.impacts import STICK
+from chain_impact.kernel.events.impacts import LEAST_REBOUND_SPEED
 from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
@@ -104,7 +104,7 @@ def loss_bound(scene: Scene, instance: Instance, before: np.void) -> float:
     u = u[touching]
     response = np.linalg.solve(mass_matrix(scene, before["angle"]), gradient.T)
     e, least = scene.contact.restitution, scene.contact.minimum_impact_speed
-    rests = (u < 0.0) & ((-u < least) | (-e * u < STICK * least))
+    rests = (u < 0.0) & ((-u < least) | (-e * u < LEAST_REBOUND_SPEED * least))
     if rests.any():
         e = 0.0
     return (1.0 - e * e) * inelastic_loss(gradient @ response, u)

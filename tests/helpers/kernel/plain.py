@@ -68,7 +68,7 @@ class Plain:
         self.numpy_record[name] = value
 
     def clear(self) -> None:
-        """Set all numbers to zero, as ``clear`` in kernel/functions.py does."""
+        """Set all numbers to zero, as ``clear_numbers`` in kernel/functions.py does."""
         for name in self.numpy_record.dtype.names:
             self.numpy_record[name] = np.zeros((), self.numpy_record.dtype[name])
 
@@ -132,6 +132,6 @@ def pack(d: Plain) -> None:
     d.touch.active_index[: len(packed)] = packed
     d.touch.active_count = len(packed)
     d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)
-    d.touch.stop_count = np.count_nonzero(d.candidate.stop[packed])
+    d.touch.joint_stop_count = np.count_nonzero(d.candidate.stop[packed])
     d.constraints.in_active_set[: d.touch.compliant_count] = 0
     reset_quadratures(d)

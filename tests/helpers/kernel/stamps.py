@@ -154,9 +154,9 @@ def _moved(stamps: Stamps, time: float) -> None:
 
 WRITERS: dict[Callable[..., Any], Callable[..., None]] = {
     kinematics.set_link_vectors: _links,
-    kinematics.place_points: _places,
+    kinematics.locate_from_link_vectors: _places,
     kinematics.accelerate_points: _accelerations,
-    motion.move: _moved,
+    motion.move_channels: _moved,
 }
 """Function of the kernel that writes a group → the function that writes the stamp."""
 

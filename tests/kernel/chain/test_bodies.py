@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.response import HELD, factorize, no_impedance
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
 from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_touching
 from chain_impact.kernel.rows.compliance import solve_space
-from chain_impact.kernel.rows.geometry import clear_loads_of, join
+from chain_impact.kernel.rows.geometry import add_joint_impedances, clear_loads_of
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import begun
 
@@ -192,7 +192,7 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
         d.scratch.load.x[place], d.scratch.load.y[place] = load
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
-    join(d, d.scratch.impedance)
+    add_joint_impedances(d, d.scratch.impedance)
     factorize(d, d.scratch.link, d.scratch, HELD, True)
     d.scratch.load.joint[:] = 0.0
     change = np.zeros(n + 2)

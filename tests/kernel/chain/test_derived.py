@@ -5,7 +5,13 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box, in_use, inertia_of_box, middle
+from chain_impact.kernel.chain.inertia import (
+    DERIVED,
+    corner_of_box,
+    given_or_derived,
+    inertia_of_box,
+    middle_of_rod,
+)
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.status import OK
 from tests.kernel.chains import chain, stopped_chain
@@ -15,12 +21,12 @@ from tests.kernel.tangent.dual import Dual
 def test_a_given_value_is_in_use_and_else_the_derived_one():
     """The derived value has the derivatives of its source, and the given value its own derivative."""
     for given, right in ((0.0, 0.0), (0.3, 0.3), (DERIVED, 0.1)):
-        assert in_use(given, 0.1) == right
+        assert given_or_derived(given, 0.1) == right
     given, derived = Dual(DERIVED, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])
-    found = in_use(given, derived)
+    found = given_or_derived(given, derived)
     assert (found.value, found.slope.tolist()) == (0.25, [1.0, 0.5])
     given = Dual(0.3, [1.0, 0.0])
-    assert in_use(given, derived) is given
+    assert given_or_derived(given, derived) is given
 
 
 def test_the_rod_is_uniform():
@@ -28,8 +34,8 @@ def test_the_rod_is_uniform():
     length, mass = 0.7, 1.3
     x, weights = np.polynomial.legendre.leggauss(4)
     places = 0.5 * length * (1.0 + x)
-    assert middle(length) == pytest.approx(weights @ places / 2.0, rel=1e-14)
-    about = weights @ (places - middle(length)) ** 2 / 2.0
+    assert middle_of_rod(length) == pytest.approx(weights @ places / 2.0, rel=1e-14)
+    about = weights @ (places - middle_of_rod(length)) ** 2 / 2.0
     assert inertia_of_box(mass, length, 0.0) == pytest.approx(mass * about, rel=1e-14)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import drives
-from chain_impact.kernel.chain.kinematics import clear_joints, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors
 from chain_impact.kernel.rows.geometry import along, row_of_drive
 from chain_impact.scene.scene import scene_from_dict
 from tests.kernel.chains import begun
@@ -48,10 +48,10 @@ def cart(request):
 def test_the_drive_of_a_joint_and_of_a_slider_act_along_their_coordinates(cart, i):
     d, y, limited = cart
     assert drives.along_drive(d, y, 3, i) == pytest.approx(RATE[i], rel=1e-14)
-    assert drives.stretch(d, y, i) == pytest.approx(POSITION[i] - REST[i], rel=1e-14)
+    assert drives.spring_stretch(d, y, i) == pytest.approx(POSITION[i] - REST[i], rel=1e-14)
     spring, damper = STIFFNESS[i] * (POSITION[i] - REST[i]), DAMPING[i] * RATE[i]
     force = MOTOR[i] - damper - spring
-    assert drives.wanted_force(d, y, i) == pytest.approx(force, rel=1e-13)
+    assert drives.unlimited_force(d, y, i) == pytest.approx(force, rel=1e-13)
     powers = (force, 0.0, force * RATE[i])
     if not limited:
         powers = (MOTOR[i] - damper, damper * RATE[i], MOTOR[i] * RATE[i])
@@ -78,7 +78,7 @@ def test_the_margin_is_that_of_the_drive_nearest_to_its_end(cart):
 @pytest.mark.parametrize("i", [0, 1], ids=["joint", "slider"])
 def test_a_load_of_a_drive_does_its_work_along_the_row_of_the_drive(cart, i):
     d, y, _ = cart
-    zero(d, d.scratch.load)
+    clear_vectors(d, d.scratch.load)
     clear_joints(d.scratch.load)
     drives.load_drive(d, d.scratch.load, i, 3.0)
     base = 3.0 * LINE if i == 1 else np.zeros(2)

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact.kernel.chain.elimination import accelerations, arms
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.chain.response import FREE, HELD, factorize, no_impedance, solve, take_factors
+from chain_impact.kernel.chain.response import FREE, HELD, copy_factors, factorize, no_impedance, solve
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.models.reference import (
     generalized_force,
@@ -118,10 +118,10 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     set_vectors(scratch.load, rng.normal(size=(count + 1, 2)))
     no_impedance(d, scratch.impedance)
     factorize(d, scratch.link, scratch, HELD, True)
-    scratch.factors.share[FREE] = scratch.factors.complement[FREE] = 7.0
+    scratch.factors.coupling[FREE] = scratch.factors.complement[FREE] = 7.0
     accelerations(d, y, np.zeros(len(y)))
-    take_factors(d, True)
-    for name in ("gain_x", "gain_y", "inverse", "share", "complement", "middle_mobility", "coupled"):
+    copy_factors(d, True)
+    for name in ("gain_x", "gain_y", "inverse", "coupling", "complement", "middle_mobility", "coupled"):
         found = getattr(scratch.factors, name)
         np.testing.assert_allclose(found[FREE], found[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
 

@@ -7,9 +7,9 @@ import pytest
 
 from chain_impact.kernel.chain.drives import (
     drive_slopes,
-    resists,
+    has_effect,
     spring_energy,
-    stretch,
+    spring_stretch,
 )
 from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate
 from chain_impact.kernel.ode.extended import drive_resistance
@@ -37,14 +37,16 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     ]
     assert [drive_slopes(d, i) for i in range(d.links)] == own
     assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]
-    assert [resists(k) for _, k in own] == [one > 0.0 for one in held]
+    assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
 
 
 def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
     links, d, y = sprung
     angles = y[2 : d.links + 2]
     relative = np.diff(angles, prepend=0.0) - [link.joint_rest_angle for link in links]
-    np.testing.assert_allclose([stretch(d, y, i) for i in range(d.links)], relative, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        [spring_stretch(d, y, i) for i in range(d.links)], relative, rtol=0, atol=1e-15
+    )
     stiffness = np.array([link.joint_stiffness for link in links])
     stiffness[0] *= d.model.has_base_joint
     assert spring_energy(d, y) == pytest.approx(0.5 * stiffness @ relative**2, rel=1e-14, abs=1e-300)

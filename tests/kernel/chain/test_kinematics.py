@@ -5,12 +5,12 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
-    largest,
+    clear_vectors,
+    largest_component,
+    locate_from_link_vectors,
     locate_points,
     move_points,
-    place_points,
     set_link_vectors,
-    zero,
 )
 from tests.helpers.models.reference import point_jacobian, set_vectors
 from tests.kernel.chains import chain, located, random_state, stopped_chain, vectors
@@ -58,7 +58,7 @@ def test_points_can_be_placed_for_link_vectors_that_are_known():
     y = random_state(rng, d)
     set_link_vectors(d, y)
     d.scratch.at_end = 1
-    place_points(d, y)
+    locate_from_link_vectors(d, y)
     np.testing.assert_allclose(located(d), points_of(d, y), rtol=0, atol=1e-14)
     assert d.scratch.at_end == 1
     set_link_vectors(d, y)
@@ -85,8 +85,8 @@ def test_the_largest_component_is_found_at_points_and_joints(sign):
         set_vectors(motion, [(0.1, -0.2), (-0.3, 0.1), (0.2, 0.3)])
         motion.x[3:] = 0.1, -0.2
         motion[axis][row] = 0.5 * sign
-        assert largest(d, motion) == 0.5
-        zero(d, motion)
+        assert largest_component(d, motion) == 0.5
+        clear_vectors(d, motion)
         assert not motion.x.any()
         assert not motion.y.any()
-        assert largest(d, motion) == 0.0
+        assert largest_component(d, motion) == 0.0

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 from scipy.integrate import quad
 
-from chain_impact.kernel.chain.sines import integral, smooth
+from chain_impact.kernel.chain.sines import sine_integral, smooth
 
 # frequency [Hz], its rate [Hz/s], rise [s] and time [s]: steady, slow and fast changes, standstill on either
 # side, rises with few and with many turns
@@ -43,5 +43,7 @@ def test_the_integrals_of_a_sine_are_those_of_a_quadrature(case, order):
         )
 
     expected, _ = quad(integrand, 0.0, time, epsabs=1e-14, epsrel=1e-13, limit=400)
-    begin = integral(d, 0, order, 0.0, rise) + (time * integral(d, 0, 1, 0.0, rise) if order > 1 else 0.0)
-    assert integral(d, 0, order, time, rise) - begin == pytest.approx(expected, abs=2e-14)
+    begin = sine_integral(d, 0, order, 0.0, rise) + (
+        time * sine_integral(d, 0, 1, 0.0, rise) if order > 1 else 0.0
+    )
+    assert sine_integral(d, 0, order, time, rise) - begin == pytest.approx(expected, abs=2e-14)

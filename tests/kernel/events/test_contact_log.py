@@ -106,7 +106,7 @@ def test_a_force_that_only_falls_has_no_peak_in_the_step():
     d, _ = pressed([0.0, 0.1, 0.1])
     d.touch.speed[1], d.touch.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
-    *_, elsewhere = contact_log.peaks(d, 1, -1.0, d.step.end, SOLVER)
+    *_, elsewhere = contact_log.find_peaks(d, 1, -1.0, d.step.end, SOLVER)
     assert not elsewhere
 
 
@@ -121,7 +121,7 @@ def test_peaks_until_a_time_within_the_step():
         t = FINE * until
         d.step.dense_for = OUTPUTS
         evaluations = d.statistics.rhs_evaluations
-        force, deepest, elsewhere = contact_log.peaks(d, 1, rate, d.step.start + until, OUTPUTS)
+        force, deepest, elsewhere = contact_log.find_peaks(d, 1, rate, d.step.start + until, OUTPUTS)
         assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
         assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
         assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
@@ -218,7 +218,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
 def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, kept):
     for until in (0.1, 0.6):
         d, motion = pressed(TURNING)
-        d.latest.kept = kept
+        d.latest.requested = kept
         make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
         d.touch.number[1] = d.impact.count = 5

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.exclusion import keep_start, suspect_all
+from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.rows.geometry import clearance
@@ -34,7 +34,7 @@ def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching,
     assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
     assert not np.delete(d.touch.event, whose).any()
     # the candidates' clearances are measured at the found time
-    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(d.search.phi_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
@@ -71,12 +71,12 @@ def test_only_suspects_are_followed(seed):
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.touch.event[:] = NONE
         suspect_all(d)
-        crossing.measure(d, 0.0)
-        keep_start(d)
+        crossing.measure_clearances(d, 0.0)
+        begin_next_interval(d)
         d.search.suspect_count = len(suspects)
         d.search.suspect[: len(suspects)] = suspects
         others = np.setdiff1d(np.arange(d.candidates), suspects)
-        for field in ("clear_start", "clear_start_rate", "clear_end", "clear_end_rate", "curvature"):
+        for field in ("phi_start", "phi_start_rate", "phi_end", "phi_end_rate", "curvature"):
             d.search[field][others] = math.nan
         again = crossing.find_crossing(d)
         if first in suspects:
@@ -146,11 +146,11 @@ def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
     """The event is at the start of a bracket of falling φ, otherwise at the end of the bracket."""
     d, motion = moving(0, near=1)
     c = 0
-    crossing.measure(d, 0.75)
-    d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
+    crossing.measure_clearances(d, 0.75)
+    d.search.phi_start[c], d.search.phi_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
     expected = 0.25 if rate < 0.0 else 0.75
     assert crossing.find_root(d, c, 0.25, 0.75) == expected
-    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(d.search.phi_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", [28, 53])

@@ -58,14 +58,14 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
         assert excluded
     # φ and φ′ of all candidates at both ends, and φ″
     assert exclusion.known_clearances(d) == exclusion.WITH_CURVES
-    np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
-    np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
-    for found, part in ((d.search.clear_start_rate, values[:3]), (d.search.clear_end_rate, values[:-4:-1])):
-        sign = 1.0 if part is not values and found is d.search.clear_start_rate else -1.0
+    for found, part in ((d.search.phi_start_rate, values[:3]), (d.search.phi_end_rate, values[:-4:-1])):
+        sign = 1.0 if part is not values and found is d.search.phi_start_rate else -1.0
         slope = sign * (-1.5 * part[0] + 2.0 * part[1] - 0.5 * part[2]) / h
         np.testing.assert_allclose(found, slope, rtol=0, atol=1e-4)
-    for found, part in ((d.search.clear_start_curve, values[:3]), (d.search.clear_end_curve, values[-3:])):
+    for found, part in ((d.search.phi_start_curve, values[:3]), (d.search.phi_end_curve, values[-3:])):
         np.testing.assert_allclose(found, (part[0] - 2 * part[1] + part[2]) / h**2, rtol=0, atol=2e-2)
 
 
@@ -143,12 +143,12 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
     search, c, h = d.search, 3, 0.7
     d.step.size, d.step.regularized, d.touch.active[c] = h, -1, active
     ends = rng.normal(size=(2, 3))
-    names = [[f"clear_{end}{part}" for part in ("", "_rate", "_curve")] for end in ("start", "end")]
+    names = [[f"phi_{end}{part}" for part in ("", "_rate", "_curve")] for end in ("start", "end")]
     for row, values in zip(names, ends, strict=True):
         for name, value in zip(row, values, strict=True):
             search[name][c] = value
     inner = BPoly.from_derivatives([0.0, h], ends).c[1:, 0]
-    limit = inner.min() - exclusion.MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
+    limit = inner.min() - exclusion.BERNSTEIN_MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
     assert exclusion.stays_positive(d, c, limit - 1e-9)
     assert not exclusion.stays_positive(d, c, limit + 1e-9)
 
@@ -156,8 +156,8 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
 @pytest.mark.parametrize(("end", "expected"), [(0.1, True), (0.0, False), (-0.1, False)])
 def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.regularized, d.search.clear_end[2] = 2, end
-    d.search.clear_start[2] = -9.0
+    d.step.regularized, d.search.phi_end[2] = 2, end
+    d.search.phi_start[2] = -9.0
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
@@ -190,7 +190,7 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         far = exclusion.remains_far(d)
         room = gaps_of(d, y).min()
         assert d.search.safe_distance <= room
-        assert far == (d.search.safe_distance > exclusion.leeway(d))
+        assert far == (d.search.safe_distance > exclusion.allowed_position_error(d))
         if not far:
             break
         assert exclusion.known_clearances(d) == exclusion.FAR
@@ -253,9 +253,9 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, 
     expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
     assert exclusion.nearly_fast(d, 0) == expected
     d.touch.kink_crossed[0] = 0
-    assert exclusion.is_quiet(d, 0) == (not expected)
+    assert exclusion.force_stays_smooth(d, 0) == (not expected)
     d.touch.kink_crossed[0] = 1
-    assert not exclusion.is_quiet(d, 0)
+    assert not exclusion.force_stays_smooth(d, 0)
 
 
 @pytest.mark.parametrize("impulsive", [0, 1])
@@ -287,13 +287,13 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
             expected = math.inf, 0.0
         if c == regularized:
             expected = found
-        assert (d.search.clear_end[c], d.search.clear_end_rate[c]) == pytest.approx(expected, rel=1e-12)
-        d.search.clear_end[c] = 7.0
+        assert (d.search.phi_end[c], d.search.phi_end_rate[c]) == pytest.approx(expected, rel=1e-12)
+        d.search.phi_end[c] = 7.0
         exclusion.set_clearance(d, c, *found)
-        assert d.search.clear_end[c] == pytest.approx(expected[0], rel=1e-12)
-    exclusion.keep_start(d)
-    np.testing.assert_array_equal(d.search.clear_start, d.search.clear_end)
-    np.testing.assert_array_equal(d.search.clear_start_rate, d.search.clear_end_rate)
+        assert d.search.phi_end[c] == pytest.approx(expected[0], rel=1e-12)
+    exclusion.begin_next_interval(d)
+    np.testing.assert_array_equal(d.search.phi_start, d.search.phi_end)
+    np.testing.assert_array_equal(d.search.phi_start_rate, d.search.phi_end_rate)
 
 
 @pytest.mark.parametrize("regularized", [-1, 2])
@@ -315,15 +315,13 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
         moved[sundman_u_at(2)] = u + side * change
         locate_points(d, moved)
         exclusion.set_clearances(d, moved)
-        rates.append(d.search.clear_end_rate.copy())
+        rates.append(d.search.phi_end_rate.copy())
     locate_points(d, y)
     accelerate_points(d, y, rate)
     exclusion.measure_all(d, y)
-    np.testing.assert_allclose(
-        d.search.clear_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
-    )
+    np.testing.assert_allclose(d.search.phi_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6)
     apart = [c for c in range(d.candidates) if c not in (2, 4)]
-    assert d.search.safe_distance == d.search.clear_end[apart].min()
+    assert d.search.safe_distance == d.search.phi_end[apart].min()
     assert time_at(2) == len(y) - 1
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.chain.kinematics import largest_component, locate_points
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.events.friction_modes import (
-    AGAINST,
+    ACCELERATION_ERROR,
     choose_modes,
     count_inconsistent,
-    first_guess,
+    first_mode,
     is_inconsistent,
     set_slack,
     update_modes,
@@ -21,7 +21,7 @@ from chain_impact.kernel.events.friction_modes import (
 from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, pending_changes
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.active_contacts import list_touching
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, against, list_sticking
+from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking, sliding_sign
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, Doubled, rubbing_chain
@@ -33,7 +33,7 @@ SEEDS = range(6)
 def assert_laws_hold(chain):
     """Assert that force and acceleration of each element at rest fulfil Coulomb's law."""
     d, reached = chain.d, chain.accelerations()
-    scale = largest(d, d.scratch.acceleration)
+    scale = largest_component(d, d.scratch.acceleration)
     held, sliding = chain.limits()
     for k, e in enumerate(chain.elements):
         force, mode = d.element.force[e], chain.modes[k]
@@ -42,7 +42,7 @@ def assert_laws_hold(chain):
             assert abs(reached[k]) <= 1e-11 * scale
         else:
             assert force == pytest.approx(-mode * sliding[k], rel=1e-12)
-            assert mode * reached[k] >= -AGAINST * scale
+            assert mode * reached[k] >= -ACCELERATION_ERROR * scale
 
 
 @pytest.mark.full("more cases", but=20)
@@ -132,7 +132,7 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
     d.element.event[e] = STICKING_ENDS
     assert pending_changes(d) == 1
     update_modes(d, False)
-    assert d.element.mode[e] == against(force) == -np.sign(force)
+    assert d.element.mode[e] == sliding_sign(force) == -np.sign(force)
     assert pending_changes(d) == 0
     assert chain.modes in chain.consistent()
 
@@ -200,7 +200,7 @@ def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign
     move_at(d, c, sign * speed)
     d.element.before[c] = sign * before if abs(before) == 1 else before
     d.element.event[c], d.element.force[c] = event, sign * 4.0
-    assert first_guess(d, c, jumped) == sign * right
+    assert first_mode(d, c, jumped) == sign * right
     assert d.element.undecided[c] == undecided
 
 
@@ -209,7 +209,7 @@ def test_rest_has_a_speed_of_round_off(one, part, undecided):
     d, c = one
     move_at(d, c, part * rest_speed(d))
     d.element.before[c] = STICKS
-    first_guess(d, c, True)
+    first_mode(d, c, True)
     assert d.element.undecided[c] == undecided
 
 
@@ -234,7 +234,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
         d.element.mode[c], d.element.undecided[c] = sign, 1
-        backward = -sign * part * AGAINST * (50.0 + d.model.gravity_size + d.model.longest_link)
+        backward = -sign * part * ACCELERATION_ERROR * (50.0 + d.model.gravity_size + d.model.longest_link)
         place = d.candidate.place[c]
         d.scratch.acceleration.x[place] = backward * d.candidate.normal_y[c]
         d.scratch.acceleration.y[place] = -backward * d.candidate.normal_x[c]

@@ -8,10 +8,10 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.handlers import (
     LEAVING_TIME,
+    apply_event,
     apply_events,
-    choose_size,
+    choose_next_size,
     force_has_kink,
-    handle,
 )
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.forces.force_formula import elastic_energy
@@ -53,7 +53,7 @@ def begins_explicit(d):
 def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
     d.touch.beyond_kink[C] = 1
-    assert handle(d, C, ONSET) == JUMPS[law]
+    assert apply_event(d, C, ONSET) == JUMPS[law]
     assert d.touch.active[C] == 1
     assert d.touch.beyond_kink[C] == 0
     assert d.touch.onset[C] == 1.5
@@ -76,7 +76,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
-    assert handle(d, C, END) == JUMPS[law]
+    assert apply_event(d, C, END) == JUMPS[law]
     assert d.touch.active[C] == 1 - ends
     assert d.contact_log.count == ends
 
@@ -84,10 +84,10 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
 def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     """The depth is that of an elastic impact at twice v₀, and the damping is half of λ K/v₀."""
     d = arrived()
-    handle(d, C, ONSET)
+    apply_event(d, C, ONSET)
     mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
     d.touch.beyond_kink[C] = 1
-    assert handle(d, C, RELATCH)
+    assert apply_event(d, C, RELATCH)
     assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
     assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
@@ -100,9 +100,9 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
 def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
     """A contact without a force gets a rising force again; a reversed contact has no damping any more."""
     d = arrived(law)
-    handle(d, C, ONSET)
+    apply_event(d, C, ONSET)
     d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
-    assert handle(d, C, KINK)
+    assert apply_event(d, C, KINK)
     assert d.touch.beyond_kink[C] == 1 - beyond
     assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
     assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
@@ -111,8 +111,8 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
 def test_no_event_leaves_all_as_it_is():
     d = arrived()
     before = d.numpy_record.tobytes()
-    assert not handle(d, C, NONE)
-    assert not handle(d, C, RELEASE)
+    assert not apply_event(d, C, NONE)
+    assert not apply_event(d, C, RELEASE)
     assert d.numpy_record.tobytes() == before
 
 
@@ -189,7 +189,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     d.inputs.tip_force[:] = 0.3, 0.4
     d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
     d.step.flight_size, d.step.method = flight, method
-    choose_size(d, -1, False)
+    choose_next_size(d, -1, False)
     turning = control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
@@ -205,7 +205,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d = arrived(touching=[0, 1, C])
     d.touch.impact_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
     d.step.method = method
-    choose_size(d, onset, goes_on)
+    choose_next_size(d, onset, goes_on)
     if onset >= 0:
         assert (
             d.step.next_size
@@ -222,7 +222,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
 def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
     d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
-    choose_size(d, C, False)
+    choose_next_size(d, C, False)
     assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
 
 
@@ -232,7 +232,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
     d.inputs.drive_damping[:], d.model.has_springs_or_dampers = 1e12, 1
     d.model.joint_rate_bound = joint_rate_bound(d)
-    choose_size(d, C, False)
+    choose_next_size(d, C, False)
     sizes = [control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method
     beside = control.size_at_onset_beside(d, C)
@@ -262,6 +262,6 @@ def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held,
     monkeypatch.setattr(handlers, "any_point_held", lambda _: held)
     monkeypatch.setattr(handlers, "handle_impact", lambda _: called.append("impact") or -1)
     monkeypatch.setattr(handlers, "begin_flight", lambda _: called.append("flight"))
-    monkeypatch.setattr(handlers, "choose_size", lambda _d, *what: called.append(what))
+    monkeypatch.setattr(handlers, "choose_next_size", lambda _d, *what: called.append(what))
     assert apply_events(d) == held
     assert called == ["impact"] * held + ["flight" if flies else (-1, False)]

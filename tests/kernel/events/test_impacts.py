@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.chain.kinematics import largest_component, locate_points
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.events import impacts
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.forces.active_contacts import latch_onset
-from chain_impact.kernel.forces.holding import RISE
+from chain_impact.kernel.forces.holding import LEAST_RISE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
-from chain_impact.kernel.rows.geometry import clearance, farthest
+from chain_impact.kernel.rows.geometry import clearance, largest_coordinate
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
@@ -112,7 +112,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     speeds = np.full(3, -0.5 * SLOWEST)
     reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
     np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
-    stay = np.flatnonzero(reached < impacts.STICK * SLOWEST)
+    stay = np.flatnonzero(reached < impacts.LEAST_REBOUND_SPEED * SLOWEST)
     accelerations = -response.T @ potential_slopes(d, after)
     locate_points(d, after)
     force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
@@ -128,7 +128,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
 
 def test_points_that_all_but_touch_are_neighbours():
     d, *_ = touching(0, (1,))
-    limit = impacts.TOUCHES * impacts.release_gap(d, 2, farthest(d))
+    limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_gap(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
@@ -166,7 +166,7 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
     locate_points(d, y)
-    rebound = times * impacts.STICK * SLOWEST
+    rebound = times * impacts.LEAST_REBOUND_SPEED * SLOWEST
     d.law.restitution[:] = rebound / -speed
     impacts.find_impulses(d, 1.0)
     assert d.constraints.target[0] == pytest.approx(aims * rebound, rel=1e-9)
@@ -179,7 +179,7 @@ def test_impulses_fall_short_by_more_than_round_off(short):
     d.constraints.reached[:4] = (
         0.5,
         0.9,
-        0.5 - short * impacts.IMPACT_ROUND_OFF * largest(d, d.scratch.velocity),
+        0.5 - short * impacts.IMPACT_ROUND_OFF * largest_component(d, d.scratch.velocity),
         0.5,
     )
     assert impacts.lacks_rebound(d) == (short > 1.0)
@@ -250,7 +250,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
 
 
 def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
-    """A throw has the height u²/(2 a); heights below RISE count as rest."""
+    """A throw has the height u²/(2 a); heights below LEAST_RISE count as rest."""
     for times, stays in ((0.9, True), (1.1, False)):
         d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
         latch_onset(d, c)
@@ -259,7 +259,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         d.law.minimum_impact_speed[:] = 1e-12
         d.step.state_end[6:12] = 0.0
         d.model.gravity[:] = 0.0, -9.81
-        slow = math.sqrt(2.0 * 9.81 * RISE * d.model.longest_link)
+        slow = math.sqrt(2.0 * 9.81 * LEAST_RISE * d.model.longest_link)
         locate_points(d, d.step.state_end)
         d.constraints.impulse[0] = 1.0
         d.constraints.reached[0] = times * slow
@@ -297,7 +297,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
-    scale = largest(d, d.scratch.velocity)
+    scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     impacts.end_unstopped_contacts(d)
@@ -354,14 +354,14 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
     y[2:5] = 0.0, 1.1, 0.0
     c = stops_of(d)[0]
     locate_points(d, y)
-    near = impacts.release_gap(d, c, farthest(d))
+    near = impacts.release_gap(d, c, largest_coordinate(d))
     y[:2] += 1e6
     locate_points(d, y)
-    assert impacts.release_gap(d, c, farthest(d)) == near == 1e-13 * d.model.longest_link
-    assert impacts.release_gap(d, 0, farthest(d)) >= 1e-8
+    assert impacts.release_gap(d, c, largest_coordinate(d)) == near == 1e-13 * d.model.longest_link
+    assert impacts.release_gap(d, 0, largest_coordinate(d)) >= 1e-8
     # an angle of many turns has a larger round-off
     y[3:5] += 1e4
-    assert impacts.release_gap(d, c, farthest(d)) > 5e-11 * d.model.longest_link
+    assert impacts.release_gap(d, c, largest_coordinate(d)) > 5e-11 * d.model.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():

@@ -22,10 +22,10 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
     d.step.size, d.step.regularized, d.model.longest_link = size, -1, 1.0
     d.touch.active[0] = active
     search = d.search
-    search.clear_start[:], search.clear_end[:] = 9.0, 9.0
-    search.clear_start_rate[:] = search.clear_end_rate[:] = search.curvature[:] = 0.0
-    search.clear_start[0], search.clear_end[0] = start, end
-    search.clear_start_rate[0], search.clear_end_rate[0] = rates
+    search.phi_start[:], search.phi_end[:] = 9.0, 9.0
+    search.phi_start_rate[:] = search.phi_end_rate[:] = search.curvature[:] = 0.0
+    search.phi_start[0], search.phi_end[0] = start, end
+    search.phi_start_rate[0], search.phi_end_rate[0] = rates
     search.curvature[0] = curvature
     suspect_all(d)
     return d
@@ -66,7 +66,7 @@ def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, 
 def test_the_candidate_that_is_unsettled_decides_among_several():
     d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
     assert crossing.check_interval(d, 0.0, 1.0) == CROSSES
-    d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
+    d.search.curvature[1], d.search.phi_end_rate[1] = 100.0, 1.0
     assert crossing.check_interval(d, 0.0, 1.0) == SPLIT
     assert crossing.check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
 
@@ -90,7 +90,7 @@ def test_a_harmless_interval_at_the_end_of_a_step_has_no_crossing(whole, active)
 def test_a_deep_point_without_inward_motion_is_an_onset(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
-    d.search.clear_start[0] = -1e-11  # the candidate has been at this depth before
+    d.search.phi_start[0] = -1e-11  # the candidate has been at this depth before
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == QUIET
 
 
@@ -159,8 +159,8 @@ def test_intervals_are_halved_where_needed_and_widen_again(monkeypatch, near, en
     """The intervals of the bisection are [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they contain an event."""
     _, d = stopped_chain(1, "pinned")
     seen = []
-    monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
-    monkeypatch.setattr(crossing, "keep_start", lambda _: None)
+    monkeypatch.setattr(crossing, "measure_clearances", lambda _, b: seen.append(b))
+    monkeypatch.setattr(crossing, "begin_next_interval", lambda _: None)
     monkeypatch.setattr(
         crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
     )

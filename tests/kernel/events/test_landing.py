@@ -7,19 +7,19 @@ import pytest
 
 from chain_impact.kernel.chain.state import time_at, velocity_at
 from chain_impact.kernel.events import search
-from chain_impact.kernel.events.crossing import measure
+from chain_impact.kernel.events.crossing import measure_clearances
 from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.events.search import (
-    DEEP,
-    EARLY,
-    LANDED,
-    credible,
+    DEEPEST_ONSET,
+    EARLY_THETA,
+    LANDING_TIME,
     drop_separating,
     find_event,
+    is_credible_crossing,
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, accepted, conclude
+from chain_impact.kernel.ode.control import IMPLICIT, accepted, set_outcome
 from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.motions import moving
@@ -35,7 +35,7 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
     set_step(d, motion, size)
     wall_at(d, c, motion.at(0.0), gap)
     touch(d, [c] if active else [])
-    measure(d, theta)
+    measure_clearances(d, theta)
     d.touch.event[:] = NONE
     d.touch.event[c] = kind
     return d
@@ -47,38 +47,38 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
 ])  # fmt: skip
 def test_an_onset_is_believed_at_the_wall_of_a_point_that_arrives(depth, rate, kind, believed):
     d = touched(0.3, -1.0, kind=kind)
-    d.search.clear_end[1], d.search.clear_end_rate[1] = -depth * DEEP * d.model.longest_link, rate
-    assert credible(d, 0.5) == believed
+    d.search.phi_end[1], d.search.phi_end_rate[1] = -depth * DEEPEST_ONSET * d.model.longest_link, rate
+    assert is_credible_crossing(d, 0.5) == believed
     d.candidate.offset[1] += 0.4  # the point starts inside the wall, which a shorter step would show, too
-    assert credible(d, 0.0)
+    assert is_credible_crossing(d, 0.0)
 
 
 @pytest.mark.parametrize(("gap", "clear"), [(3.0, True), (1.5, False)])
 def test_a_touch_at_the_very_start_has_to_agree_with_the_motion_there(gap, clear):
     """At θ h a point would have moved |ġ| θ h: less than half of its clearance if it is clear."""
-    theta = 0.9 * EARLY
+    theta = 0.9 * EARLY_THETA
     d = touched(gap * theta, -1.0, theta=theta)
-    d.search.clear_end[1] = -1e-15
+    d.search.phi_end[1] = -1e-15
     assert starts_clear(d, theta) == clear
-    assert credible(d, theta) == (not clear)
-    d.search.clear_end[1] = -1e-15
-    assert credible(d, 1.1 * EARLY)
+    assert is_credible_crossing(d, theta) == (not clear)
+    d.search.phi_end[1] = -1e-15
+    assert is_credible_crossing(d, 1.1 * EARLY_THETA)
 
 
 def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     """At dt/ds = ½ a point with ġ = −2 m/s moves by 1 m in 1 s of the step's variable s."""
-    theta = 0.9 * EARLY
+    theta = 0.9 * EARLY_THETA
     _, d = chain(np.random.default_rng(0), 2)
     motion = with_rate(d, translation(d, [0.3, 0.1], [0.0, -1.0]), HALF)
     walls_away(d)
     set_step(d, motion, 1.0, regularized=REGULARIZED)
     wall_at(d, 1, motion.at(0.0), 3.0 * theta)
     touch(d, [REGULARIZED])
-    measure(d, theta)
+    measure_clearances(d, theta)
     d.touch.event[:] = NONE
     d.touch.event[1] = ONSET
-    d.search.clear_end[1] = -1e-15
-    assert not credible(d, theta)
+    d.search.phi_end[1] = -1e-15
+    assert not is_credible_crossing(d, theta)
 
 
 @pytest.mark.parametrize("active", [0, 1])
@@ -120,11 +120,11 @@ def test_onsets_of_points_that_move_away_are_dropped():
         d = touched(0.3, -1.0)
         d.touch.event[:] = NONE
         d.touch.event[[1, 5]] = ONSET
-        d.search.clear_end_rate[[1, 5]] = rates
+        d.search.phi_end_rate[[1, 5]] = rates
         assert drop_separating(d, 0.4) == left
         assert d.touch.event[[1, 5]].tolist() == kinds
     d = touched(0.3, 1.0, active=1, kind=END)
-    d.search.clear_end_rate[1] = 1.0
+    d.search.phi_end_rate[1] = 1.0
     assert drop_separating(d, 0.4) == 0.4
 
 
@@ -160,7 +160,7 @@ def lands(d):
 
 @pytest.mark.parametrize("regularized", [-1, REGULARIZED])
 @pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
-@pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
+@pytest.mark.parametrize("off", [0.0, 0.5 * LANDING_TIME, -0.5 * LANDING_TIME])
 def test_a_step_repeated_for_onsets_ends_at_the_first_of_them(off, bend, regularized):
     """A point whose distance from its wall is a part of its path |g′| h arrives later by this part.
 
@@ -169,7 +169,7 @@ def test_a_step_repeated_for_onsets_ends_at_the_first_of_them(off, bend, regular
     speed, size = 2.0, 0.5
     gap = off * speed * size
     after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
-    behind = gap + 0.3 * LANDED * speed * size
+    behind = gap + 0.3 * LANDING_TIME * speed * size
     for gaps in ([gap, behind], [behind, gap]):
         found = onset_fraction(landed(gaps, -speed, size, bend=bend, regularized=regularized))
         assert found == pytest.approx(1.0 + after / size, abs=1e-11)
@@ -177,14 +177,14 @@ def test_a_step_repeated_for_onsets_ends_at_the_first_of_them(off, bend, regular
 
 def test_an_onset_that_stays_deep_inside_is_refused():
     """Within two Newton iterations the path bends away from the wall."""
-    gap = -0.8 * LANDED
+    gap = -0.8 * LANDING_TIME
     assert onset_fraction(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
     assert not lands(landed([gap, gap], bend=-100.0))
 
 
 @pytest.mark.parametrize("other", [0, 1])
 @pytest.mark.parametrize(
-    ("gap", "rate"), [(1.1 * LANDED, -2.0), (-1.1 * LANDED, -2.0), (0.0, 2.0), (0.0, 0.0)]
+    ("gap", "rate"), [(1.1 * LANDING_TIME, -2.0), (-1.1 * LANDING_TIME, -2.0), (0.0, 2.0), (0.0, 0.0)]
 )
 def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
     gaps = [0.0, gap] if other else [gap, 0.0]
@@ -202,7 +202,7 @@ def test_events_of_the_shortest_step_are_at_its_end():
     assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
     d = landed([0.1, 0.1], size=1e-11)
     assert not lands(d)
-    conclude(d, 0.0, 1.0)
+    set_outcome(d, 0.0, 1.0)
     d.step.start, d.step.end = 1e4, 1e4 + 1e-11
     assert onset_fraction(d) == -1.0
     assert accepted(d)
@@ -221,20 +221,20 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
         d = touched(0.3 * size, -1.0, size=size)
         d.step.start, d.step.end = clock, clock + size
         d.touch.event[:] = NONE
-        monkeypatch.setattr(search, "credible", lambda *_: False)
+        monkeypatch.setattr(search, "is_credible_crossing", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
         assert accepted(d) == taken
         assert d.touch.event[1] == (NONE if taken else ONSET)
         if taken:
             # the points are those of the end of the step
-            np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
+            np.testing.assert_allclose(d.search.phi_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 
 
 def found_leaving(d):
     """Return a touch of a point that moves away."""
-    measure(d, 0.5)
-    d.touch.event[1], d.search.clear_end_rate[1] = ONSET, 1.0
+    measure_clearances(d, 0.5)
+    d.touch.event[1], d.search.phi_end_rate[1] = ONSET, 1.0
     return 0.5
 
 

@@ -60,7 +60,7 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
         return place - theta if shape == "linear" else place**3 - theta**3
 
     found = first_passage(function, four, resolution)(STEP, 7, end)
-    assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST, resolution / 10.0))
+    assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST_RESOLUTION, resolution / 10.0))
     assert max(asked) <= end
     # four samples and the start of a bracket; then the fast method, or bisection where the method fails
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
@@ -117,7 +117,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 s to ½ s; from the other side the motion returns at ½ s."""
     d, _ = falling([0.0, -1.0, 4.0, -4.0])
-    first_crossing = first_passage(sampled.own_side_at, lambda _d: 8, 0.0)
+    first_crossing = first_passage(sampled.side_of_kink_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.touch.beyond_kink[1] = 1

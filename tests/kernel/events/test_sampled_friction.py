@@ -175,7 +175,7 @@ def changes(monkeypatch):
         return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
     monkeypatch.setattr(sampled, "element_margin", margin)
-    return at, asked, make_search(margin, sampled.has_changed, sampled.mark_changes, sampled.ELEMENTS)
+    return at, asked, make_search(margin, sampled.mode_may_end, sampled.mark_changes, sampled.ELEMENTS)
 
 
 @pytest.mark.parametrize("found", [-1.0, 0.4])
@@ -184,7 +184,7 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     at, asked, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
-        d.element.margin[e] = -0.9 * sampled.resolution_of(d, e)
+        d.element.margin[e] = -0.9 * sampled.element_error(d, e)
     d.touch.event[3] = ONSET
     assert find(d, found) == found
     assert asked == []
@@ -256,10 +256,10 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     e = elements[0]
     size, mass = d.model.longest_link, np.mean(d.model.mass)
     d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
-    assert sampled.rest_speed(d) == sampled.AT_REST * size
+    assert sampled.rest_speed(d) == sampled.REST_SPEED * size
     assert sampled.friction_round_off(d, e) == pytest.approx(
         sampled.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
     )
-    assert sampled.resolution_of(d, e) == sampled.rest_speed(d) + 1e-9
+    assert sampled.element_error(d, e) == sampled.rest_speed(d) + 1e-9
     d.element.mode[e] = STICKS
-    assert sampled.resolution_of(d, e) == sampled.friction_round_off(d, e)
+    assert sampled.element_error(d, e) == sampled.friction_round_off(d, e)

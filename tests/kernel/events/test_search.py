@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
-from chain_impact.kernel.events.crossing import measure
+from chain_impact.kernel.events.crossing import measure_clearances
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
 from chain_impact.kernel.events.marks import END, KINK, ONSET, RELEASE
 from chain_impact.kernel.events.search import (
@@ -148,7 +148,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     if implicit:
         d.step.last_method = IMPLICIT
         remember_clearances(d, VALUES)  # values that a search has left at the end of its interval
-        d.search.clear_start[:] = d.search.clear_start_rate[:] = -7.0
+        d.search.phi_start[:] = d.search.phi_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
     if theta < 0.0:
@@ -169,7 +169,9 @@ def test_without_candidates_there_is_no_event():
 def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     """The clearances at the start of the step are measured only if they are unknown."""
     measured = []
-    monkeypatch.setattr(search, "measure", lambda d, theta: (measured.append(theta), measure(d, theta)))
+    monkeypatch.setattr(
+        search, "measure_clearances", lambda d, theta: (measured.append(theta), measure_clearances(d, theta))
+    )
     d, _ = moving(0, near=1)
     d.step.last_method = IMPLICIT
     remember_clearances(d, what)

@@ -194,7 +194,7 @@ def test_the_stops_among_the_contacts_are_counted():
     stops = stops_of(d)
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
         d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
-        d.touch.stop_count = 9
+        d.touch.joint_stop_count = 9
         active_contacts.list_touching(d)
         assert d.touch.active_count == len(touching)
-        assert d.touch.stop_count == len(set(touching) & set(stops))
+        assert d.touch.joint_stop_count == len(set(touching) & set(stops))

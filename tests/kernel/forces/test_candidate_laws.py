@@ -216,7 +216,7 @@ def test_a_wall_that_becomes_rigid_derives_no_depth_scale(lasting):
 def test_walls_and_stops_may_have_their_own_stiffness(given):
     """A depth of round-off is harmless; a rigid wall has no depth."""
     d, (first, *_) = given
-    kinds, harmless = list(given[1]), own_law.HARMLESS * SIZE
+    kinds, harmless = list(given[1]), own_law.HARMLESS_DEPTH * SIZE
     d.given.law = NUMBER["hertz"]
     for of_stops in (0, NUMBER["lee_wang"]):
         d.stops.law = of_stops
@@ -410,16 +410,16 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
         own_law.set_parameters(d, c)
         assert (d.law.friction[c], d.law.static_friction[c]) == pair
         d.contact.any_friction = 0
-        own_law.note_kind(d, c)
+        own_law.record_law_kind(d, c)
         assert d.contact.any_friction == (pair[1] > 0.0)
 
 
 @FRICTION
 def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
     d, (c, *_) = given
-    assert own_law.origin(d, c) == own_law.OF_CONTACT
+    assert own_law.law_origin(d, c) == own_law.OF_CONTACT
     d.walls[name][d.candidate.wall[c]] = 0.0
-    assert own_law.origin(d, c) == d.candidate.wall[c]
+    assert own_law.law_origin(d, c) == d.candidate.wall[c]
 
 
 @FRICTION

@@ -106,7 +106,7 @@ def test_slopes_are_finite_and_never_negative(law):
             stiffness, damping = slopes_of(d, depth, rate)
             assert 0.0 <= stiffness < math.inf
             assert 0.0 <= damping < math.inf
-            if forces.cut_off(d, 0):
+            if forces.is_cut_off(d, 0):
                 assert stiffness == damping == 0.0
 
 
@@ -189,7 +189,7 @@ def test_a_continued_force_is_the_force_on_its_own_side(law):
                     assert found == (0.0, elastic)  # the force is zero before the kink is located
                 else:
                     assert found == forces.uncut_force(d, 0, depth, rate, bool(beyond))
-                assert forces.cut_off(d, 0) == (beyond == 1 and not law.approach_only)
+                assert forces.is_cut_off(d, 0) == (beyond == 1 and not law.approach_only)
                 if height != 0.0:
                     # the kink is the zero of the force, or the end of approach damping
                     assert (height < 0.0) == (rate < 0.0 if law.approach_only else force == 0.0)
@@ -229,8 +229,8 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     assert d.touch.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
     # the damping share belongs to the force at the expected depth
     force, elastic = forces.uncut_force(d, 0, d.touch.depth_scale[0], speed, False)
-    assert forces.damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
-    assert forces.damping_share(d, 0) >= 0.0
+    assert forces.damping_over_elastic(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
+    assert forces.damping_over_elastic(d, 0) >= 0.0
 
 
 def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
@@ -240,7 +240,9 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
         d.solver.tolerance, d.touch.impact_speed[0] = tolerance, speed
         at_rest = tolerance * d.model.longest_link
         margin = forces.turning_margin(d, 0)
-        assert ((margin - at_rest) / speed) ** 2 == pytest.approx(forces.TURNED**2 * tolerance, rel=1e-9)
+        assert ((margin - at_rest) / speed) ** 2 == pytest.approx(
+            forces.TURNING_RATE**2 * tolerance, rel=1e-9
+        )
         d.touch.impact_speed[0] = 0.0
         assert forces.turning_margin(d, 0) == pytest.approx(at_rest, rel=1e-12)
 

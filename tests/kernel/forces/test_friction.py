@@ -19,7 +19,7 @@ def elements_of(d):
     return [int(e) for e in d.element.index[: d.friction.count]]
 
 
-def rate_of(d, y):
+def rate_from_resistance(d, y):
     """Return ẏ with the present modes; the points get their accelerations from ẏ."""
     rate = np.zeros(len(y))
     locate_points(d, y)
@@ -67,9 +67,9 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
     found = elements_of(d)
     d.element.mode[found] = sign
-    rate = rate_of(d, y)
+    rate = rate_from_resistance(d, y)
     d.friction.count = 0
-    free = rate_of(d, y)
+    free = rate_from_resistance(d, y)
     rows = tangents(scene, d, y, found)
     response, _ = mobility(scene, d, y, rows)
     normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
@@ -91,12 +91,12 @@ def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joint
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
     found = elements_of(d)
     d.friction.count = d.friction.contact_count = 0
-    free = rate_of(d, y)
+    free = rate_from_resistance(d, y)
     bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
     friction.list_friction(d)
     d.element.mode[found] = friction.STICKS
     friction.list_sticking(d)
-    rate = rate_of(d, y)
+    rate = rate_from_resistance(d, y)
     left = [geometry.tangential_acceleration(d, e) for e in found]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
     response, w = mobility(scene, d, y, tangents(scene, d, y, found))
@@ -130,7 +130,7 @@ def test_margins_are_the_least_of_a_step():
     friction.clear_margins(d)
     assert d.element.margin[c] == 0.0
     active_contacts.clear_loads(d)
-    power = friction.slide(d, c, 2.0)
+    power = friction.apply_sliding_friction(d, c, 2.0)
     assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
     assert d.element.margin[c] == -abs(speed)
     d.touch.force[c] = 5.0
@@ -138,7 +138,7 @@ def test_margins_are_the_least_of_a_step():
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
     d.constraints.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
-    friction.keep_static_forces(d)
+    friction.store_static_forces(d)
     assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
     assert friction.static_power(d) == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
 
@@ -149,12 +149,12 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
     d.element.mode[c] = friction.STICKS
     friction.list_sticking(d)
     there = geometry.tangential_position(d, c)
-    near = there + 0.5 * friction.NOT_HELD * geometry.farthest(d)
+    near = there + 0.5 * friction.ANCHOR_ROUND_OFF * geometry.largest_coordinate(d)
     d.element.anchor[c] = near
-    friction.keep_anchors(d)
+    friction.move_missed_anchors(d)
     assert d.element.anchor[c] == near
-    d.element.anchor[c] = there + 2.0 * friction.NOT_HELD * geometry.farthest(d)
-    friction.keep_anchors(d)
+    d.element.anchor[c] = there + 2.0 * friction.ANCHOR_ROUND_OFF * geometry.largest_coordinate(d)
+    friction.move_missed_anchors(d)
     assert d.element.anchor[c] == there
 
 

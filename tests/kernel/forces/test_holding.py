@@ -45,7 +45,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
         gaps.append([geometry.clearance(d, c)[0] for c in candidates])
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
-    most = holding.start_from_accelerations(d, y, rate)
+    most = holding.set_start_to_accelerations(d, y, rate)
     np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.scratch.acceleration.x).max(), np.abs(d.scratch.acceleration.y).max())
     force = np.linalg.solve(w, -own.start[:4])
@@ -60,11 +60,11 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
 
 
 def test_tolerated_momentum_is_that_of_tolerance_and_a_small_fall():
-    """m √(2 (g + 1/s²·size) RISE size) + m tol (size/s + v)."""
+    """m √(2 (g + 1/s²·size) LEAST_RISE size) + m tol (size/s + v)."""
     d, *_ = problem()
     total = d.model.mass.sum()
     rise = math.sqrt(
-        2.0 * (math.hypot(2.3, 9.81) + d.model.longest_link) * holding.RISE * d.model.longest_link
+        2.0 * (math.hypot(2.3, 9.81) + d.model.longest_link) * holding.LEAST_RISE * d.model.longest_link
     )
     for tolerance, speed in ((1e-4, 0.0), (1e-8, 7.0)):
         d.solver.tolerance = tolerance
@@ -120,7 +120,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         np.testing.assert_allclose(own.change, response[:, 1] * own.impulse[1], rtol=1e-6)
     else:
         np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-13)
-        assert not bad or moved > holding.MISPLACED * 2e-6 / size
+        assert not bad or moved > holding.LARGEST_CORRECTION * 2e-6 / size
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -146,7 +146,7 @@ def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved
     own, size, called = d.constraints, d.model.longest_link, []
     own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
-    limit = holding.MISPLACED * (1e-6 + 4e-3 / size)
+    limit = holding.LARGEST_CORRECTION * (1e-6 + 4e-3 / size)
 
     def solve_equality(d, scale):
         called.append(scale)
@@ -156,7 +156,7 @@ def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved
     monkeypatch.setattr(holding, "solve_equality", solve_equality)
     monkeypatch.setattr(holding, "solve_lcp", lambda _, scale: called.append(scale))
     holding.solve_positions(d)
-    assert called == [geometry.farthest(d)] * (1 + again)
+    assert called == [geometry.largest_coordinate(d)] * (1 + again)
 
 
 def stuck_chain(base, contacts, joints, stuck):
@@ -172,8 +172,8 @@ def stuck_chain(base, contacts, joints, stuck):
 @pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
 def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, contacts, stuck, monkeypatch):
     results = []
-    for only_active in (constraints.only_active, lambda _d: -1):
-        monkeypatch.setattr(constraints, "only_active", only_active)
+    for only_active in (constraints.single_active, lambda _d: -1):
+        monkeypatch.setattr(constraints, "single_active", only_active)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
         equations.free_rate_from_inputs(d, y, rate)

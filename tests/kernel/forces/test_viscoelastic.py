@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.forces.viscoelastic import NEAREST, SERIES, series, viscoelastic_factor
+from chain_impact.kernel.forces.viscoelastic import NEAREST_TO_ONE, SERIES, series, viscoelastic_factor
 from tests.helpers.models.reference import rebound
 
 
@@ -41,6 +41,6 @@ def test_the_series_is_that_of_chebyshev_polynomials():
 
 
 def test_next_to_no_loss_the_polynomial_is_that_of_none():
-    inside, beyond = 1.0 - 2.0 * NEAREST, 1.0 - 0.5 * NEAREST
+    inside, beyond = 1.0 - 2.0 * NEAREST_TO_ONE, 1.0 - 0.5 * NEAREST_TO_ONE
     for e in (inside, beyond):
         assert viscoelastic_factor(e) / (1.0 - e) == pytest.approx(series(-1.0), rel=1e-9)

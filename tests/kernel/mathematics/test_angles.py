@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import copy, in_reach, polar
+from chain_impact.kernel.chain.kinematics import copy_entries, in_sine_range, set_polar
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine, cosine_and_sine, sine
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
@@ -14,7 +14,7 @@ from tests.helpers.scenes.problems import ball
 
 def kernel(angles):
     cosine, sine = np.empty_like(angles), np.empty_like(angles)
-    polar(np.ones(len(angles)), angles, 0, cosine, sine)
+    set_polar(np.ones(len(angles)), angles, 0, cosine, sine)
     return cosine, sine
 
 
@@ -57,19 +57,19 @@ def test_the_cosine_and_sine_of_an_angle_are_those_of_each_quarter_turn(quarter)
 
 def test_angles_are_in_range_while_their_sum_is_below_the_limit():
     angles = np.array([9 * LARGEST_ANGLE, -0.6 * LARGEST_ANGLE, 0.39 * LARGEST_ANGLE, 9 * LARGEST_ANGLE])
-    assert in_reach(angles, 1, 2)
-    assert in_reach(angles, 1, 0)
-    assert not in_reach(angles, 1, 3)
-    assert not in_reach(angles, 0, 2)
+    assert in_sine_range(angles, 1, 2)
+    assert in_sine_range(angles, 1, 0)
+    assert not in_sine_range(angles, 1, 3)
+    assert not in_sine_range(angles, 0, 2)
     angles[2] = 0.4 * LARGEST_ANGLE
-    assert not in_reach(angles, 1, 2)
+    assert not in_sine_range(angles, 1, 2)
 
 
 @pytest.mark.parametrize("count", range(10))
 @pytest.mark.parametrize("first", [0, 3])
 def test_numbers_are_copied_from_where_they_begin(count, first):
     numbers, out = np.arange(20.0) + 1.0, np.full(12, -1.0)
-    copy(numbers, first, count, out)
+    copy_entries(numbers, first, count, out)
     np.testing.assert_array_equal(out, [*numbers[first : first + count], *[-1.0] * (12 - count)])
 
 
@@ -77,7 +77,7 @@ def test_numbers_are_copied_from_where_they_begin(count, first):
 def test_a_radius_scales_both_and_angles_begin_where_they_are_said_to(largest):
     angles, radius = np.array([1.0, 2.0, -largest, 0.5]), np.array([0.7, 2.5])
     across, along = np.zeros(2), np.zeros(2)
-    polar(radius, angles, 1, across, along)
+    set_polar(radius, angles, 1, across, along)
     np.testing.assert_allclose(across + 1j * along, radius * np.exp(1j * angles[1:3]), rtol=0, atol=1e-15)
 
 

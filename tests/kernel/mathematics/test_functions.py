@@ -71,7 +71,7 @@ def test_logarithms_and_exponentials_rise_where_table_entries_meet():
     patterns = [
         logarithms.FIRST + (i << logarithms.WIDTH_BITS) for i in range(logarithms.MANTISSA_INTERVALS + 1)
     ]
-    joints = [doubles.double(pattern) for pattern in patterns]
+    joints = [doubles.double_of_bits(pattern) for pattern in patterns]
     steps = [(j + 0.5) * math.log(2.0) / exponentials.POWER_COUNT for j in range(-200, 200)]
     for function, places in ((logarithms.log, joints), (exponentials.exp, steps)):
         for place in places:

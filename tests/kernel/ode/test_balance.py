@@ -37,10 +37,10 @@ def after_a_step():
 
 def error_after_check(d, theta):
     """Return the error of the last step after the energy check; before it was a tenth of the tolerance."""
-    control.conclude(d, 0.1, 1.0)
+    control.set_outcome(d, 0.1, 1.0)
     energies = balance.check_energy(d, theta)
     if control.accepted(d):
-        balance.keep_energy(d, *energies)
+        balance.store_energy(d, *energies)
     return float(d.trial.error)
 
 
@@ -187,9 +187,9 @@ def test_the_carriage_of_a_slider_moves_and_has_a_weight():
 
 def test_the_force_of_a_sliders_spring_counts_over_the_longest_link():
     d, y = slid()
-    with_spring = balance.scales(d, y)
+    with_spring = balance.energy_scales(d, y)
     d.inputs.drive_stiffness[1] = 0.0
-    without = balance.scales(d, y)
+    without = balance.energy_scales(d, y)
     force = 5.0 * 0.25
     assert with_spring[0] - without[0] == pytest.approx(force * 0.5, rel=1e-11)
     size = 0.3 * (math.cos(0.1) + math.sin(0.1)) + 0.05
@@ -213,7 +213,7 @@ def test_a_balance_starts_from_the_present_energies():
     assert (own.least_allowed, own.allowed) == pytest.approx((right, right), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
     d.step.breaks, d.scratch.position.x[:] = 12, 1e9
-    balance.rebase_energy(d)
+    balance.restart_balance(d)
     assert (own.at_end, own.breaks) == (present, 12)
 
 
@@ -224,9 +224,11 @@ def test_the_available_energy_never_falls_and_grows_by_what_is_supplied():
     own.available = -1e4
     for supplied in (-5.0, 0.0, 3.0):
         y[supplied_at(LINKS)] = supplied
-        assert balance.most_energy(d, y, -2.0) == pytest.approx(least + 2.0 + max(0.0, supplied), rel=1e-13)
+        assert balance.largest_available_energy(d, y, -2.0) == pytest.approx(
+            least + 2.0 + max(0.0, supplied), rel=1e-13
+        )
     own.available = 1e4
-    assert balance.most_energy(d, y, -2.0) == 1e4
+    assert balance.largest_available_energy(d, y, -2.0) == 1e4
 
 
 @pytest.mark.parametrize("springs", [False, True])
@@ -244,22 +246,22 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     angles = abs(y[1 : LINKS + 2])
     angles[0] = 0.0  # of the base
     known += moments @ (angles[1:] + angles[:-1] + abs(d.inputs.target[:-1]))
-    assert balance.scales(d, y) == pytest.approx((scale, known), rel=1e-13)
+    assert balance.energy_scales(d, y) == pytest.approx((scale, known), rel=1e-13)
     allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * known
-    assert balance.allowance(d, y) == pytest.approx(allowed, rel=1e-13)
-    assert balance.round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
+    assert balance.allowed_change(d, y) == pytest.approx(allowed, rel=1e-13)
+    assert balance.allowed_round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
 
 
 def test_contacts_add_the_work_of_forces_over_depth_errors():
     d, y = moving()
-    without = balance.scales(d, y)
+    without = balance.energy_scales(d, y)
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (1, 3)]
     for c in touched:
         press_in(d, c, 2e-3)
     touch(d, touched)
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 3e-3, [0.5, 2.0]
     d.touch.effective_mass[touched] = [0.7, 1.9]
-    found = balance.scales(d, y)
+    found = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
     scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
     known = sum(force * geometry.coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
@@ -273,7 +275,7 @@ def test_the_budget_is_that_of_errors_in_speeds_at_the_available_energy():
     d.step.end, speed = 4.0, math.sqrt(2.0 * 50.0)
     right = 3.0 * TOLERANCE * (speed * (speed + d.balance.unit_motion) + d.balance.unit_scale)
     assert balance.loss_budget(d, 50.0) == pytest.approx(1.3 * right, rel=1e-13)
-    assert (balance.LOSS, balance.LASTING, balance.OF_A_STEP) == (3.0, 10.0, 3.0)
+    assert (balance.ENERGY_LOSS, balance.LOSS_TIME, balance.STEP_CHANGE) == (3.0, 10.0, 3.0)
 
 
 def test_a_step_may_lose_what_is_left_or_its_share():
@@ -313,9 +315,9 @@ def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
 def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
     d = after_a_turn(0.1)
     for steps, tolerance, right in (
-        (0, 1.01 * balance.LOOSE, True),
-        (0, 0.99 * balance.LOOSE, False),
-        (1, 1.01 * balance.LOOSE, False),
+        (0, 1.01 * balance.LOOSE_TOLERANCE, True),
+        (0, 0.99 * balance.LOOSE_TOLERANCE, False),
+        (1, 1.01 * balance.LOOSE_TOLERANCE, False),
     ):
         d.statistics.steps, d.solver.tolerance = steps, tolerance
         assert balance.is_long(d) == right
@@ -325,7 +327,9 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
     d = after_a_turn(0.1, springs=True, dampers=True)
     for method, number in ((EXPLICIT, 0.9), (EXPLICIT, 1.1), (IMPLICIT, 1.1)):
         d.step.last_method = method
-        d.step.end = d.step.start + number * methods.STABLE / (methods.joints_over(d, 1e3) / 1e3)
+        d.step.end = d.step.start + number * methods.STABLE_STEP / (
+            methods.joint_stiffness_number(d, 1e3) / 1e3
+        )
         assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
     d.step.last_method, d.model.has_springs_or_dampers = EXPLICIT, 0
     assert not balance.is_long(d)

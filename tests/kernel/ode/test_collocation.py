@@ -78,7 +78,9 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             locate_points(d, y)
             for k in range(int(d.touch.active_count)):
                 gap, _ = geometry.clearance(d, int(d.touch.active_index[k]))
-                found.append(abs(gap / collocation.interpolated(d, sundman_u_at(d.links) + k, theta) - 1.0))
+                found.append(
+                    abs(gap / collocation.extended_component(d, sundman_u_at(d.links) + k, theta) - 1.0)
+                )
     assert max(seen.values()) > 1e-3
     for found in errors.values():
         assert len(found) > 60
@@ -125,8 +127,8 @@ def at_start(tolerance=1e-8, **tables):
         (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # the point moves inward
-        (-0.9 * collocation.FORCELESS, 1.0, 1.0),  # the point has almost left
-        (-1.1 * collocation.FORCELESS, 1.0, 1.1 * collocation.FORCELESS * collocation.PAST_END),
+        (-0.9 * collocation.FORCELESS_PART, 1.0, 1.0),  # the point has almost left
+        (-1.1 * collocation.FORCELESS_PART, 1.0, 1.1 * collocation.FORCELESS_PART * collocation.PAST_END),
         (0.1, 1.0, 1.0),
     ],
 )
@@ -136,7 +138,7 @@ def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, s
     for first in (0, 1):
         for k, (at, rate) in enumerate([(gap, gap_rate), (-0.7, 0.9 if size < 1.0 else -1.0)]):
             d.implicit.start[gap_at(d, k ^ first)], d.implicit.start[rate_at(d, k ^ first)] = at, rate
-        assert collocation.toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
+        assert collocation.size_toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
 
 
 def stiff_joint(damping, tolerance=1e-8):
@@ -218,7 +220,7 @@ def last_polynomial(d, degree, end=1.0):
 @pytest.mark.parametrize(("branch", "degree"), [(0, 5), (1, 4), (2, 3), (3, 1)])
 def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
     """The polynomial is the last step's own if its degree is not higher."""
-    bounds = (0.0, *collocation.FORETOLD, 9.0)
+    bounds = (0.0, *collocation.EXTRAPOLATED_LENGTHS, 9.0)
     # at the end of the branch, and slightly beyond the end of the previous branch
     for beyond in (bounds[branch] + 1e-6, min(bounds[branch + 1], 8.0) - 1e-6):
         d = at_start()[1]
@@ -279,7 +281,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
     if share:
-        assert control.factor(d) == pytest.approx(share, rel=0.02)
+        assert control.next_size_factor(d) == pytest.approx(share, rel=0.02)
 
 
 # --- what it costs and what it errs -------------------------------------------------------------------------
@@ -289,13 +291,13 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     d, _, _ = stiff_joint(1e3)
     h = collocation.prepare(d, 1e-3)
     before, evaluations = d.limits.other_cost, d.statistics.rhs_evaluations
-    monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
+    monkeypatch.setattr(collocation, "error_estimate", lambda *_: 0.25)
     collocation.attempt(d, h)
     assert d.trial.error == 0.25
     iterations = d.implicit.iterations
     assert d.limits.other_cost - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
-    monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
+    monkeypatch.setattr(collocation, "error_estimate", lambda *_: math.nan)
     collocation.attempt(d, h)
     assert not control.accepted(d)
 
@@ -304,16 +306,16 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
 def test_an_error_that_is_not_finite_is_infinite(bad):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt(d, collocation.prepare(d, 1e-3))
-    assert math.isfinite(collocation.estimate(d, 1e-3, extended_size(d)))
+    assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_size(d)))
     d.implicit.start_rate[0] = bad
-    assert collocation.estimate(d, 1e-3, extended_size(d)) == math.inf
+    assert collocation.error_estimate(d, 1e-3, extended_size(d)) == math.inf
 
 
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt(d, collocation.prepare(d, 1e-3))
     size, before = extended_size(d), d.limits.other_cost
-    free = collocation.estimate(d, 1e-3, size)
+    free = collocation.error_estimate(d, 1e-3, size)
     assert d.limits.other_cost == before
     monkeypatch.setattr(collocation, "any_constraint", lambda _: True)
     solve, solved = collocation.solve_real, []
@@ -327,7 +329,7 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     errors = 1e3 * d.solver.tolerance, 1001.0 * d.solver.tolerance
     monkeypatch.setattr(collocation, "force_errors", lambda _: errors)
     # e₁ min(1, e₁/e₂), with the moments in place of the other errors
-    assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
+    assert collocation.error_estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
     assert d.limits.other_cost == before + 1
     assert free < 1e3
     # the error of the start is computed again

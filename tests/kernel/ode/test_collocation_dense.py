@@ -48,14 +48,14 @@ def test_the_polynomial_goes_through_the_stages(step):
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
     d.touch.listings = 7
-    collocation.keep_stages(d, False)
+    collocation.store_stages(d, False)
     assert d.implicit.last[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
     assert d.implicit.listing == 7
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
         dense.interpolate(d.step, theta, y)
         assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
-        part = collocation.interpolated(d, 4, theta) - d.implicit.start[4]
+        part = collocation.extended_component(d, 4, theta) - d.implicit.start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
         for k in range(2):
             found = basis(theta) @ d.quadrature.dense[:, k]
@@ -71,9 +71,9 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
     assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
     d = step
-    collocation.keep_stages(d, False)
+    collocation.store_stages(d, False)
     d.search.curvature[:] = -1.0
-    collocation.curvatures(d, H)
+    collocation.bound_curvatures(d, H)
     for k, c in enumerate(d.touch.active_index[:2]):
         sizes = np.abs(np.array(collocation.SHAPE) @ d.implicit.last[:, gap_at(d, k)])
         assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
@@ -83,7 +83,7 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
 def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     """The changes are zero at the ends of the step; they are tested at a third and two thirds."""
     d, rng = step, np.random.default_rng(43)
-    collocation.keep_stages(d, False)
+    collocation.store_stages(d, False)
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
@@ -96,11 +96,11 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
         changes[len(asked)] = change.copy()
 
     monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
-    collocation.keep_clearances(d)
+    collocation.match_clearances(d)
     assert [call[0] for call in asked] == [0, 1, 0, 1]
     for k in range(2):
         wanted = [
-            collocation.interpolated(d, gap_at(d, k) + 2 * derivative, part / 3)
+            collocation.extended_component(d, gap_at(d, k) + 2 * derivative, part / 3)
             for part in (1, 2)
             for derivative in (0, 1)
         ]
@@ -115,9 +115,9 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
 
 def test_without_contacts_with_a_force_there_is_nothing_to_follow(step):
     d = step
-    collocation.keep_stages(d, False)
+    collocation.store_stages(d, False)
     make_rigid(d)
     before = d.step.dense.copy()
     locate_points(d, d.step.state_end)
-    collocation.keep_clearances(d)
+    collocation.match_clearances(d)
     assert d.step.dense.tolist() == before.tolist()

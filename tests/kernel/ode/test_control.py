@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain.state import omega_at, time_at
-from chain_impact.kernel.forces.force_formula import damping_share
+from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY
@@ -42,10 +42,10 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     struck(rng, d, [0])
     d.touch.depth_scale[0], d.touch.impact_speed[0] = 2e-3, 0.5
     d.touch.damping[0], d.law.rate_exponent[0] = 0.0 if restitution == 1.0 else 1e9, power
-    share = damping_share(d, 0)
+    share = damping_over_elastic(d, 0)
     assert (share > 0.1) == (restitution < 1.0)
     time = 4e-3 * (1.0 + share) ** (-1.0 / (1.0 + power))
-    assert control.time_scale(d, 0) == pytest.approx(time, rel=1e-13)
+    assert control.contact_time_scale(d, 0) == pytest.approx(time, rel=1e-13)
     d.solver.tolerance = 1e-6
     for method in (EXPLICIT, IMPLICIT):
         right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
@@ -56,7 +56,11 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
 
 @pytest.mark.parametrize(
     ("tolerance", "age", "round_off"),
-    [(1e-4, 0.0, 0.0), (1e-13, 0.0, control.PLACE_ROUND_OFF), (1e-13, 0.01, control.PLACE_ROUND_OFF_AT_REST)],
+    [
+        (1e-4, 0.0, 0.0),
+        (1e-13, 0.0, control.POSITION_ROUND_OFF),
+        (1e-13, 0.01, control.POSITION_ROUND_OFF_AT_REST),
+    ],
 )
 def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, age, round_off):
     """The round-off of a place after a large turn, and this round-off times the contact's frequency v₀/δ*."""
@@ -85,17 +89,17 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
     for method in (EXPLICIT, IMPLICIT):
         d.step.method = method
         for error in (5.0, 1e-5):
-            control.conclude(d, error, 0.7)
+            control.set_outcome(d, error, 0.7)
             right = SAFETY[method] * 0.7 * error ** control.EXPONENT[method]
-            assert control.factor(d) == pytest.approx(right, rel=1e-13)
+            assert control.next_size_factor(d) == pytest.approx(right, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
-            control.conclude(d, error, 0.7)
-            assert control.factor(d) == 0.1  # the factor is not less than control.SHRINK
-        control.conclude(d, 0.0, 0.7)
-        assert 6.0 < control.factor(d) < math.inf
-        control.conclude(d, 1e-5, 1.0)
+            control.set_outcome(d, error, 0.7)
+            assert control.next_size_factor(d) == 0.1  # the factor is not less than control.SHRINK
+        control.set_outcome(d, 0.0, 0.7)
+        assert 6.0 < control.next_size_factor(d) < math.inf
+        control.set_outcome(d, 1e-5, 1.0)
         control.reject_step(d, control.SPOILED)
-        assert 1 / 8.5 < control.factor(d) < 1 / 7
+        assert 1 / 8.5 < control.next_size_factor(d) < 1 / 7
 
 
 def test_in_flight_the_fastest_turn_decides():
@@ -115,26 +119,26 @@ def test_in_flight_the_fastest_turn_decides():
 
 def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
     _, d = chain(np.random.default_rng(7), 1)
-    control.propose(d, 0.5)
-    control.limit(d, 0.7)
+    control.propose_size(d, 0.5)
+    control.limit_next_size(d, 0.7)
     assert d.step.next_size == 0.5
-    control.limit(d, 0.25)
+    control.limit_next_size(d, 0.25)
     assert d.step.next_size == 0.25
-    control.keep_for_flight(d)
-    control.rescale(d, 3.0)
+    control.store_flight_size(d)
+    control.scale_next_size(d, 3.0)
     assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
-    control.resume_flight(d)
+    control.propose_flight_size(d)
     assert d.step.next_size == 0.25
 
 
 @pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
 def test_a_step_is_accepted_up_to_the_tolerance(error):
     _, d = chain(np.random.default_rng(1), 2)
-    control.conclude(d, error, 0.7)
+    control.set_outcome(d, error, 0.7)
     assert control.accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     assert (d.trial.outcome == control.INFINITE) == (not math.isfinite(error))
-    control.conclude(d, 0.5, 0.7)
+    control.set_outcome(d, 0.5, 0.7)
     control.reject_step(d, control.SPOILED)
     assert not control.accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)

@@ -13,7 +13,7 @@ from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics, state
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
 from chain_impact.kernel.ode.dense import interpolate
-from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_END, estimate, toward_end
+from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_PART, error_estimate, size_toward_end
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.friction import pendulum
@@ -107,7 +107,7 @@ def test_errors_of_all_components_are_controlled():
     for j in range(stages.shape[1]):
         stages[:] = 0.0
         stages[6, j] = 1.0
-        errors.append(estimate(d, 0.1))
+        errors.append(error_estimate(d, 0.1))
     assert [error > 0.0 for error in errors] == [j <= state.dissipated_at(3) for j in range(stages.shape[1])]
 
 
@@ -140,7 +140,7 @@ def tried(d, h):
 
 def step(d, h):
     """Make one step of size h with any error; return the error."""
-    last_step.accept(tried(d, h))
+    last_step.make_last_step(tried(d, h))
     last_step.ensure_dense(d, last_step.OUTPUTS)
     return d.trial.error
 
@@ -288,18 +288,18 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
         place, *n = row = geometry.normal_row(d, c)
         d.candidate.offset[c] = geometry.along(row, d.scratch.position) - d.contact.radius - gap
         d.scratch.velocity.x[place], d.scratch.velocity.y[place] = speed * np.array(n)
-    longest = toward_end(d, 1.0)
+    longest = size_toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
         roots = np.roots([0.5 * geometry.gap_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
     assert longest == pytest.approx(PAST_END * min(left), rel=1e-9)
-    assert toward_end(d, 0.9 * min(left)) == longest
-    assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
-    assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
+    assert size_toward_end(d, 0.9 * min(left)) == longest
+    assert size_toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
+    assert size_toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
     # a contact that has almost left does not count
-    assert toward_end(d, 0.99 * min(left) / UNRESOLVED_END) == longest
-    assert toward_end(d, 1.01 * min(left) / UNRESOLVED_END) == 1.01 * min(left) / UNRESOLVED_END
+    assert size_toward_end(d, 0.99 * min(left) / UNRESOLVED_PART) == longest
+    assert size_toward_end(d, 1.01 * min(left) / UNRESOLVED_PART) == 1.01 * min(left) / UNRESOLVED_PART
 
 
 def test_a_regularized_step_passes_the_end_of_a_contact():
@@ -310,9 +310,9 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     d.touch.depth_scale[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
-    longest = toward_end(d, 1e3)
+    longest = size_toward_end(d, 1e3)
     roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])
     left = min(roots[roots > 0.0])
     assert abs(left - u / -slope) > 0.01 * left
     assert longest == pytest.approx(PAST_END * left, rel=1e-9)
-    assert toward_end(d, 0.1 * left) == 0.1 * left
+    assert size_toward_end(d, 0.1 * left) == 0.1 * left

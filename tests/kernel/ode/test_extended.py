@@ -33,14 +33,14 @@ def touching():
 
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
-    assert extended.compliant(d) == 2
+    assert extended.clearance_count(d) == 2
     places = [at(d, k) for at in (gap_at, rate_at, extended.quadrature_at) for k in range(2)]
     assert [*places, extended.extended_size(d)] == list(range(FIRST, FIRST + 7))
     d.quadrature.computed = 0
     dense.reset_quadratures(d)
     assert extended.extended_size(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])
-    assert extended.compliant(d) == 1
+    assert extended.clearance_count(d) == 1
     assert [gap_at(d, 0), rate_at(d, 0), extended.extended_size(d)] == [FIRST, FIRST + 1, FIRST + 2]
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain.state import dissipated_at, velocity_at
 from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
+from chain_impact.kernel.ode.friction_work import correct_friction_energy, store_friction_forces, work_along
 from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
 from tests.kernel.rubbing import rubbing_chain, tangents
 
@@ -31,13 +31,13 @@ def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing
     for m in range(RADAU_STAGES):
         moved, corrected = rng.normal(size=(2, count))
         d.element.force[elements] = rng.normal(size=len(elements))
-        keep_friction(d, m)
+        store_friction_forces(d, m)
         d.implicit.rates[m, :count] = moved
         d.implicit.stages[m, first : first + count] = speed * corrected
         d.implicit.rates[m, lost] = -d.element.force[elements] @ slopes @ moved
         expected[m] = -speed * d.element.force[elements] @ slopes @ corrected
     d.implicit.stages[:, lost] = H * np.array(Q) @ d.implicit.rates[:, lost]
-    settle_friction(d, H)
+    correct_friction_energy(d, H)
     assert d.implicit.stages[:, lost] == pytest.approx(H * np.array(Q) @ expected, rel=1e-9, abs=1e-14)
 
 

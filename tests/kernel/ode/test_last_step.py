@@ -31,7 +31,7 @@ def with_a_step(d, h=H):
     d.scratch.rate_start[:] = d.scratch.stage[0] = d.scratch.rate_end
     methods.prepare(d, h)
     methods.attempt(d, h)
-    last_step.accept(d)
+    last_step.make_last_step(d)
     return d
 
 
@@ -229,5 +229,5 @@ def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monke
     methods.attempt(d, H)
     d.touch.active_count = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
-    last_step.accept(d)
+    last_step.make_last_step(d)
     assert told == [touching > 0]

@@ -80,7 +80,7 @@ def estimated(monkeypatch):
 
         def found(d, h):
             d.implicit.start_rate[:] = rate(d.implicit.start)
-            return collocation.estimate(d, h, len(d.implicit.start))
+            return collocation.error_estimate(d, h, len(d.implicit.start))
 
         monkeypatch.setattr(collocation, "solve_real", solve)
         return found
@@ -170,7 +170,7 @@ def test_an_iteration_without_convergence_is_given_up():
     step, _ = problem(decay, lambda y: np.zeros((2, 2)))
     d = record(np.array([1.0, 1e2]))
     assert not step(d, 1.0)
-    assert d.implicit.iterations < radau.ITERATIONS
+    assert d.implicit.iterations < radau.MOST_ITERATIONS
     assert d.implicit.contraction > 1.0
     step, _ = problem(lambda y: np.array([np.nan, 0.0]), lambda y: np.zeros((2, 2)))
     assert not step(record(np.array([1.0, 1.0])), 1.0)

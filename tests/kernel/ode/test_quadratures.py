@@ -132,7 +132,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     d.touch.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
     d.friction.power = 3.5
     own.rate[:] = 99.0
-    dense.keep_end_rates(d)
+    dense.store_end_rates(d)
     dense.commit_quadratures(d)
     right = np.zeros(len(own.total))
     right[touched], right[d.candidates + touched] = d.touch.force[touched], d.element.force[touched]
@@ -155,7 +155,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
     end, tried, total = *values(d, "state_end", "tried"), d.quadrature.total.copy()
-    dense.append_quadratures(d)
+    dense.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
     dense.truncate_quadratures(d, 0.3)
@@ -181,7 +181,7 @@ def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wal
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course
-    dense.settle_impulses(d)
+    dense.correct_falling_impulses(d)
     assert values(d, "state_end") == [right]
 
 
@@ -189,7 +189,7 @@ def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wal
 def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     """3 θ² − 2 θ³ rises slowly at first, and the added function falls earlier."""
     thetas = np.linspace(0.0, kept, 71)
-    d.quadrature.dense[:, 0], d.step.kept = 0.0, kept
+    d.quadrature.dense[:, 0], d.step.end_fraction = 0.0, kept
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
     d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
     at = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
@@ -210,7 +210,7 @@ def test_a_new_phase_starts_from_the_totals(d):
     assert d.quadrature.dense[:, 2:].all()
 
 
-@pytest.mark.parametrize("name", ["append", "roll_back", "commit", "reset"])
+@pytest.mark.parametrize("name", ["accept", "roll_back", "commit", "reset"])
 def test_without_them_nothing_is_done(d, name):
     d.quadrature.computed, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
     before = d.numpy_record.tobytes()
@@ -227,5 +227,5 @@ def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, i
     d.constraints.impulse[:2] = impulses
     right = d.quadrature.total.copy()
     right[TOUCHED] += given
-    dense.give_impulses(d)
+    dense.add_impulses_of_impact(d)
     assert d.quadrature.total.tolist() == right.tolist()

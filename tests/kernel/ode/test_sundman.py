@@ -136,8 +136,8 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
 def test_time_passes_as_p_says_and_as_itself_without_a_contact():
     d, c, y = contact()
     for regularized, rate, least in (
-        (c, 0.4, sundman.RESTING),
-        (0, 0.4, sundman.RESTING),
+        (c, 0.4, sundman.RESTING_SUM),
+        (0, 0.4, sundman.RESTING_SUM),
         (NO_CONTACT, 1.0, 1.0),
     ):
         d.step.regularized, y[U] = regularized, 0.5
@@ -149,7 +149,7 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
 @pytest.mark.parametrize(
     ("u", "time", "right"),
     [
-        *((0.9 * sundman.BACK, 1e-9, False), (1.1 * sundman.BACK, 1e-9, True)),
+        *((0.9 * sundman.LEAST_ROOT, 1e-9, False), (1.1 * sundman.LEAST_ROOT, 1e-9, True)),
         *((0.5, -1e-9, True), (0.5, 0.0, True), (0.5, 1e-9, False)),
     ],
 )
@@ -186,10 +186,10 @@ def place(d, c, gap):
 
 def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     d, c, _ = contact()
-    place(d, c, -SCALE * (0.5 * sundman.RESTING) ** 2)  # u = RESTING/2
-    own = c, pytest.approx(0.5 * sundman.RESTING, rel=1e-6)
+    place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
+    own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING)
+        d.touch.impact_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
         assert sundman.lone_contact(d) == right
 
 

@@ -13,7 +13,7 @@ from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import contact_slopes
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import AUTO, EXPLICIT, IMPLICIT
-from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF, choose_method, suggests_switch
+from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF_STEP, choose_method, suggests_switch
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.scenes.problems import GRAVITY, build, contact_table, stiff_joint
@@ -102,7 +102,7 @@ def pressed(rng):
     d.solver.method = AUTO
     methods.begin_explicit(d)
     d.touch.onset[touched] = 0.0
-    d.step.start, d.step.end, d.step.kept = 0.0, 3.0 * STIFF / methods.fastest_contact(d), 1.0
+    d.step.start, d.step.end, d.step.end_fraction = 0.0, 3.0 * STIFF_STEP / methods.fastest_contact(d), 1.0
     return d, touched
 
 
@@ -111,9 +111,12 @@ def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
     bound = d.model.joint_rate_bound
     assert rate < bound
     # below this limit the bound replaces the rate, whose computation costs more
-    for number, right in ((0.99 * STIFF, 0.99 * STIFF), (1.01 * STIFF, 1.01 * STIFF * rate / bound)):
-        assert methods.joints_over(d, number / bound) == pytest.approx(right)
-    assert methods.joints_over(d, 50.0) == pytest.approx(50.0 * rate)
+    for number, right in (
+        (0.99 * STIFF_STEP, 0.99 * STIFF_STEP),
+        (1.01 * STIFF_STEP, 1.01 * STIFF_STEP * rate / bound),
+    ):
+        assert methods.joint_stiffness_number(d, number / bound) == pytest.approx(right)
+    assert methods.joint_stiffness_number(d, 50.0) == pytest.approx(50.0 * rate)
 
 
 def test_the_rate_of_contacts_is_that_of_the_fastest(pressed):
@@ -160,7 +163,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
 def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     d, touched = pressed
     d.touch.depth_scale[touched], d.touch.impact_speed[touched] = 1e-3, 1.0
-    stiff, stiff_contact, rate = STIFF, methods.STIFF_CONTACT, methods.fastest_contact(d)
+    stiff, stiff_contact, rate = STIFF_STEP, methods.STIFF_STEP_IN_CONTACT, methods.fastest_contact(d)
     rows = (
         (1.01 * stiff, True),
         (0.99 * stiff, lasting),
@@ -177,7 +180,7 @@ def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed
     d, _ = pressed
     d.step.method, d.step.explicit_size = IMPLICIT, 0.0
     for part in (0.99, 1.01):
-        d.step.next_size = part * methods.NOT_STIFF / methods.fastest_contact(d)
+        d.step.next_size = part * methods.NOT_STIFF_STEP / methods.fastest_contact(d)
         assert suggests_switch(d) == (part < 1.0)
 
 
@@ -196,7 +199,7 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
 def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, method, number, depth):
     """With stiff joints the first step is no longer than the previous step."""
     d, tip, rate = jointed(rng, touching=True)
-    h = number * STIFF / (methods.IMPACT_PART * rate)
+    h = number * STIFF_STEP / (methods.IMPACT_PART * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
     d.touch.depth_scale[tip], d.touch.impact_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
@@ -210,9 +213,9 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
 @pytest.mark.parametrize("number", [0.5, 1.5, 3.0, 6.0])
 def test_explicit_steps_of_a_flight_begin_stable(rng, number):
     d, _, rate = jointed(rng)
-    h = number * STIFF / rate
-    limited = h * min(1.0, methods.STABLE / (h * rate))
-    assert methods.stable(d, h) == pytest.approx(limited, rel=1e-13)
+    h = number * STIFF_STEP / rate
+    limited = h * min(1.0, methods.STABLE_STEP / (h * rate))
+    assert methods.stable_size(d, h) == pytest.approx(limited, rel=1e-13)
     for method in (EXPLICIT, IMPLICIT):
         d.step.method, d.step.next_size, d.step.stiff_count = method, h, 2
         methods.begin_flight(d)
@@ -247,7 +250,7 @@ def test_a_step_that_is_not_stiff_resets_the_count_of_stiff_steps(pressed):
     choose_method(d)
     assert d.step.stiff_count == 0
     # a cut step says nothing about the size of explicit steps
-    d.step.start, d.step.kept, d.step.stiff_count = 0.0, 0.5, MIN_SWITCH_STEPS - 1
+    d.step.start, d.step.end_fraction, d.step.stiff_count = 0.0, 0.5, MIN_SWITCH_STEPS - 1
     choose_method(d)
     assert (d.step.method, d.step.explicit_size) == (IMPLICIT, 0.0)
 

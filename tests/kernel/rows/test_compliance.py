@@ -64,7 +64,7 @@ def assert_moved(scene, d, angles, change):
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.scratch.motion), moved, rtol=0, atol=1e-9)
-    if d.model.has_stops:
+    if d.model.has_joint_stops:
         turns = d.model.longest_link * (relative_motion(count) @ change)
         np.testing.assert_allclose(d.scratch.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
@@ -76,7 +76,9 @@ def assert_loads(scene, d, angles, added, work):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
-    for i, turn in enumerate(d.model.longest_link * relative_motion(count) if d.model.has_stops else ()):
+    for i, turn in enumerate(
+        d.model.longest_link * relative_motion(count) if d.model.has_joint_stops else ()
+    ):
         work = work - d.scratch.load.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
     np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)
@@ -104,8 +106,8 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
-    geometry.join(d, d.scratch.impedance)
-    with_joints = d.model.has_springs_or_dampers or d.model.has_stops
+    geometry.add_joint_impedances(d, d.scratch.impedance)
+    with_joints = d.model.has_springs_or_dampers or d.model.has_joint_stops
     response.factorize(d, d.scratch.link, d.scratch, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.model.has_base_joint  # a free base is no joint

@@ -81,7 +81,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     """An impulse p moves the point by W/(1 + D W) p, some millionths of W p."""
     d, _, _, _, w = problem(base)
     amount = compliance.holding_impedance(d)
-    assert amount == pytest.approx(compliance.HELD_STIFFNESS * d.model.mass.mean(), rel=1e-14)
+    assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.model.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.constraints.impedance[0] = amount
@@ -101,7 +101,7 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
     """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
     own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.limits.other_cost, sum(pressed) == 1
-    assert constraints.only_active(d) == (rows[0] if alone else -1)
+    assert constraints.single_active(d) == (rows[0] if alone else -1)
     constraints.factorize_free(d)
     constraints.solve_equality(d, 2.0)
     expected, off = np.zeros(4), 1e-12 if alone else 1e-9
@@ -119,7 +119,7 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
     own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
-        monkeypatch.setattr(constraints, "LEAST_SINGLE", part * w[1, 1] * compliance.mean_mass(d))
+        monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * compliance.mean_mass(d))
         before = d.limits.other_cost
         constraints.factorize_free(d)
         constraints.solve_equality(d, 2.0)
@@ -172,9 +172,13 @@ def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
     for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
         mobility = part / amount
         left = 1.0 - mobility / compliance.held_mobility(d, mobility)
-        assert left == pytest.approx((1.0 + part) ** -compliance.SWEEPS, rel=1e-9, abs=1e-15)
+        assert left == pytest.approx((1.0 + part) ** -compliance.STICKING_PASSES, rel=1e-9, abs=1e-15)
     least = compliance.held_mobility(d, 0.0)
-    assert compliance.held_mobility(d, -1e-30) == least == pytest.approx(1.0 / (compliance.SWEEPS * amount))
+    assert (
+        compliance.held_mobility(d, -1e-30)
+        == least
+        == pytest.approx(1.0 / (compliance.STICKING_PASSES * amount))
+    )
 
 
 def test_points_that_cannot_be_held_are_told_by_what_is_left():
@@ -200,9 +204,9 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
 def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
     """For D W ≈ 1 plain iterations would need 30 or more until the residual is round-off."""
     d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
-    monkeypatch.setattr(constraints, "LEAST_SINGLE", 1e9)
+    monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", 1e9)
     monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
-    monkeypatch.setattr(constraints, "STIFFEST", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
+    monkeypatch.setattr(constraints, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
     before = d.limits.other_cost
     constraints.factorize_free(d)
     assert constraints.solve_equality(d, 2.0) <= 2e-15

@@ -12,21 +12,21 @@ from chain_impact.kernel.rows.geometry import (
     WALLS,
     add_along,
     add_impedance,
+    add_joint_impedances,
+    add_joint_loads,
     along,
     clear_loads_of,
     clearance,
     coordinates_size,
     gap_acceleration,
-    join,
     length_bound,
     lever_of_candidate,
     normal_row,
-    place_box_wall,
-    place_sloped_wall,
-    place_walls,
+    set_box_wall,
+    set_candidate_rows,
+    set_sloped_wall,
     tangent_row,
     tangential_rate,
-    to_joints,
 )
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
@@ -57,7 +57,7 @@ def prepared(box, changes=None):
 @pytest.fixture(params=[True, False], ids=["box", "no box"])
 def placed(request):
     scene, d = prepared(request.param)
-    place_walls(d)
+    set_candidate_rows(d)
     return scene, d
 
 
@@ -77,7 +77,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
 def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     scene, d = placed
     d.contact.radius = 0.07
-    place_walls(d)
+    set_candidate_rows(d)
     y = np.random.default_rng(3).normal(size=len(d.scratch.y))
     kinematics.locate_points(d, y)
     names = list(scene.half_planes)
@@ -96,11 +96,11 @@ def test_a_candidate_can_be_given_any_wall(c):
     scene, d = prepared(box=True)
     planes = list(scene.half_planes.values())
     for side in range(len(WALLS)):
-        place_box_wall(d, c, side)
+        set_box_wall(d, c, side)
         assert normal_row(d, c)[1:] == planes[side].normal
         assert d.candidate.offset[c] == planes[side].offset
     for w, (angle, point) in enumerate(SLOPES):
-        place_sloped_wall(d, c, w)
+        set_sloped_wall(d, c, w)
         along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal_row(d, c)[1:])
         assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
         for distance in (0.0, 0.7):
@@ -167,7 +167,7 @@ def assert_adjoint(d, rows, change):
         add_along(row, load, 0.25 * force)
         add_along(row, load, 0.75 * force)
         assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        to_joints(d, load)
+        add_joint_loads(d, load)
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         response.no_impedance(d, own)
@@ -176,7 +176,7 @@ def assert_adjoint(d, rows, change):
         add_impedance(row, own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
-        join(d, own)
+        add_joint_impedances(d, own)
         if row[0] > d.links:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
 
@@ -220,7 +220,7 @@ def test_any_place_may_be_the_fastest(place):
         d.scratch.motion[axis][:] = 0.25
     d.scratch.motion.x[place] = -4.0
     assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 4.0)
-    d.model.has_stops = 0
+    d.model.has_joint_stops = 0
     assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 0.5)
 
 

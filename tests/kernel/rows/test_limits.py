@@ -8,9 +8,9 @@ from scipy.optimize import lsq_linear
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import STICKS, list_sticking
-from chain_impact.kernel.rows.constraints import LEAST_SHARE
+from chain_impact.kernel.rows.constraints import LEAST_STICKING_IMPEDANCE
 from chain_impact.kernel.rows.geometry import constraint_count
-from chain_impact.kernel.rows.limits import share_within_limits
+from chain_impact.kernel.rows.limits import find_limited_forces
 from tests.kernel.rubbing import AtRest, Doubled
 
 CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 0, True)]
@@ -48,7 +48,7 @@ def solve(d):
 
 def forces(d):
     """Return the forces of all sticking elements [N]."""
-    return d.share.force[d.touch.active_count : constraint_count(d)]
+    return d.limited_forces.force[d.touch.active_count : constraint_count(d)]
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -59,13 +59,13 @@ def test_forces_hold_as_much_as_they_can(part, seed, case):
     chain = stuck(seed, case, part)
     d = chain.d
     solve(d)
-    share_within_limits(d)
+    find_limited_forces(d)
     limits = chain.limits()[0]
     root = cholesky(chain.mobility)
     right = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
     np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
     at_limit = np.where(np.abs(right) >= limits * (1.0 - 1e-9), np.sign(right), 0.0)
-    assert d.share.at_limit[: len(right)].tolist() == at_limit.tolist()
+    assert d.limited_forces.at_limit[: len(right)].tolist() == at_limit.tolist()
     assert at_limit.any()
 
 
@@ -81,16 +81,16 @@ def test_two_elements_at_one_place_share_a_load(seed, total):
     first, second = (chain.elements.index(e) for e in chain.twins)
     needed = abs(sum(d.element.force[list(chain.twins)]))
     limits = np.full(len(chain.elements), 1e9)
-    limits[second], limits[first] = LEAST_SHARE / 10.0 * needed, needed / total
+    limits[second], limits[first] = LEAST_STICKING_IMPEDANCE / 10.0 * needed, needed / total
     set_limits(chain, limits)
     solve(d)
-    share_within_limits(d)
+    find_limited_forces(d)
     found, left = forces(d), chain.bias + chain.mobility @ forces(d)
     assert (np.abs(found) <= limits * (1.0 + 1e-12)).all()
     assert found[first] * found[second] > 0.0
     if total < 1.0:
         np.testing.assert_allclose(left, 0.0, atol=1e-9 * np.abs(chain.bias).max())
-        assert (d.share.at_limit[: len(limits)] != 0).sum() <= 1
+        assert (d.limited_forces.at_limit[: len(limits)] != 0).sum() <= 1
     elif total > 1.0:
         assert np.abs(found[[first, second]]) == pytest.approx(limits[[first, second]], rel=1e-12)
         assert (left[[first, second]] * found[first] < 0.0).all()

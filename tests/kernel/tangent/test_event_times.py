@@ -78,4 +78,4 @@ def test_a_kink_and_a_release_are_late_by_their_own_functions(monkeypatch, tange
     monkeypatch.setattr(event_times, "_delay_of_kink", lambda _t, c, rate: ("kink", c, rate))
     monkeypatch.setattr(event_times, "_delay_of_release", lambda _t, c, rate: ("release", c, rate))
     name = "kink" if kind == KINK else "release"
-    assert event_times.delay_of_bend(tangent, 1, kind) == (name, 1, (kind, 1))
+    assert event_times.delay_without_force_jump(tangent, 1, kind) == (name, 1, (kind, 1))

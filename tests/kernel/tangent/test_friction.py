@@ -72,7 +72,7 @@ def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, acceler
 def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, static, right):
     if e < 2:
         t.law.static_friction[e] = dual(static)
-    assert friction.force_drops(t, e) == right
+    assert friction.friction_drops(t, e) == right
 
 
 def margin_of(monkeypatch, t, rate):
@@ -129,7 +129,7 @@ def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t
 
 def settling(monkeypatch, t, largest):
     """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
-    t.model.longest_link, t.model.gravity_size, t.trust.share = dual(2.0), dual(6.0), 0.0
+    t.model.longest_link, t.model.gravity_size, t.trust.neglected = dual(2.0), dual(6.0), 0.0
     t.scratch.position = "position"
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_slope", lambda _t, k: largest[k])
@@ -143,34 +143,34 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
     settling(monkeypatch, t, (1.0, 0.1))
     small = dual(0.0, 8e-3, 8e-5)
     assert friction.negligible(t, small)
-    assert t.trust.share == pytest.approx(4e-3)
+    assert t.trust.neglected == pytest.approx(4e-3)
     assert friction.negligible(t, small)
     assert not friction.negligible(t, small)
-    assert t.trust.share == pytest.approx(8e-3)
-    t.trust.share = 0.0
+    assert t.trust.neglected == pytest.approx(8e-3)
+    t.trust.neglected = 0.0
     assert not friction.negligible(t, dual(0.0, 1e-3, 4e-3))
     settling(monkeypatch, t, (1.0, 0.0))
     assert not friction.negligible(t, dual(0.0, 0.0, 1e-9))
     assert friction.negligible(t, dual(0.0, 0.0, 0.0))
-    assert t.trust.share == 0.0
+    assert t.trust.neglected == 0.0
 
 
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
     t.friction.stuck_count, t.element.stuck = 2, [1, 2]
     t.element.before = [friction.STICKS, friction.STICKS, 1]
-    assert friction.any_stops(t)
+    assert friction.any_begins_to_stick(t)
     t.element.before = [friction.STICKS, friction.NO_FRICTION, friction.STICKS]
-    assert not friction.any_stops(t)
+    assert not friction.any_begins_to_stick(t)
     # a free point: two coordinates and their rates
     t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
     t.constraints = SimpleNamespace(change=[dual(1e-9, -2.0, 0.0), dual(1e-9, 0.0, -3.0)])
     called = []
     monkeypatch.setattr(friction, "activate_all", lambda _t: called.append("all"))
-    monkeypatch.setattr(friction, "start_from_state", lambda _t, derivative: called.append(derivative))
+    monkeypatch.setattr(friction, "set_start_to_state", lambda _t, derivative: called.append(derivative))
     monkeypatch.setattr(friction, "solve_stopping_impulses", lambda _t: called.append("stop"))
     monkeypatch.setattr(friction, "locate_points", lambda _t, y: called.append(y is t.step.state_end))
-    friction.stop_speeds(t)
+    friction.clear_sticking_speeds(t)
     slopes = [(2.0, 3.0), (2.0, 3.0), (0.0, 3.0), (2.0, 0.0)]
     assert [tuple(number.slope) for number in t.step.state_end] == slopes
     assert [number.value for number in t.step.state_end] == [1.0, 2.0, 3.0, 4.0]
@@ -194,13 +194,13 @@ def test_elements_that_stop_together_do_so_for_each_parameter(monkeypatch, t, en
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "tangential_rate", lambda _t, e: rates[e])
     monkeypatch.setattr(friction, "tangential_acceleration", lambda _t, e: dual(4.0 * (e - 1)))
-    monkeypatch.setattr(friction, "largest", lambda _t, _what: dual(4.0))
+    monkeypatch.setattr(friction, "largest_component", lambda _t, _what: dual(4.0))
     for name in ("largest_slope", "largest_displacement", "fastest_speed"):
         monkeypatch.setattr(friction, name, lambda *_: 0.0)
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
     monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
     monkeypatch.setattr(friction, "negligible", lambda *_: small)
-    monkeypatch.setattr(friction, "stops_slowly", lambda *_: slow)
+    monkeypatch.setattr(friction, "acceleration_may_be_error", lambda *_: slow)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
     assert ended == reasons
 
@@ -219,7 +219,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_displacement", lambda _t, _k: 0.0)
     monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
-    monkeypatch.setattr(friction, "set_end", restored.append)
+    monkeypatch.setattr(friction, "evaluate_end", restored.append)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
     assert ended == ([] if together else [(trust.TOGETHER, 2)])
     assert restored == [t]
@@ -241,7 +241,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "friction_round_off", lambda _t, _e: dual(1e-9))
     monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
     monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
-    for name in ("list_sticking", "rate_from_points", "accelerate_points", "stop_speeds"):
+    for name in ("list_sticking", "rate_from_points", "accelerate_points", "clear_sticking_speeds"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
     monkeypatch.setattr(friction, "negligible", lambda *_: False)

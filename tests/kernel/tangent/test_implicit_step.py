@@ -13,10 +13,10 @@ from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
 from chain_impact.kernel.tangent import duals, replay, trust
 from chain_impact.kernel.tangent.replay import (
     CONVERGED_SLOPES,
-    FALLS,
-    MOST,
+    LARGEST_FALL_FACTOR,
+    MOST_SLOPE_ITERATIONS,
     SLOPE_ROUND_OFF,
-    STALLED,
+    STALLED_ITERATIONS,
     UNLIMITED_CORRECTION,
 )
 from tests.helpers.scenes.derivative_scenes import Case, table
@@ -98,7 +98,7 @@ def iterated(monkeypatch, corrections):
     for name in ("find_residuals", "solve_slopes"):
         monkeypatch.setattr(replay, name, lambda *_: None)
     monkeypatch.setattr(replay, "correct_stages", lambda *_: done.append("iterate"))
-    monkeypatch.setattr(replay, "take_stages", lambda *_: done.append("values"))
+    monkeypatch.setattr(replay, "copy_stages", lambda *_: done.append("values"))
     monkeypatch.setattr(replay, "last_correction", lambda *_: left.pop(0))
     d = SimpleNamespace(solver=SimpleNamespace(tolerance=TOLERANCE))
     converged = replay.iterate_slopes(d, None, 0.1, 3)
@@ -107,24 +107,24 @@ def iterated(monkeypatch, corrections):
 
 
 END, FAST, LARGE = (
-    1 + STALLED,
+    1 + STALLED_ITERATIONS,
     CONVERGED_SLOPES * TOLERANCE,
     1.1 * max(SLOPE_ROUND_OFF, CONVERGED_SLOPES * TOLERANCE),
 )
-SLOW, PAUSE = 1.01 * FALLS, [1.0] * (STALLED - 1)
-WAVES = [0.9 * FALLS, *PAUSE, 0.8 * FALLS**2, *PAUSE, 0.0]
+SLOW, PAUSE = 1.01 * LARGEST_FALL_FACTOR, [1.0] * (STALLED_ITERATIONS - 1)
+WAVES = [0.9 * LARGEST_FALL_FACTOR, *PAUSE, 0.8 * LARGEST_FALL_FACTOR**2, *PAUSE, 0.0]
 
 
 @pytest.mark.parametrize(
     ("corrections", "right"),
     [
         ([1.0, 1e-2, 1.01 * FAST, 0.99 * FAST, 0.0], (True, 4)),  # a small part of the tolerance
-        ([LARGE] * MOST, (False, END)),  # the corrections do not fall any more
+        ([LARGE] * MOST_SLOPE_ITERATIONS, (False, END)),  # the corrections do not fall any more
         # a fall counts from the lowest earlier value
-        ([1.0, *[SLOW] * STALLED, *[0.0] * MOST], (False, END)),
-        ([1.0, *[SLOW] * (STALLED - 1), 0.0], (True, END)),
+        ([1.0, *[SLOW] * STALLED_ITERATIONS, *[0.0] * MOST_SLOPE_ITERATIONS], (False, END)),
+        ([1.0, *[SLOW] * (STALLED_ITERATIONS - 1), 0.0], (True, END)),
         (WAVES, (True, len(WAVES))),  # a value that falls within some iterations continues
-        ([1e300 * 0.5**k for k in range(MOST)], (False, MOST)),
+        ([1e300 * 0.5**k for k in range(MOST_SLOPE_ITERATIONS)], (False, MOST_SLOPE_ITERATIONS)),
     ],
 )
 def test_an_iteration_ends_at_convergence_or_stagnation(monkeypatch, corrections, right):
@@ -134,7 +134,7 @@ def test_an_iteration_ends_at_convergence_or_stagnation(monkeypatch, corrections
 @pytest.mark.parametrize("part", [0.9, 1.1])
 def test_round_off_is_no_failure(monkeypatch, part):
     monkeypatch.setattr(replay, "CONVERGED_SLOPES", 0.0)
-    assert iterated(monkeypatch, [part * SLOPE_ROUND_OFF] * MOST) == (part < 1.0, END)
+    assert iterated(monkeypatch, [part * SLOPE_ROUND_OFF] * MOST_SLOPE_ITERATIONS) == (part < 1.0, END)
 
 
 def dual(*slopes):
@@ -181,7 +181,7 @@ def test_a_correction_that_is_not_finite_is_far_off(start, parts):
 def test_stages_have_the_values_of_the_run_and_their_own_slopes():
     d, t = slopes([(0.0,)] * 2, [(1.0, 2.0), (3.0, 4.0)], {})
     d.implicit.last = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
-    replay.take_stages(d, t, 2)
+    replay.copy_stages(d, t, 2)
     assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last.tolist()
     assert [stage.slope[:2].tolist() for stage in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
 
@@ -194,7 +194,7 @@ def test_the_linear_system_is_that_of_the_run():
         return SimpleNamespace(links=2, touch=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
-    replay.take_slopes(d, t)
+    replay.copy_jacobian_data(d, t)
     assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
 
@@ -206,11 +206,11 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     d, called = SimpleNamespace(step=SimpleNamespace(start=1.5)), []
     t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z="z"))
     t.trial = SimpleNamespace(state="y")
-    right = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize_real"]
+    right = ["extend_start", "extrapolate_stages", "copy_stages", "copy_jacobian_data", "factorize_real"]
     for name in [*right, "set_result", "project_clearances"]:
         monkeypatch.setattr(replay, name, lambda *_, name=name: called.append(name))
     monkeypatch.setattr(replay, "extended_size", lambda _: 12)
-    monkeypatch.setattr(replay, "compliant", lambda _: contacts)
+    monkeypatch.setattr(replay, "clearance_count", lambda _: contacts)
     monkeypatch.setattr(replay, "iterate_slopes", lambda *_: called.append("iterate") or converges)
     monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))
     replay.make_implicit(d, t, 0.1)

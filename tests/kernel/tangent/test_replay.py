@@ -34,7 +34,7 @@ CASES = {
 }
 # the last step and its results: equal bits
 SAME = {
-    "step": ("start", "end", "size", "state", "state_end", "dense", "kept", "regularized"),
+    "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized"),
     "touch": ("active", "onset", "onset_speed", "impact_speed", "effective_mass", "damping", "peak_force"),
     "contact_log": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
     "output": (
@@ -79,12 +79,14 @@ def parts(number):
     return number.value, number.slope.tolist()
 
 
-def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
+def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPLICIT):
     """Return an instance after a step of 0.2 s, and an instance of dual numbers before the step."""
     rng = np.random.default_rng(31)
     sizes = {"candidates": 2, "elements": 3, "channels": 0, "signals": 0}
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
-    d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
+    d.step = SimpleNamespace(
+        last_method=method, size=0.2, end_fraction=end_fraction, regularized=regularized, end=1.5
+    )
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
     d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
@@ -95,7 +97,7 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
-    t.scratch, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(share=0.0)
+    t.scratch, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(neglected=0.0)
     t.trial = SimpleNamespace(state="y", size=-1.0)
     t.scratch.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     # friction at candidate 1 and in the joint, element 2
@@ -120,7 +122,8 @@ def calls(monkeypatch):
     names = (
         "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns mark_jump"
     )
-    names += " truncate_step settle_impulses accept ensure_rate ensure_dense ensure_points check_onsets"
+    names += " truncate_step correct_falling_impulses make_last_step ensure_rate ensure_dense ensure_points"
+    names += " check_onsets"
     for name in names.split():
         for module in (replay, step_ends):
             if hasattr(module, name):
@@ -133,8 +136,8 @@ def calls(monkeypatch):
     [
         ({"method": EXPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
         ({"method": IMPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
-        ({"kept": 0.25, "events": (NONE, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
-        ({"kept": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("mark_jump",)])),
+        ({"end_fraction": 0.25, "events": (NONE, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
+        ({"end_fraction": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("mark_jump",)])),
     ],
 )
 def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
@@ -143,15 +146,15 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     A step up to the end of its contact is repeated in short steps, as a force has a kink there.
     """
     d, t = instances(**last)
-    monkeypatch.setattr(replay, "make", lambda _d, t, h: calls.append(("make", t.step.method, h)))
-    monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
+    monkeypatch.setattr(replay, "repeat_step", lambda _d, t, h: calls.append(("make", t.step.method, h)))
+    monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: calls.append(("copy_end_values",)))
     monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
     replay.replay(d, t)
     begin = [("copy_modes",), ("apply_pending_events",), ("copy_values",), ("choose_variable", True)]
     made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
-    end = [("settle_impulses",), ("move_end", *last["events"])]
+    end = [("correct_falling_impulses",), ("move_end", *last["events"])]
     cut, jump = more
-    assert calls == [*begin, *made, *cut, ("take_values",), *jump, *end]
+    assert calls == [*begin, *made, *cut, ("copy_end_values",), *jump, *end]
     assert t.element.event == [NONE, SLIDING_ENDS, NONE]
 
 
@@ -174,18 +177,18 @@ def test_a_step_that_is_made_is_accepted(monkeypatch, calls, method, active, stu
     d, t = instances()
     t.step.method, t.touch.active_count, t.friction.stuck_count = method, active, stuck
     monkeypatch.setattr(replay, "make_implicit", lambda _d, _t, h: calls.append((IMPLICIT, h)))
-    monkeypatch.setattr(replay.explicit, "make", lambda _, h: calls.append((EXPLICIT, h)))
+    monkeypatch.setattr(replay.explicit, "make_step", lambda _, h: calls.append((EXPLICIT, h)))
     monkeypatch.setattr(replay, "locate_points", lambda _, y: calls.append(y))
-    replay.make(d, t, 0.05)
+    replay.repeat_step(d, t, 0.05)
     located = ["y"] * (active + stuck) if method == EXPLICIT else []
-    assert calls == [(method, 0.05), *located, ("accept",)]
+    assert calls == [(method, 0.05), *located, ("make_last_step",)]
     assert t.trial.size == 0.05 or method == EXPLICIT
 
 
 def test_values_are_those_of_the_run_and_slopes_stay():
     d, t = instances()
     slopes = [number.slope.tolist() for number in t.step.state_end]
-    replay.take_values(d, t)
+    replay.copy_end_values(d, t)
     assert [number.value for number in t.step.state_end] == d.step.state_end.tolist()
     assert [number.slope.tolist() for number in t.step.state_end] == slopes
     assert [parts(number) for number in t.scratch.rate_end] == [
@@ -219,7 +222,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     *t.touch.event, t.element.event[1], t.drive.event = events
     names = {KINK: "kink", RELEASE: "release"}
     monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
-    monkeypatch.setattr(step_ends, "delay_of_bend", lambda _t, c, kind: f"{names[kind]} of {c}")
+    monkeypatch.setattr(step_ends, "delay_without_force_jump", lambda _t, c, kind: f"{names[kind]} of {c}")
     monkeypatch.setattr(step_ends, "delay_of_saturation", lambda _t: "limit")
     monkeypatch.setattr(step_ends, "delay_of_change", lambda _t: "late")
     monkeypatch.setattr(step_ends, "check_changes", lambda _t, time: calls.append(("checked", time)))
@@ -266,8 +269,8 @@ def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, 
     d, t = instances()
     t.drive.event, t.touch.event, t.element.event = limit, list(events), [NONE] * 3
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
-    monkeypatch.setattr(replay, "make", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
-    monkeypatch.setattr(replay, "take_values", lambda _d, _t: None)
+    monkeypatch.setattr(replay, "repeat_step", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
+    monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: None)
     monkeypatch.setattr(replay, "move_end", lambda _t: None)
     before = parts(t.step.state_end[0])
     replay.replay(d, t)

@@ -69,9 +69,9 @@ def test_points_of_a_circle(size):
     radii = np.array([1.0, 0.5, 2.0, 0.0, 3.0])
     x, y = [None] * 5, [None] * 5
     duals = [Dual(v, [0.0, s]) for v, s in zip([9.9, *angles], [0.0, *slopes[0]], strict=True)]
-    rules.polar([Dual(r, [s, 0.0]) for r, s in zip(radii, slopes[1], strict=True)], duals, 1, x, y)
+    rules.set_polar([Dual(r, [s, 0.0]) for r, s in zip(radii, slopes[1], strict=True)], duals, 1, x, y)
     horizontal, vertical = np.empty(5), np.empty(5)
-    kinematics.polar(radii, angles, 0, horizontal, vertical)
+    kinematics.set_polar(radii, angles, 0, horizontal, vertical)
     np.testing.assert_array_equal([number.value for number in x], horizontal)
     np.testing.assert_array_equal([number.value for number in y], vertical)
     cosine, sine = np.cos(angles), np.sin(angles)
@@ -105,9 +105,9 @@ def test_the_force_of_a_user_at_no_depth(monkeypatch):
 
 
 def test_a_constant_of_a_joint_that_is_zero_may_vary():
-    assert not rules.resists(Dual(0.0, [0.0, 0.0]))
-    assert rules.resists(Dual(0.0, [0.0, 1.0]))
-    assert rules.resists(Dual(0.1, [0.0, 0.0]))
+    assert not rules.has_effect(Dual(0.0, [0.0, 0.0]))
+    assert rules.has_effect(Dual(0.0, [0.0, 1.0]))
+    assert rules.has_effect(Dual(0.1, [0.0, 0.0]))
 
 
 COUNT = 10  # length of the state of a chain of one link

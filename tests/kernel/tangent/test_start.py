@@ -87,7 +87,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert candidate_laws.update_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.take_given(d, t)  # reads the walls, whose material may change during a run
+    starts.copy_given_and_modes(d, t)  # reads the walls, whose material may change during a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
@@ -105,7 +105,7 @@ def test_given_values_hold_with_their_derivatives(both):
     d.given.piece.order, d.given.piece.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert candidate_laws.update_laws(d) == OK
-    starts.take_given(d, t)
+    starts.copy_given_and_modes(d, t)
     apply_inputs(t)
     assert candidate_laws.update_laws(t) == OK
     assert (t.law.number == number).all()
@@ -130,7 +130,7 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     d.contact.exponent = 1.5
     assert candidate_laws.start_laws(d) == OK
     duals.copy_given(d, t, AT_START)
-    starts.take_given(d, t)
+    starts.copy_given_and_modes(d, t)
     assert candidate_laws.start_laws(t) == OK
     right = slope(entry.damping_factor, e, 1e-6)
     own = t.law
@@ -147,7 +147,7 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
 @pytest.fixture
 def twins(monkeypatch):
     """Return a chain and a second record of its layout in place of a record of dual numbers."""
-    monkeypatch.setattr(starts, "carried", lambda number, _slope, _argument: number)
+    monkeypatch.setattr(starts, "dual_with_slope", lambda number, _slope, _argument: number)
     monkeypatch.setattr(starts, "value", float)
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)

@@ -86,7 +86,7 @@ def test_the_earliest_end_of_the_derivatives_holds_for_all(own, other, expected)
         SimpleNamespace(trust=SimpleNamespace(reason=reason, time=time, point=point, wall=point))
         for point, (reason, time) in enumerate((own, other))
     )
-    trust.share_reason(first, second)
+    trust.copy_reason(first, second)
     assert (first.trust.reason, first.trust.time) == expected
     assert first.trust.point == first.trust.wall == (0 if expected == own else 1)
 
@@ -207,10 +207,10 @@ def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, ri
 
 def test_derivatives_are_trusted_up_to_the_named_impact():
     t = instance()
-    assert trust.trusted(t)
+    assert trust.is_trusted(t)
     for time, right in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):
         trust.mark_untrusted(t, trust.GRAZING, 2, time)
         assert told(t) == (trust.GRAZING, time, 6, 2)
-        assert trust.trusted(t) == right
+        assert trust.is_trusted(t) == right
     trust.mark_untrusted(t, trust.NOT_SOLVED, trust.NO_IMPACT, 0.5)
     assert told(t) == (trust.NOT_SOLVED, 0.5, trust.NO_IMPACT, 0)

@@ -13,8 +13,8 @@ while F is at the positive or the negative limit. The rotor of a joint's drive h
 inertia reflected through the gear, so the joint transmits F − I_a q̈.
 
 Only this module has the formulas of motor, damper, spring and rotor. Other modules ask it for sums: force,
-power, energy, inertia, the slopes of the force, and ``note_effects`` for what the drives of a scene have. Dry
-friction is in forces/friction.py, and events/saturation.py changes the modes.
+power, energy, inertia, the slopes of the force, and ``set_effect_flags`` for what the drives of a scene have.
+Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
 
 The angles of links include full turns, and so do those of joints. The base of a pinned chain has the angle 0.
 A free base has no joint and no drive.
@@ -22,7 +22,7 @@ A free base has no joint and no drive.
 
 import math
 
-from chain_impact.kernel.chain.slider import slide_along, slider_position
+from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule
 
@@ -54,11 +54,11 @@ def along_drive(d, values, first, i):
     The values of the base begin at index ``first``: 0 for coordinates, and velocity_at(N) for their rates.
     """
     if is_slider(d, i):
-        return slide_along(d, values[first], values[first + 1])
+        return along_slider(d, values[first], values[first + 1])
     return relative(values, first + ANGLES, i)
 
 
-def stretch(d, y, i):
+def spring_stretch(d, y, i):
     """Return q − q_t [rad or m], how far drive i is from the rest or target position of its spring."""
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
@@ -77,28 +77,28 @@ def lever_of_drive(d, i):
     return 1.0 if is_slider(d, i) else d.model.longest_link
 
 
-def factor_to_moment(d, i):
+def moment_factor(d, i):
     """Return the factor that makes a moment of the force of drive i: the longest link [m]; 1 for a joint."""
     return d.model.longest_link if is_slider(d, i) else 1.0
 
 
 @has_dual_rule
-def resists(constant):
+def has_effect(constant):
     """Return whether a damping, a stiffness or an armature is not zero, so that its terms are needed."""
     return constant != 0.0
 
 
-def note_effects(d):
-    """Set the flags of the effects that the drives have, for the values in use; ``has_stops`` must be set."""
+def set_effect_flags(d):
+    """Set the flags of the effects of all drives, for the values in use; ``has_joint_stops`` must be set."""
     model = d.model
     model.has_springs, model.has_springs_or_dampers, model.has_armatures = 0, 0, 0
-    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_stops, 0, 0
+    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_joint_stops, 0, 0
     for i in range(first_joint(d), drive_count(d)):
-        if resists(d.inputs.drive_stiffness[i]):
+        if has_effect(d.inputs.drive_stiffness[i]):
             model.has_springs, model.has_springs_or_dampers = 1, 1
-        if resists(d.inputs.drive_damping[i]):
+        if has_effect(d.inputs.drive_damping[i]):
             model.has_springs_or_dampers = 1
-        if not is_slider(d, i) and resists(drive_inertia(d, i)):
+        if not is_slider(d, i) and has_effect(drive_inertia(d, i)):
             model.has_armatures = 1
         if d.drive.friction[i] > 0.0:
             model.has_drive_friction = 1
@@ -128,7 +128,7 @@ def rotor_energy(d, y):
     return energy
 
 
-def follows(d, i):
+def is_below_limit(d, i):
     """Return whether the force of drive i follows its motion: there is a joint, and no limit is reached."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
@@ -138,15 +138,15 @@ def drive_slopes(d, i):
 
     They are c and k; at a limit, and without a joint, they are 0.
     """
-    return largest_slopes(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
+    return slopes_below_limit(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
-def largest_slopes(d, i):
+def slopes_below_limit(d, i):
     """Return the slopes of drive i below its limit, in the units of ``drive_slopes``; 0 without a joint."""
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
 
-def is_active(d, i):
+def is_powered(d, i):
     """Return whether drive i is active: a servo, or with a limit; the others are passive.
 
     The whole work of an active drive counts as supplied energy. The spring of a passive drive stores energy,
@@ -155,47 +155,47 @@ def is_active(d, i):
     return d.model.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
-def own_spring_force(d, y, i):
+def unlimited_spring_force(d, y, i):
     """Return the force k (q − q_t) [N·m or N] of the spring of drive i, without a limit of the drive."""
-    return d.inputs.drive_stiffness[i] * stretch(d, y, i)
+    return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
 def spring_force(d, y, i):
     """Return the force [N·m or N] of the spring of drive i; 0 at a limit, and without a joint."""
-    return own_spring_force(d, y, i) if follows(d, i) else 0.0
+    return unlimited_spring_force(d, y, i) if is_below_limit(d, i) else 0.0
 
 
-def stored_force(d, y, i):
+def passive_spring_force(d, y, i):
     """Return ``spring_force`` of drive i [N·m or N] if its spring stores energy; 0 if it is active."""
-    return 0.0 if is_active(d, i) else spring_force(d, y, i)
+    return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
 
 def spring_energy(d, y):
     """Return the energy [J] stored in the springs of all passive drives."""
     energy = 0.0
     for i in range(first_joint(d), drive_count(d)):
-        if not is_active(d, i):
-            bent = stretch(d, y, i)
+        if not is_powered(d, i):
+            bent = spring_stretch(d, y, i)
             energy += 0.5 * d.inputs.drive_stiffness[i] * bent * bent
     return energy
 
 
-def wanted_force(d, y, i):
+def unlimited_force(d, y, i):
     """Return the force or torque F of drive i without its limit [N·m or N]; 0 without a joint."""
     if i < first_joint(d):
         return 0.0
     rate = along_drive(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
-    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - own_spring_force(d, y, i)
+    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_force(d, y, i)
 
 
 def drive_force(d, y, i):
-    """Return the force or torque F of drive i [N·m or N]: ``wanted_force`` in mode 0, ± the limit in mode ±1.
+    """Return the force F of drive i [N·m or N]: ``unlimited_force`` in mode 0, ± the limit in mode ±1.
 
     The mode stays the same until an event ends the step. So a force in mode 0 may exceed the limit within a
     step, and F is smooth in every step.
     """
     mode = d.drive.mode[i]
-    return wanted_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
+    return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
 
 
 def transmitted_moment(d, y, rate, i):
@@ -209,17 +209,17 @@ def drive_power(d, y, i):
     The force of a passive drive is returned without the force of its spring.
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
-    if is_active(d, i):
+    if is_powered(d, i):
         force = drive_force(d, y, i)
         return force, 0.0, force * rate
     motor, damping = d.inputs.motor[i], d.inputs.drive_damping[i] * rate
     return motor - damping, damping * rate, motor * rate
 
 
-def drive_mode(wanted, limit):
+def drive_mode(unlimited, limit):
     """Return the mode of a drive, from the force without a limit; with the limit 0 the mode is never 0."""
-    if abs(wanted) > limit or limit == 0.0:
-        return 1 if wanted > 0.0 else -1
+    if abs(unlimited) > limit or limit == 0.0:
+        return 1 if unlimited > 0.0 else -1
     return 0
 
 
@@ -233,10 +233,13 @@ def mode_margin(d, y):
     for i in range(drive_count(d)):
         mode, limit = d.drive.mode[i], d.drive.limit[i]
         if 0.0 < limit < math.inf:
-            wanted, size = wanted_force(d, y, i), coordinates_of_drive(d, y, i) + abs(d.inputs.target[i])
-            margin = limit - abs(wanted) if mode == 0 else float(mode) * wanted - limit
+            unlimited, size = (
+                unlimited_force(d, y, i),
+                coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]),
+            )
+            margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
-            least = min(least, margin * factor_to_moment(d, i))
+            least = min(least, margin * moment_factor(d, i))
     return least
 
 

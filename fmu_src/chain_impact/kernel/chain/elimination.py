@@ -15,7 +15,7 @@ appears: L is the vector along a link from the link's joint nearer to the middle
 to the centre of mass, x⊥ = ẑ × x, m the mass, I the inertia about the centre of mass, g gravity, f the load
 on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and b to the joint
 nearer to the middle, its inner joint. The rotation of a link about its inner joint has the inertia H and the
-coupling h with the motion of this joint (``hinge``).
+coupling h with the motion of this joint (``hinge_inertia``).
 
 The centre of mass may lie beside the line of the link, because L and m c are independent in the equations.
 A site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link; r is the arm
@@ -32,7 +32,7 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 
 @inlined
-def arm(d, link, i, outward):
+def arm_of_link(d, link, i, outward):
     """Return data of link i, relative to its joint that is nearer to the middle of the chain.
 
     ``outward``: whether that joint is the proximal one.
@@ -59,10 +59,10 @@ def arm(d, link, i, outward):
 
 @has_complex_rule
 @inlined
-def hinge(link, axx, axy, ayy):
+def hinge_inertia(link, axx, axy, ayy):
     """Return the coupling h and the inertia H of a link's rotation about its inner joint.
 
-    They follow from the articulated inertia A' at its outer joint and the data that ``arm`` returns.
+    They follow from the articulated inertia A' at its outer joint and the data that ``arm_of_link`` returns.
     """
     lx, ly, sx, sy, inertia = link
     # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
@@ -76,12 +76,12 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     Returns A and b at its inner joint from A' and b' at its outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = lx, ly, _, _, _ = arm(d, d.scratch.link, i, outward)
+    link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L: the force at the outer joint if α = 0 and the inner joint has no acceleration
     dx = bx - d.scratch.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.scratch.load.y[joint] - w2 * (axy * lx + ayy * ly)
-    hx, hy, about_joint = hinge(link, axx, axy, ayy)
+    hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
     return eliminate_link(d, i, w2, link, hx, hy, 1.0 / about_joint, axx, axy, ayy, dx, dy)
 
 
@@ -91,7 +91,7 @@ def eliminate_end(d, y, i, outward):
     The inertia H of this link is a constant.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
-    link = _, _, sx, sy, inertia = arm(d, d.scratch.link, i, outward)
+    link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link, i, outward)
     dx, dy = -d.scratch.load.x[joint], -d.scratch.load.y[joint]
     w2 = omega * omega
     return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
@@ -100,7 +100,7 @@ def eliminate_end(d, y, i, outward):
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
 
-    The function stores h/H, 1/H and h₀/H of the link for ``accelerate`` and ``take_factors``.
+    The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and ``copy_factors``.
     """
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
@@ -109,8 +109,8 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     if d.sites > 0:
         h0 -= d.scratch.load.link[i]
     kx, ky = hx * inverse, hy * inverse
-    kept = d.scratch.elimination
-    kept.gain_x[i], kept.gain_y[i], kept.inverse[i], kept.bias[i] = kx, ky, inverse, h0 * inverse
+    stored = d.scratch.elimination
+    stored.gain_x[i], stored.gain_y[i], stored.inverse[i], stored.bias[i] = kx, ky, inverse, h0 * inverse
     # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m c − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
@@ -121,14 +121,14 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     )
 
 
-def accelerate(d, y, i, outward, ax, ay, rate):
+def accelerate_link(d, y, i, outward, ax, ay, rate):
     """Set the angular acceleration α_i of a link from the acceleration of its inner joint.
 
     Returns the acceleration of the outer joint.
     """
-    kept, speed_index = d.scratch.elimination, omega_at(d.links) + i
+    stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
-    a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
+    a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
@@ -146,7 +146,7 @@ def accelerations(d, y, rate):
             with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, and of the
-            links [rad/s²]. The function also stores the factors that ``take_factors`` needs for the response
+            links [rad/s²]. The function also stores the factors that ``copy_factors`` needs for the response
             to other loads.
     """
     # The first of these calls has a constant middle joint, for which the compiler makes faster code.
@@ -176,8 +176,8 @@ def arms(d, y, rate, middle):
     if d.slides:
         # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b)
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
-        kept = d.scratch.elimination
-        kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
+        stored = d.scratch.elimination
+        stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
         push_x = d.scratch.load.x[0] + m * d.model.gravity[0] - bx
         push_y = d.scratch.load.y[0] + m * d.model.gravity[1] - by
         along = (d.scratch.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
@@ -188,8 +188,8 @@ def arms(d, y, rate, middle):
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant
-        kept = d.scratch.elimination
-        kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
+        stored = d.scratch.elimination
+        stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
 
     # accelerations from the middle outward: a toward the last link, c toward the base, which gets c. A base
     # that inputs move is itself the middle: the links get its given acceleration, but the rate of the base is
@@ -198,9 +198,9 @@ def arms(d, y, rate, middle):
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for k in range(n - middle):
-        ax, ay = accelerate(d, y, middle + k, True, ax, ay, rate)
+        ax, ay = accelerate_link(d, y, middle + k, True, ax, ay, rate)
         if k < middle:
-            cx, cy = accelerate(d, y, middle - 1 - k, False, cx, cy, rate)
+            cx, cy = accelerate_link(d, y, middle - 1 - k, False, cx, cy, rate)
     rate[velocity_at(n)] = cx
     rate[velocity_at(n) + 1] = cy
 

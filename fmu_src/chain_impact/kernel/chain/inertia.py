@@ -2,7 +2,7 @@
 
 When a scene is read, it derives some values from others, such as the inertia, and these values stay derived:
 a change of a length changes the centre of mass and the inertia with it. So the record has a field for the
-given value, which holds DERIVED if no value is given, and a field for the value in use. The kernel sets the
+given value, which is DERIVED if no value is given, and a field for the value in use. The kernel sets the
 field in use at initialization. If the value can be set at any time, the kernel also sets the field in use
 when new values are applied. ``Chain.set`` and FMUs write a value into both fields, for example into
 ``given_inertia`` and ``inertia``, so that the new value can be read at once. Sweeps and the page write only
@@ -27,7 +27,7 @@ DERIVED is the lowest double; no scene gives this number as a value.
 """
 
 
-def in_use(given, derived):
+def given_or_derived(given, derived):
     """Return the given value, or the derived value if no value is given.
 
     If no value is given, the term ``given − DERIVED`` is 0. In a tangent instance this term has the
@@ -36,7 +36,7 @@ def in_use(given, derived):
     return derived + (given - DERIVED) if given == DERIVED else given
 
 
-def middle(length):
+def middle_of_rod(length):
     """Return the centre of mass [m] of a uniform rod, from its end, for the rod's ``length`` [m]."""
     return length / 2
 

@@ -25,10 +25,10 @@ from chain_impact.kernel.chain.drives import (
     drive_count,
     drive_inertia,
     drive_slopes,
-    largest_slopes,
     load_drive,
+    slopes_below_limit,
 )
-from chain_impact.kernel.chain.kinematics import clear_joints, set_link_vectors, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, set_link_vectors
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
 from chain_impact.kernel.chain.sites import clear_link_moments
 
@@ -37,20 +37,20 @@ def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
-        c, k = largest_slopes(d, i)
+        c, k = slopes_below_limit(d, i)
         if i + 1 < d.links:
-            outer = largest_slopes(d, i + 1)
+            outer = slopes_below_limit(d, i + 1)
             c, k = c + outer[0], k + outer[1]
-        damping = max(damping, rate_of(2.0 * c, d.model.inertia[i]))
-        stiffness = max(stiffness, rate_of(2.0 * k, d.model.inertia[i]))
+        damping = max(damping, rate_from_resistance(2.0 * c, d.model.inertia[i]))
+        stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.model.inertia[i]))
     if d.slides:
-        c, k = largest_slopes(d, d.links)
-        damping = max(damping, rate_of(c, d.slider.mass))
-        stiffness = max(stiffness, rate_of(k, d.slider.mass))
+        c, k = slopes_below_limit(d, d.links)
+        damping = max(damping, rate_from_resistance(c, d.slider.mass))
+        stiffness = max(stiffness, rate_from_resistance(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
 
 
-def rate_of(resistance, inertia):
+def rate_from_resistance(resistance, inertia):
     """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0, else x/0 = ∞."""
     if inertia > 0.0:
         return resistance / inertia
@@ -69,7 +69,7 @@ def largest_joint_rate(d, y):
     for i in range(d.links):
         scratch.impedance.joint[i] = drive_inertia(d, i)
     factorize(d, scratch.link, scratch, FREE, True)
-    zero(d, scratch.load)
+    clear_vectors(d, scratch.load)
     clear_joints(scratch.load)
     clear_link_moments(d, scratch.load)
     for i in range(drive_count(d)):

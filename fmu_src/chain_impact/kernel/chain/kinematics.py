@@ -7,14 +7,14 @@ link, and y is 0. So all other modules treat a stop like a wall at a point. The 
 (chain/sites.py).
 """
 
-from chain_impact.kernel.chain.motion import move_with
+from chain_impact.kernel.chain.motion import move_channels_to_state
 from chain_impact.kernel.chain.sites import (
     accelerate_sites,
     clear_sites,
     joint_place,
-    place_sites,
+    locate_sites,
+    set_site_motions,
     site_place,
-    turn_sites,
 )
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule, inlined
@@ -22,20 +22,20 @@ from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sin
 
 
 @has_dual_rule
-def polar(radius, y, first, horizontal, vertical):
+def set_polar(radius, y, first, horizontal, vertical):
     """Set r cos φ and r sin φ for each radius r; the angles φ are in y from index ``first`` on.
 
     All arrays are as long as ``radius``, shape (N,), or longer.
     """
     count = len(radius)
-    if not in_reach(y, first, count):
+    if not in_sine_range(y, first, count):
         for i in range(count):
             cosine, sine = direction(y[first + i])
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
     # The copy shows the compiler that the results do not overwrite the angles.
-    copy(y, first, count, vertical)
+    copy_entries(y, first, count, vertical)
     # With the copy, the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
@@ -44,7 +44,7 @@ def polar(radius, y, first, horizontal, vertical):
 
 
 @inlined
-def copy(y, first, count, out):
+def copy_entries(y, first, count, out):
     """Copy ``count`` numbers of y, from index ``first`` on, with vector instructions.
 
     Other functions read the copy as vectors. A processor reads a vector slowly if its numbers were just
@@ -62,7 +62,7 @@ def copy(y, first, count, out):
         out[i] = y[first + i]
 
 
-def in_reach(y, first, count):
+def in_sine_range(y, first, count):
     """Return whether the angles in y from index ``first`` on are surely in the range of ``cosine_and_sine``.
 
     The sum of their sizes must be below LARGEST_ANGLE. The result is False if an angle is NaN.
@@ -79,17 +79,17 @@ def locate_points(d, y):
     A moving base and moving walls are moved to their positions at the time of y.
     """
     if d.channels > 0:
-        move_with(d, y)
+        move_channels_to_state(d, y)
     locate_points_now(d, y)
 
 
 def locate_points_now(d, y):
     """Locate the points as ``locate_points`` does, without moving base and walls to the time of y."""
     set_link_vectors(d, y)
-    place_points(d, y)
+    locate_from_link_vectors(d, y)
 
 
-def place_points(d, y):
+def locate_from_link_vectors(d, y):
     """Locate the points as ``locate_points`` does, but with the present link vectors, base and walls."""
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
@@ -108,12 +108,12 @@ def place_points(d, y):
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
     if d.model.has_joint_places:
-        place_joints(d, y, ANGLES, position)
-        place_joints(d, y, omega_at(n), velocity)
-    place_sites(d, y, omega_at(n), position, velocity)
+        set_joint_places(d, y, ANGLES, position)
+        set_joint_places(d, y, omega_at(n), velocity)
+    locate_sites(d, y, omega_at(n), position, velocity)
 
 
-def place_joints(d, values, first, vectors):
+def set_joint_places(d, values, first, vectors):
     """Set x of the joints' places to the lever arm times the joints' own angles, their rates or changes.
 
     The angles of the N links, or their rates or changes, begin at index ``first`` of ``values``.
@@ -137,11 +137,11 @@ def accelerate_points(d, y, rate):
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
     if d.model.has_joint_places:
-        place_joints(d, rate, omega_at(n), acceleration)
+        set_joint_places(d, rate, omega_at(n), acceleration)
     accelerate_sites(d, y, rate, omega_at(n), acceleration)
 
 
-def zero(d, vectors):
+def clear_vectors(d, vectors):
     """Set the vectors of all places to zero."""
     # The numbers of links and points are constants for the compiler, which unrolls this loop.
     for k in range(d.links + 1):
@@ -161,7 +161,7 @@ def clear_joints(values):
 def set_link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
     note_points_elsewhere(d)
-    polar(d.model.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
+    set_polar(d.model.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
 
 
 def note_points_at_end(d):
@@ -188,11 +188,11 @@ def move_points(d, link_vectors, change, response):
         y += change[ANGLES + i] * link_vectors.x[i]
     response.x[n], response.y[n] = x, y
     if d.model.has_joint_places:
-        place_joints(d, change, ANGLES, response)
-    turn_sites(d, link_vectors, change, ANGLES, response)
+        set_joint_places(d, change, ANGLES, response)
+    set_site_motions(d, link_vectors, change, ANGLES, response)
 
 
-def largest(d, vectors):
+def largest_component(d, vectors):
     """Return the largest absolute component in the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
@@ -205,7 +205,7 @@ def largest(d, vectors):
     return most
 
 
-def at_center(d, vectors, i):
+def at_center_of_mass(d, vectors, i):
     """Return the vector at link i's centre of mass, such as the velocity, from the vectors at points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it

@@ -16,12 +16,12 @@ from chain_impact.kernel.chain.signals import signal_at, signal_bounds, travel_o
 from chain_impact.kernel.chain.state import time_at
 
 
-def move_with(d, y):
+def move_channels_to_state(d, y):
     """Move base and walls to their positions at the time of the state y."""
-    move(d, d.step.clock + y[time_at(d.links)])
+    move_channels(d, d.step.clock + y[time_at(d.links)])
 
 
-def move(d, time):
+def move_channels(d, time):
     """Set position [m], velocity [m/s], acceleration [m/s²] of all channels at a time [s], and move walls."""
     moved, piece = d.moved, d.inputs.piece
     x, since = (time - piece.middle) * piece.scale, time - moved.began
@@ -50,7 +50,7 @@ def move(d, time):
 def move_wall(d, c, m):
     """Move the wall of candidate c with channel m, and its belt with the next channel."""
     wall, moved = d.shift, d.moved
-    d.candidate.offset[c] = wall.rest[c] + moved.position[m]
+    d.candidate.offset[c] = wall.unmoved_offset[c] + moved.position[m]
     wall.rate[c], wall.acceleration[c] = moved.velocity[m], moved.acceleration[m]
     wall.travel[c], wall.belt_rate[c] = moved.position[m + 1], moved.velocity[m + 1]
     wall.belt_acceleration[c] = moved.acceleration[m + 1]
@@ -76,7 +76,7 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts after the last ``move``."""
+    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts, as last moved."""
     speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:

@@ -38,7 +38,7 @@ pivoting is needed: the argument of every s is below 61°, so all quadratic form
 """
 
 from chain_impact.kernel.chain.drives import joints_resist
-from chain_impact.kernel.chain.elimination import arm, hinge, inertia_along
+from chain_impact.kernel.chain.elimination import arm_of_link, hinge_inertia, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
 from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
@@ -75,17 +75,17 @@ def complex_cross(lx, ly, bx, by):
     return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
 
 
-def complex_hinge(link, axx, axy, ayy):
-    """Return the coupling h and the inertia H as ``hinge`` does, for a complex articulated inertia.
+def complex_hinge_inertia(link, axx, axy, ayy):
+    """Return the coupling h and the inertia H as ``hinge_inertia`` does, for a complex articulated inertia.
 
     The link's data are real; numba would convert them to complex numbers, which costs time.
     """
-    hx, hy, about_joint = hinge(link, axx.real, axy.real, ayy.real)
-    gx, gy, part = hinge((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
+    hx, hy, about_joint = hinge_inertia(link, axx.real, axy.real, ayy.real)
+    gx, gy, part = hinge_inertia((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
     return complex(hx, gx), complex(hy, gy), complex(about_joint, part)
 
 
-COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge: complex_hinge}
+COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_inertia: complex_hinge_inertia}
 """Function of the kernel → its replacement for complex arguments."""
 
 
@@ -139,27 +139,27 @@ def factorize(d, link_vectors, space, row, coupled):
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
     ayy = ayy + cyy + impedance.yy[middle]
-    set_middle(d, space.factors, row, axx, axy, ayy)
+    set_middle_mobility(d, space.factors, row, axx, axy, ayy)
 
 
-def take_factors(d, coupled):
+def copy_factors(d, coupled):
     """Copy the factors of the mass matrix that ``accelerations`` has found to the row FREE.
 
     ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
-    nothing, because ``geared_accelerations`` in rows/compliance.py has already set this row.
+    nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this row.
     """
     if d.model.has_armatures:
         return
     elimination, factors = d.scratch.elimination, d.scratch.factors
-    set_middle(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
+    set_middle_mobility(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
     factors.coupled[FREE] = 1 if coupled else 0
     for i in range(d.links):
         factors.gain_x[FREE, i], factors.gain_y[FREE, i] = elimination.gain_x[i], elimination.gain_y[i]
         factors.inverse[FREE, i] = elimination.inverse[i]
-        factors.share[FREE, i], factors.complement[FREE, i] = 0.0, 1.0
+        factors.coupling[FREE, i], factors.complement[FREE, i] = 0.0, 1.0
 
 
-def set_middle(d, factors, row, axx, axy, ayy):
+def set_middle_mobility(d, factors, row, axx, axy, ayy):
     """Set A⁻¹, the inverse of the articulated inertia at the middle joint.
 
     It is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
@@ -185,8 +185,8 @@ def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx,
     axx += space.impedance.xx[point]
     axy += space.impedance.xy[point]
     ayy += space.impedance.yy[point]
-    link = lx, ly, _, _, _ = arm(d, link_vectors, i, outward)
-    hx, hy, about_joint = hinge(link, axx, axy, ayy)
+    link = lx, ly, _, _, _ = arm_of_link(d, link_vectors, i, outward)
+    hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
     for s in range(
         d.model.first_site[i] if d.sites > 0 else 0, d.model.first_site[i + 1] if d.sites > 0 else 0
     ):
@@ -202,10 +202,10 @@ def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx,
     if coupled:
         hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
         inverse = reciprocal(about_joint + resistance)
-        share = resistance * inverse
-        factors.share[row, i], factors.complement[row, i] = share, about_joint * inverse
+        coupling = resistance * inverse
+        factors.coupling[row, i], factors.complement[row, i] = coupling, about_joint * inverse
         # at the inner joint: e = σ h, p = σ H
-        ex, ey, p = share * hx, share * hy, share * about_joint
+        ex, ey, p = coupling * hx, coupling * hy, coupling * about_joint
     else:
         inverse = reciprocal(about_joint)
     kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
@@ -233,12 +233,16 @@ def solve(d, link_vectors, space, row, change):
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
-        bx, by, t = gather(d, link_vectors, space, row, coupled, i, True, load.joint[i], bx, by, t, change)
+        bx, by, t = gather_loads(
+            d, link_vectors, space, row, coupled, i, True, load.joint[i], bx, by, t, change
+        )
         if inner >= 0:
             last = inner + 1 == middle
             moment = 0.0 if last else -load.joint[inner + 1]
             u = u + t if last else u
-            cx, cy, u = gather(d, link_vectors, space, row, coupled, inner, False, moment, cx, cy, u, change)
+            cx, cy, u = gather_loads(
+                d, link_vectors, space, row, coupled, inner, False, moment, cx, cy, u, change
+            )
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     mobility = space.factors.middle_mobility
     x = mobility[row, 0] * bx + mobility[row, 1] * by
@@ -247,14 +251,18 @@ def solve(d, link_vectors, space, row, change):
     for k in range(n - middle):
         if k < middle:
             i = middle - 1 - k
-            cx, cy, turned = spread(link_vectors, space, row, coupled, i, False, cx, cy, turned, change)
+            cx, cy, turned = spread_motion(
+                link_vectors, space, row, coupled, i, False, cx, cy, turned, change
+            )
             before = turned if k == 0 else before
-        x, y, before = spread(link_vectors, space, row, coupled, middle + k, True, x, y, before, change)
+        x, y, before = spread_motion(
+            link_vectors, space, row, coupled, middle + k, True, x, y, before, change
+        )
     change[0], change[1] = cx, cy
 
 
 @inlined
-def gather(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, change):
+def gather_loads(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, change):
     """Set the change α of ω_i that the loads cause while the inner joint and the inner link are at rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
@@ -269,7 +277,7 @@ def gather(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, 
     if coupled:
         s += t
         # angular impulse at the inner joint: t = σ s − (1 − σ) μ
-        t = factors.share[row, i] * s - factors.complement[row, i] * moment
+        t = factors.coupling[row, i] * s - factors.complement[row, i] * moment
         s += moment
     change[ANGLES + i] = s * factors.inverse[row, i]
     # impulse at the inner joint: b = b' − h (s + μ)/(H + κ)
@@ -277,7 +285,7 @@ def gather(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, 
 
 
 @inlined
-def spread(link_vectors, space, row, coupled, i, outward, x, y, before, change):
+def spread_motion(link_vectors, space, row, coupled, i, outward, x, y, before, change):
     """Add to the change of ω_i the effect of the inner joint's motion a and of the inner link's rotation β.
 
     ``x`` and ``y`` are the components of a, and ``before`` is β.
@@ -289,6 +297,6 @@ def spread(link_vectors, space, row, coupled, i, outward, x, y, before, change):
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
     alpha = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
     if coupled:
-        alpha += factors.share[row, i] * before
+        alpha += factors.coupling[row, i] * before
     change[ANGLES + i] = alpha
     return x - alpha * (sign * link_vectors.y[i]), y + alpha * (sign * link_vectors.x[i]), alpha

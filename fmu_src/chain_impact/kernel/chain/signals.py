@@ -17,7 +17,7 @@ position, velocity and acceleration always agree. The integrals of a sine are in
 import math
 
 from chain_impact.kernel.chain.inputs import CHANNEL, is_of_drive
-from chain_impact.kernel.chain.sines import TAU, integral, phase, smooth
+from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
 CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
@@ -33,7 +33,7 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 def signal_at(d, j, time):
     """Return value, rate and second derivative of signal j at a ``time`` [s], in the segment in use."""
     signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
-    x = since_knot(d, j, time)
+    x = time_since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
     for p in range(1, degree + 1):
         half_a = half_a * x + v
@@ -46,7 +46,7 @@ def signal_at(d, j, time):
     return u + signal.begin[j] + signal.lap[j] * signal.gain[j], v, a
 
 
-def drives(d, m):
+def is_driven(d, m):
     """Return whether a signal drives channel m."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
@@ -54,7 +54,7 @@ def drives(d, m):
     return False
 
 
-def since_knot(d, j, time):
+def time_since_knot(d, j, time):
     """Return x [s], the time since the knot in use of signal j, at a ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
@@ -65,7 +65,7 @@ def sine_at(d, j, time):
     s = time - signal.start[i]
     rise = signal.rise[i] if signal.segment[j] == signal.first[j] + 1 else 0.0
     rate, chirp = TAU * (signal.frequency[i] + signal.frequency_rate[i] * s), TAU * signal.frequency_rate[i]
-    cosine, sine = direction(phase(d, i, s))
+    cosine, sine = direction(sine_phase(d, i, s))
     a = signal.amplitude[i]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if rise > 0.0:
@@ -73,7 +73,7 @@ def sine_at(d, j, time):
         slope, curve = slope / rise, curve / (rise * rise)
         u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
     for m in range(1, signal.integrals[j] + 1):
-        u, v, w = a * integral(d, i, m, s, rise), u, v
+        u, v, w = a * sine_integral(d, i, m, s, rise), u, v
     return u, v, w
 
 
@@ -81,7 +81,7 @@ def signal_bounds(d, j):
     """Return bounds on the rate and on the second derivative of signal j over the last step."""
     signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
-    x = since_knot(d, j, d.step.start + half)
+    x = time_since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
         # c: coefficient n of the Taylor series at the middle of the step, the n-th derivative divided by n!
@@ -95,7 +95,7 @@ def signal_bounds(d, j):
         power *= half
     if is_sine(d, j):
         i, size = signal.source[j], abs(signal.amplitude[signal.source[j]])
-        w, chirp = fastest(d, j), TAU * abs(signal.frequency_rate[i])
+        w, chirp = largest_frequency(d, j), TAU * abs(signal.frequency_rate[i])
         rises = signal.segment[j] == signal.first[j] + 1 and signal.rise[i] > 0.0
         slope = STEEPEST / signal.rise[i] if rises else 0.0
         curve = ROUNDEST / (signal.rise[i] * signal.rise[i]) if rises else 0.0
@@ -115,7 +115,7 @@ def is_sine(d, j):
     return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
 
 
-def fastest(d, j):
+def largest_frequency(d, j):
     """Return the largest angular frequency [rad/s] of the sine of signal j in the last step."""
     signal, i = d.signal, d.signal.source[j]
     f, chirp = signal.frequency[i], signal.frequency_rate[i]
@@ -128,7 +128,7 @@ def rate_of_signals(d):
     most = 0.0
     for j in range(d.signals):
         if is_sine(d, j):
-            most = max(most, fastest(d, j))
+            most = max(most, largest_frequency(d, j))
     return most
 
 
@@ -137,7 +137,7 @@ def rate_of_drives(d):
     most = 0.0
     for j in range(d.signals):
         if is_sine(d, j) and acts_in_limited_drive(d, j):
-            most = max(most, fastest(d, j))
+            most = max(most, largest_frequency(d, j))
     return most
 
 
@@ -216,7 +216,7 @@ def derive_signals(d, time):
         if signal.form[j] == TABLE:
             signal.degree[j] = signal.order[j] + SPLINE_DEGREE
         if signal.form[j] == CONSTANT:
-            set_level(d, k, time, signal.value[i])
+            set_constant_knot(d, k, time, signal.value[i])
         elif signal.form[j] == SINE:
             derive_sine(d, i, k)
         elif signal.form[j] == RAMP:
@@ -224,7 +224,7 @@ def derive_signals(d, time):
         elif signal.form[j] == STEPS:
             for n in range(signal.last[j] - k + 1):
                 given = signal.first[i] + n
-                set_level(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
+                set_constant_knot(d, k + n, d.knot.given_time[given], d.knot.given_value[given])
         if signal.form[j] != TABLE:
             for _ in range(signal.order[j]):
                 integrate(d, j, time)
@@ -243,7 +243,7 @@ def begin_signal(d, j, time):
         next_segment(d, j)
 
 
-def set_level(d, k, time, level):
+def set_constant_knot(d, k, time, level):
     """Set knot k to a constant ``level`` from a ``time`` [s] on."""
     d.knot.time[k] = time
     for p in range(1, SIGNAL_DEGREE + 1):
@@ -257,17 +257,17 @@ def derive_sine(d, i, k):
     rises = signal.rise[i] > 0.0
     _, sine = direction(signal.phase[i])
     before = signal.mean[i] + (0.0 if rises else signal.amplitude[i] * sine)
-    set_level(d, k, signal.start[i], before)
-    set_level(d, k + 1, signal.start[i], signal.mean[i])
-    set_level(d, k + 2, signal.start[i] + signal.rise[i], signal.mean[i])
+    set_constant_knot(d, k, signal.start[i], before)
+    set_constant_knot(d, k + 1, signal.start[i], signal.mean[i])
+    set_constant_knot(d, k + 2, signal.start[i] + signal.rise[i], signal.mean[i])
 
 
 def derive_ramp(d, i, k, shape):
     """Set the knots of a ramp, from knot k on, from row i of the given numbers."""
     signal, powers = d.signal, d.knot.powers
     way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
-    set_level(d, k, start, signal.initial[i])
-    set_level(d, k + 1, start, signal.initial[i])
+    set_constant_knot(d, k, start, signal.initial[i])
+    set_constant_knot(d, k + 1, start, signal.initial[i])
     speed = way / lasts
     if shape == LINEAR:
         powers[k + 1, 1] = speed
@@ -280,11 +280,11 @@ def derive_ramp(d, i, k, shape):
         # deceleration
         bend = 2.25 * speed / lasts
         powers[k + 1, 2] = bend
-        set_level(d, k + 2, start + lasts / 3.0, signal.initial[i] + 0.25 * way)
-        set_level(d, k + 3, start + 2.0 * lasts / 3.0, signal.initial[i] + 0.75 * way)
+        set_constant_knot(d, k + 2, start + lasts / 3.0, signal.initial[i] + 0.25 * way)
+        set_constant_knot(d, k + 3, start + 2.0 * lasts / 3.0, signal.initial[i] + 0.75 * way)
         powers[k + 2, 1], powers[k + 3, 1], powers[k + 3, 2] = 1.5 * speed, 1.5 * speed, -bend
         k += 2
-    set_level(d, k + 2, start + lasts, signal.final[i])
+    set_constant_knot(d, k + 2, start + lasts, signal.final[i])
 
 
 def integrate(d, j, time):

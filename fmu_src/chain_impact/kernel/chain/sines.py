@@ -61,13 +61,13 @@ def smooth(x):
     return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
 
 
-def phase(d, i, s):
+def sine_phase(d, i, s):
     """Return the phase Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
     signal = d.signal
     return signal.phase[i] + TAU * s * (signal.frequency[i] + 0.5 * signal.frequency_rate[i] * s)
 
 
-def integral(d, i, m, s, rise):
+def sine_integral(d, i, m, s, rise):
     """Return the m-fold integral I_m of the sine with the numbers in row i, a time s [s] after its start.
 
     ``rise`` is the time [s] in which the amplitude rises, and 0 if it does not rise.
@@ -75,22 +75,22 @@ def integral(d, i, m, s, rise):
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s
     if rise > 0.0 and max(abs(begin), abs(begin + g * rise)) * rise <= LARGEST_TURN:
-        return by_quadrature(d, i, m, s, rise)
-    cosine, sine = direction(phase(d, i, s))
+        return integral_by_quadrature(d, i, m, s, rise)
+    cosine, sine = direction(sine_phase(d, i, s))
     begins_up = begin > 0.0 or (begin == 0.0 and g > 0.0)
     if not abs(g) <= NEAR_TURNING_POINT * omega * omega:
-        middle, u, v = at_standstill(d, i, begins_up)
+        middle, u, v = integral_at_standstill(d, i, begins_up)
         u, v = fresnel(middle, omega / g, g, u, v)
-        return by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
-    u, v = by_fraction(m, (omega, g), s, rise)
+        return integral_by_recurrence(m, (cosine, sine, u, v), (omega, g), s, rise)
+    u, v = integral_by_fraction(m, (omega, g), s, rise)
     total = sine * u + cosine * v
     if begins_up != (omega > 0.0):
-        _, u, v = at_standstill(d, i, begins_up)
-        total += by_recurrence(m, (0.0 * u, 0.0 * v, 2.0 * u, 2.0 * v), (omega, g), s, rise)
+        _, u, v = integral_at_standstill(d, i, begins_up)
+        total += integral_by_recurrence(m, (0.0 * u, 0.0 * v, 2.0 * u, 2.0 * v), (omega, g), s, rise)
     return total
 
 
-def by_fraction(m, rates, s, rise):
+def integral_by_fraction(m, rates, s, rise):
     """Return real and imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k}, from continued fractions.
 
     The imaginary part of this sum times e^{iΦ} is the m-fold integral of a sine. ``rates`` are ω, the angular
@@ -115,27 +115,27 @@ def by_fraction(m, rates, s, rise):
         ratio_u, ratio_v = a / size, -b / size
         u, v = (u * ratio_v + v * ratio_u) / omega, (v * ratio_v - u * ratio_u) / omega
         if m < n <= last:
-            u += part(m, n - m - 1, s, rise)
+            u += rise_coefficient(m, n - m - 1, s, rise)
     return u, v
 
 
-def by_recurrence(m, first, rates, s, rise):
+def integral_by_recurrence(m, first, rates, s, rise):
     """Return the m-fold integral Im Σ_k c_k E_{m+k} of a sine, from the recurrence for the integrals E_n.
 
-    ``first`` holds the real and the imaginary part of E_0, then of E_1.
+    ``first`` contains the real and the imaginary part of E_0, then of E_1.
     """
     u, v, next_u, next_v = first
     omega, g = rates
-    total = part(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
+    total = rise_coefficient(m, 0, s, rise) * next_v if m == 1 else 0.0 * next_v
     for n in range(1, m + (RISING if rise > 0.0 else 0)):
         after_u, after_v = (omega * next_u - v) / (n * g), (omega * next_v + u) / (n * g)
         u, v, next_u, next_v = next_u, next_v, after_u, after_v
         if n + 1 >= m:
-            total += part(m, n + 1 - m, s, rise) * next_v
+            total += rise_coefficient(m, n + 1 - m, s, rise) * next_v
     return total
 
 
-def part(m, k, s, rise):
+def rise_coefficient(m, k, s, rise):
     """Return the coefficient c_k of the m-fold integral, a time s [s] after the start of a rise.
 
     Without a rise, ``rise`` = 0, only c_0 is used, which is 1.
@@ -159,7 +159,7 @@ def part(m, k, s, rise):
     return r
 
 
-def at_standstill(d, i, begins_up):
+def integral_at_standstill(d, i, begins_up):
     """Return Φ(s*) [rad], and real and imaginary part of the integral C, at the time s* of frequency zero.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
@@ -188,10 +188,10 @@ def fresnel(middle, since, g, u, v):
     return u, v
 
 
-def by_quadrature(d, i, m, s, rise):
+def integral_by_quadrature(d, i, m, s, rise):
     """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
     begin = TAU * d.signal.frequency[i]
-    # `integral` calls this function only for a turn up to LARGEST_TURN: the limit bounds the loop
+    # `sine_integral` calls this function only for a turn up to LARGEST_TURN: the limit bounds the loop
     turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
     while panels * PANEL < turn:
@@ -201,7 +201,7 @@ def by_quadrature(d, i, m, s, rise):
         for n in range(len(GAUSS_NODES)):
             t = s * ((panel + GAUSS_NODES[n]) / panels)
             r, _, _ = smooth(t / rise)
-            _, sine = direction(phase(d, i, t))
+            _, sine = direction(sine_phase(d, i, t))
             for _ in range(1, m):
                 r *= s - t
             total += GAUSS_WEIGHTS[n] / panels * s * r * sine

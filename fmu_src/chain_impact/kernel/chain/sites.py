@@ -45,16 +45,16 @@ def site_arm(d, link_vectors, s):
     return along * lx - beside * ly, along * ly + beside * lx
 
 
-def place_sites(d, y, first, position, velocity):
+def locate_sites(d, y, first, position, velocity):
     """Set positions and velocities of the sites; ω of the links begins at index ``first`` of the state y."""
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.scratch.link, s)
         position.x[k], position.y[k] = position.x[i] + rx, position.y[i] + ry
-    turn_sites(d, d.scratch.link, y, first, velocity)
+    set_site_motions(d, d.scratch.link, y, first, velocity)
 
 
-def turn_sites(d, link_vectors, turns, first, vectors):
+def set_site_motions(d, link_vectors, turns, first, vectors):
     """Set the motions of the sites from the motions of joints and the turns of links.
 
     The turns of the links begin at index ``first`` of ``turns``.
@@ -68,7 +68,7 @@ def turn_sites(d, link_vectors, turns, first, vectors):
 
 def accelerate_sites(d, y, rate, first, acceleration):
     """Set the accelerations of the sites; ω and α of links begin at index ``first`` of y and of its rate."""
-    turn_sites(d, d.scratch.link, rate, first, acceleration)
+    set_site_motions(d, d.scratch.link, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
         rx, ry = site_arm(d, d.scratch.link, s)
@@ -93,7 +93,7 @@ def clear_link_moments(d, load):
         load.link[i] = 0.0
 
 
-def carry_sites(d, link_vectors, load):
+def move_site_loads(d, link_vectors, load):
     """Replace forces at sites by equal forces at the links' proximal joints, plus moments on the links."""
     clear_link_moments(d, load)
     for s in range(d.sites):

@@ -13,18 +13,18 @@ and ends of the line are stops (rows/geometry.py), which the base touches.
 from chain_impact.kernel.chain.state import velocity_at
 
 
-def slide_along(d, vector_x, vector_y):
+def along_slider(d, vector_x, vector_y):
     """Return the component of a vector along the line."""
     return d.slider.ux * vector_x + d.slider.uy * vector_y
 
 
 def slider_position(d, y):
     """Return the coordinate s [m] of the slider in the state y."""
-    return slide_along(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
+    return along_slider(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
 def carriage_energy(d, y):
     """Return kinetic and potential energy [J] of the carriage."""
     first, gravity = velocity_at(d.links), d.model.gravity
-    rate = slide_along(d, y[first], y[first + 1])
+    rate = along_slider(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

@@ -6,11 +6,11 @@ fall to −OVERLAP is halved. So the search also finds a wall that passes the ba
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.motion import move
+from chain_impact.kernel.chain.motion import move_channels
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.ode.dense import TRIES, fraction
+from chain_impact.kernel.ode.dense import MOST_GUESSES, fraction
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
 from chain_impact.kernel.rows.geometry import OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
@@ -31,7 +31,7 @@ def end_at_base(d):
 
 def check_base(d):
     """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
-    move(d, d.step.end)
+    move_channels(d, d.step.end)
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         # at the end that ``end_at_base`` gives a step, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
@@ -41,7 +41,7 @@ def check_base(d):
 
 def overlap_margin(d, c, time):
     """Return how far [m] the base is from −OVERLAP in the wall of candidate c, at a time [s]."""
-    move(d, time)
+    move_channels(d, time)
     count_other_cost(d, 1)
     return base_clearance(d, c) + OVERLAP
 
@@ -70,7 +70,7 @@ def time_of_meeting(d, c, until):
 
 def time_of_passage(d, c, a, b):
     """Return the time [s] between a and b at which the base's clearance falls to −OVERLAP, by bisection."""
-    for _ in range(TRIES):
+    for _ in range(MOST_GUESSES):
         middle = 0.5 * (a + b)
         if not a < middle < b:
             break

@@ -6,7 +6,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark
+from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     contact_force,
     contact_slopes,
@@ -32,7 +32,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import at_joint, clearance, gap_acceleration, lever_of_candidate
+from chain_impact.kernel.rows.geometry import at_joint_stop, clearance, gap_acceleration, lever_of_candidate
 
 HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
 
@@ -59,13 +59,13 @@ def update_extremes(d):
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
-        peak, depth, _ = peaks(d, c, force_rate, d.step.end, SOLVER)
+        peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER)
         set_extremes(d, c, peak, depth)
         set_rates(d, c, -gap_rate, force_rate)
     ensure_points(d)
 
 
-def peaks(d, c, force_rate, time, reader):
+def find_peaks(d, c, force_rate, time, reader):
     """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
 
     The points must be located and accelerated at ``time``. The third result is true if they are located
@@ -138,14 +138,14 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """End the last step at the communication point, and drop its events; the next step finds these again.
 
-    If the step ends at the communication point anyway, onsets and changes of modes are kept: a point that is
+    If the step ends at the communication point anyway, onsets and changes of modes stay: a point that is
     already at the wall would not be found to arrive in the next step.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
     for c in range(d.candidates):
         if not (due and d.touch.event[c] == ONSET):
-            mark(d, c, NONE)
+            mark_contact_event(d, c, NONE)
     if not due:
         drop_changes(d)
 
@@ -154,10 +154,10 @@ def list_latest(d):
     """Write the latest impacts to ``latest``, from the log and the active contacts.
 
     A contact that still lasts gets its values up to the communication point. The points must be located and
-    accelerated at this point, and the outputs must already hold the forces and impulses.
+    accelerated at this point, and the outputs must already contain the forces and impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
-    if latest.kept == 0 or (d.touch.active_count == 0 and latest.listed == rows):
+    if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return
     latest.listed = rows if d.touch.active_count == 0 else -1
     theta, time = fraction(d, d.step.time), d.step.time
@@ -166,7 +166,7 @@ def list_latest(d):
         _, gap_rate = clearance(d, c)
         peak, depth = max(d.touch.peak_force[c], d.output.force[c]), 0.0
         if not d.law.impulsive[c]:
-            peak, depth, elsewhere = peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
+            peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
                 interpolate(d.step, theta, d.scratch.y)
                 locate_points(d, d.scratch.y)
@@ -174,7 +174,7 @@ def list_latest(d):
         rows += 1
     for row in range(min(rows, len(log.point))):
         entry = d.impact.count - log.number[row]
-        if 0 <= entry < latest.kept:
+        if 0 <= entry < latest.requested:
             latest.point[entry], latest.wall[entry] = log.point[row], log.wall[row] + 1
             latest.time[entry], latest.end[entry] = log.onset[row], log.end[row]
             latest.speed[entry] = log.impact_speed[row]
@@ -263,7 +263,7 @@ def log_with_peaks(d, c, row, end, separation_speed):
     touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
-    if not at_joint(d, c):
+    if not at_joint_stop(d, c):
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, depth)
     else:

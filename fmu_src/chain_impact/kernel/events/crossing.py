@@ -6,8 +6,8 @@ exclusion.py does not exclude its events. θ is a fraction of the step, g a clea
 
 A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
 bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
-keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which neither
-condition decides is halved.
+has no change of sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
+neither condition decides is halved.
 """
 
 import math
@@ -17,16 +17,22 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
-from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
-from chain_impact.kernel.events.marks import END, NONE, ONSET, mark
-from chain_impact.kernel.ode.collocation import curvatures
+from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event
+from chain_impact.kernel.ode.collocation import bound_curvatures
 from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.dense import TRIES, interpolate, next_guess, rate_bounds, rate_bounds_along
+from chain_impact.kernel.ode.dense import (
+    MOST_GUESSES,
+    interpolate,
+    next_guess,
+    rate_bounds,
+    rate_bounds_along,
+)
 from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
-from chain_impact.kernel.rows.geometry import at_joint, at_wall, normal_row
+from chain_impact.kernel.rows.geometry import at_joint_stop, at_wall, normal_row
 
-FINEST = 1e-15  # finest resolution of the search, as a fraction of a step
+FINEST_RESOLUTION = 1e-15  # finest resolution of the search, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
@@ -53,10 +59,10 @@ def first_passage(function, samples, resolution):
 
     def root(d, c, low, high, at_high):
         # The rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168).
-        at_low, last, width = function(d, c, low), 0, max(FINEST, resolution / d.step.size)
+        at_low, last, width = function(d, c, low), 0, max(FINEST_RESOLUTION, resolution / d.step.size)
         if at_low < 0.0:
             return low
-        for tries in range(TRIES):
+        for tries in range(MOST_GUESSES):
             if high - low <= width:
                 break
             theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
@@ -93,11 +99,11 @@ def locate_at(d, theta):
 CROSSING_RESOLUTION = 1e-15
 # A point skims a wall if its clearance φ, and the change of φ in the interval, are less than this, relative
 # to a link length. Example: a link lies along a wall that holds another point of it.
-SKIMS = 1e-13
+SKIMMING_CLEARANCE = 1e-13
 # An interval up to this fraction of the step is not halved for a point that skims a wall in it.
-FINE = 2.0**-8
+FINE_INTERVAL = 2.0**-8
 # The largest time [s] between events that count as one: symmetric chains touch at several points at once.
-SIMULTANEOUS = 1e-12
+SIMULTANEOUS_TIME = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
@@ -109,16 +115,16 @@ def find_crossing(d):
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):
-        measure(d, b)
+        measure_clearances(d, b)
         verdict = check_interval(d, a, b)
         if verdict == SPLIT:
             b = 0.5 * (a + b)
         elif verdict == CROSSES:
-            return locate(d, a, b)
+            return locate_crossing(d, a, b)
         elif b == 1.0:
             return -1.0
         else:
-            keep_start(d)
+            begin_next_interval(d)
             # the next interval begins at b, and is the widest one there that halving of the step can give
             a, width = b, b - a
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
@@ -144,12 +150,12 @@ def check_interval(d, a, b):
 def check_candidate(d, c, a, b):
     """Return QUIET, CROSSES or SPLIT for candidate c over the interval (a, b] of the step."""
     width = (b - a) * d.step.size
-    start, end = d.search.clear_start[c], d.search.clear_end[c]
+    start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
         # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
         # have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
-    rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
+    rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
     # at the end of the step, and for a point in contact, only φ < −`harmless` is a fall: a point that is
@@ -163,7 +169,7 @@ def check_candidate(d, c, a, b):
     if (
         settled
         or not sag >= CROSSING_RESOLUTION * d.model.longest_link
-        or (b - a <= FINE and skims(d, c, width))
+        or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
         # An onset: at a loose tolerance the interpolant can put a point deep inside a wall although the
         # point does not move inward. No end: a point in contact that moves inward has not left, even where
@@ -172,11 +178,14 @@ def check_candidate(d, c, a, b):
     return SPLIT
 
 
-def skims(d, c, width):
+def skims_wall(d, c, width):
     """Return whether candidate c moves almost along the wall in an interval of this ``width``."""
     search = d.search
-    moved = width * max(abs(search.clear_start_rate[c]), abs(search.clear_end_rate[c]))
-    return max(abs(search.clear_start[c]), abs(search.clear_end[c]), moved) < SKIMS * d.model.longest_link
+    moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
+    return (
+        max(abs(search.phi_start[c]), abs(search.phi_end[c]), moved)
+        < SKIMMING_CLEARANCE * d.model.longest_link
+    )
 
 
 def nearly_linear(d, c, part):
@@ -185,27 +194,27 @@ def nearly_linear(d, c, part):
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.longest_link
 
 
-def locate(d, a, b):
+def locate_crossing(d, a, b):
     """Return θ of the earliest event in (a, b], and mark its candidates; no suspect may be SPLIT there."""
     first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         kind = END if d.touch.active[c] else ONSET
-        mark(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
+        mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # `first` is the earliest event so far, and φ of all suspects is known there: a candidate with φ ≥ 0
         # has its event later
-        if d.touch.event[c] and d.search.clear_end[c] < 0.0:
+        if d.touch.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
             located = c
-    within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
+    within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` always keeps its mark: if its point is slow, round-off alone may put φ above
+        # the candidate `located` is always marked: if its point is slow, round-off alone may put φ above
         # the limit
-        if c != located and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
-            mark(d, c, NONE)
+        if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
+            mark_contact_event(d, c, NONE)
     return first
 
 
@@ -217,14 +226,14 @@ def find_root(d, c, a, b):
     Newton's method is safeguarded by a shrinking bracket. There is no iteration if φ ≤ 0 at a, and φ does not
     rise there (θ = a), or rises but is linear up to round-off (θ = b).
     """
-    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
-        theta = a if d.search.clear_start_rate[c] <= 0.0 else b
-        measure(d, theta)
+    if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
+        theta = a if d.search.phi_start_rate[c] <= 0.0 else b
+        measure_clearances(d, theta)
         return theta
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
-    for tries in range(TRIES):
-        value, slope = d.search.clear_end[c], d.search.clear_end_rate[c] * d.step.size
+    for tries in range(MOST_GUESSES):
+        value, slope = d.search.phi_end[c], d.search.phi_end_rate[c] * d.step.size
         if value > 0.0:
             low = theta
         else:
@@ -248,7 +257,7 @@ def bound_curvature(d):
 
     In time, the bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for
     a point that rests on a stiff wall. An implicit step integrates the clearances of such points, and
-    ``curvatures`` then sets smaller bounds from these.
+    ``bound_curvatures`` then sets smaller bounds from these.
     """
     n = d.links
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
@@ -271,13 +280,13 @@ def bound_curvature(d):
             speed, acceleration = prescribed_bounds(d, c)
             # a channel is a function of time: its part of dġ/ds is p = dt/ds times its acceleration
             v, a = v + speed, a + p * acceleration
-        of_links = links_part(d, c) if not at_joint(d, c) else 0.0
+        of_links = links_curvature(d, c) if not at_joint_stop(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
     if d.step.last_method == IMPLICIT:
-        curvatures(d, d.step.size)
+        bound_curvatures(d, d.step.size)
 
 
-def links_part(d, c):
+def links_curvature(d, c):
     """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
 
     For a site at the distance r from the begin of its link, that link's part is multiplied by r/ℓ.
@@ -297,7 +306,7 @@ def motion_bounds(d, c, along_x, along_y):
 
     ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
     """
-    if at_joint(d, c):
+    if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
         first, arm = omega_at(d.links) + link, d.model.longest_link
         if link == 0:
@@ -321,15 +330,15 @@ def prescribed_bounds(d, c):
     if d.model.base_moves:
         for j in range(2):
             v, a = motion.motion_bounds(d, j)
-            share = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
-            speed, acceleration = speed + share * v, acceleration + share * a
+            component = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])
+            speed, acceleration = speed + component * v, acceleration + component * a
     if d.shift.channel[c] >= 0:
         v, a = motion.motion_bounds(d, d.shift.channel[c])
         speed, acceleration = speed + v, acceleration + a
     return speed, acceleration
 
 
-def measure(d, theta):
+def measure_clearances(d, theta):
     """Set φ and φ′ of every suspect at the fraction θ of the last step, as the end of an interval."""
     locate_at(d, theta)
     measure_located(d)

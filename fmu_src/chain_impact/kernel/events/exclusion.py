@@ -16,11 +16,11 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
-# [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder holds.
+# [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder is valid.
 SMALL_TURN = 1.0
 # The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
 # coefficients.
-MARGIN = 0.05
+BERNSTEIN_MARGIN = 0.05
 # The ratio of the rate δ̇ of the penetration to the impact speed v₀ at which v₀ is latched (fixed) again,
 # after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to δ̇, so
 # that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ times its
@@ -67,31 +67,32 @@ def excludes_events(d):
         accelerate_points(d, d.step.state, d.scratch.rate_start)
         measure_all(d, d.step.state)
         ensure_points(d)
-    keep_start(d)
+    begin_next_interval(d)
     for c in range(d.candidates):
-        d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
+        d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
     # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
     # is ten times the remainder for the tip of a stretched chain in uniform rotation or, if larger, for a
     # motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
     fade = (d.step.end - d.step.start) * d.model.joint_rate_bound
-    way = way_per_radian(d)
+    way = distance_per_radian(d)
     if d.channels > 0:
         way += travel_of_piece(d)
     turns, larger = turn * turn, max(turn, fade)
     larger *= larger
     error = way * turns * (larger * larger) / 4608.0
-    clear, apart = turn < SMALL_TURN, error + leeway(d)
+    clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
         # candidates. The second one lets every contact pass: those with a force are tested below, and held
         # points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # without `leeway`, because errors in a penetration are far smaller than errors in a position
+        # without `allowed_position_error`, because errors in a penetration are far smaller than errors in a
+        # position
         c = d.touch.active_index[k]
-        clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
+        clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
         if turn < SMALL_TURN:
             suspect_some(d, apart, error)
@@ -127,23 +128,23 @@ def suspect_some(d, apart, error):
     search.suspect_count = count
 
 
-def leeway(d):
+def allowed_position_error(d):
     """Return the largest error [m] that the tolerance allows in the position of any place.
 
     The dense output, which locates points for outputs and for the search, may differ by this error from the
     Hermite interpolant between the ends of the step.
     """
-    return d.solver.tolerance * way_per_radian(d)
+    return d.solver.tolerance * distance_per_radian(d)
 
 
-def way_per_radian(d):
+def distance_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
     For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
     the relative angle, at most 2 rad, times the length of the longest link: larger if this link is longer
     than all others together.
     """
-    if d.model.has_stops and d.links > 1:
+    if d.model.has_joint_stops and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.longest_link)
     return d.model.reach
 
@@ -164,18 +165,18 @@ def remains_far(d):
     # margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
-    if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
+    if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.touch.compliant_count == 0
     else:
-        far = step.state_end[sundman_u_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
+        far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
     if far:
         remember_clearances(d, FAR)
     return far
 
 
-def is_quiet(d, c):
+def force_stays_smooth(d, c):
     """Return whether contact c needs no new impact speed, and its force has no kink in the last step."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
@@ -194,13 +195,13 @@ def stays_positive(d, c, error):
     the smallest Bernstein coefficient.
     """
     h = d.step.size
-    b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
-    b2 = 2.0 * b1 - d.search.clear_start[c] + h * h * d.search.clear_start_curve[c] / 20.0
-    b4 = d.search.clear_end[c] - h * d.search.clear_end_rate[c] / 5.0
-    b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
-    least = min(b1, b2, b3, b4, d.search.clear_end[c])
-    most = max(b1, b2, b3, b4, d.search.clear_end[c])
-    return least > MARGIN * (most - least) + error - d.law.harmless_depth[c]
+    b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0
+    b2 = 2.0 * b1 - d.search.phi_start[c] + h * h * d.search.phi_start_curve[c] / 20.0
+    b4 = d.search.phi_end[c] - h * d.search.phi_end_rate[c] / 5.0
+    b3 = 2.0 * b4 - d.search.phi_end[c] + h * h * d.search.phi_end_curve[c] / 20.0
+    least = min(b1, b2, b3, b4, d.search.phi_end[c])
+    most = max(b1, b2, b3, b4, d.search.phi_end[c])
+    return least > BERNSTEIN_MARGIN * (most - least) + error - d.law.harmless_depth[c]
 
 
 def stays_in_contact(d, c, error):
@@ -211,7 +212,7 @@ def stays_in_contact(d, c, error):
     if c == d.step.regularized:
         # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
         # have to change its sign twice
-        return d.search.clear_end[c] > 0.0
+        return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 
 
@@ -227,15 +228,15 @@ def measure_all(d, y):
     for c in range(d.candidates):
         # derivatives in the step's variable, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, gap_rate = clearance(d, c)
-        d.search.clear_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
-        least = min(least, math.inf if d.touch.active[c] else d.search.clear_end[c])
+        d.search.phi_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
+        least = min(least, math.inf if d.touch.active[c] else d.search.phi_end[c])
     d.search.safe_distance = least
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         if c == d.step.regularized:
-            d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
+            d.search.phi_end_curve[c] = root_curve(d, d.search.phi_end[c], d.search.phi_end_rate[c])
         else:
-            d.search.clear_end_curve[c] = -d.search.clear_end_curve[c]
+            d.search.phi_end_curve[c] = -d.search.phi_end_curve[c]
 
 
 def set_clearances(d, y):
@@ -246,7 +247,7 @@ def set_clearances(d, y):
         # first as if all candidates were without contact: a branch in this loop would cost more than to set
         # the active contacts again below
         gap, gap_rate = clearance(d, c)
-        d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
+        d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
         set_clearance(d, d.touch.active_index[k], u, slope)
     return slope
@@ -269,20 +270,20 @@ def set_clearance(d, c, u, slope):
     The arguments ``u`` and ``slope`` = u′ are those of the regularized contact.
     """
     if c == d.step.regularized:
-        d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
+        d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.law.impulsive[c]:
         # a held point has no crossing: it is already at the wall, and its contact ends by marks.RELEASE
-        d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
+        d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
     sign = -1.0 if d.touch.active[c] else 1.0
-    d.search.clear_end[c] = sign * gap
-    d.search.clear_end_rate[c] = sign * time_rate_of(d, u) * gap_rate
+    d.search.phi_end[c] = sign * gap
+    d.search.phi_end_rate[c] = sign * time_rate_of(d, u) * gap_rate
 
 
-def keep_start(d):
+def begin_next_interval(d):
     """Copy the clearances φ and their rates φ′ from the end of an interval to the start of the next one."""
     for c in range(d.candidates):
-        d.search.clear_start[c] = d.search.clear_end[c]
-        d.search.clear_start_rate[c] = d.search.clear_end_rate[c]
+        d.search.phi_start[c] = d.search.phi_end[c]
+        d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

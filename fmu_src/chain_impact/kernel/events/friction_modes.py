@@ -9,20 +9,19 @@ they slide so that friction acts against the motion that begins,
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
 the direction of sliding, and t·a the tangential acceleration. The modes are found by pivoting, as in
 ``solve_lcp``: all elements that violate their condition change at once, as long as the number of these
-elements falls; the others keep their modes. If the pivoting does not end, the modes follow from forces within
-the limits of friction (rows/limits.py), which always exist.
+elements falls; the modes of the others stay. If the pivoting does not end, the modes follow from forces
+within the limits of friction (rows/limits.py), which always exist.
 """
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
-from chain_impact.kernel.events.onset_modes import begins, decide_onsets
+from chain_impact.kernel.events.onset_modes import begins_now, decide_onsets
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import (
     NO_FRICTION,
     STICKS,
-    against,
     clear_other_forces,
     joint_number,
     list_friction,
@@ -30,22 +29,23 @@ from chain_impact.kernel.forces.friction import (
     set_anchor,
     set_friction_used,
     set_mode,
+    sliding_sign,
 )
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
-from chain_impact.kernel.rows.limits import share_within_limits
+from chain_impact.kernel.rows.limits import find_limited_forces
 
 # The largest acceleration against the direction of sliding that counts as an error, for an element at rest
 # with the mode "slides" that other forces hold. It is relative to the sum of the largest acceleration,
 # gravity and one link length per second squared; twice the largest acceleration of a sticking element is
 # added.
-AGAINST = 1e-9
+ACCELERATION_ERROR = 1e-9
 # The largest speed of an element that sticks or has just stopped, relative to a link length per second. Such
 # a speed is an error at a loose tolerance; a faster element slides.
-MISLOCATED = 1e-3
+SPEED_ERROR_AT_REST = 1e-3
 
 
 def update_modes(d, jumped):
@@ -59,10 +59,10 @@ def update_modes(d, jumped):
     friction = d.friction
     list_friction(d)
     for e in range(d.elements):
-        d.element.before[e] = NO_FRICTION if begins(d, e) else d.element.mode[e]
+        d.element.before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
         set_mode(d, e, NO_FRICTION)
     for i in range(friction.count):
-        set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], jumped))
+        set_mode(d, d.element.index[i], first_mode(d, d.element.index[i], jumped))
     drop_changes(d)
     decide_onsets(d)
     choose_modes(d)
@@ -116,24 +116,24 @@ def widen_slack(d, e):
         d.element.slack[e] = max(d.element.slack[e], 2.0 * backward)
 
 
-def first_guess(d, e, jumped):
+def first_mode(d, e, jumped):
     """Return the mode of element e that follows from its motion; mark e as undecided if it is at rest.
 
-    At rest it keeps its mode, unless the mode ends or its contact begins.
+    At rest its mode stays, unless the mode ends or its contact begins.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
     d.element.undecided[e] = 1
     if event == STICKING_ENDS:
-        return against(d.element.force[e])
+        return sliding_sign(d.element.force[e])
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
-    if resting and abs(speed) <= MISLOCATED * d.model.longest_link:
+    if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.model.longest_link:
         return STICKS
     # a small backward speed of a sliding element is an error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
-        return against(-speed)
+        return sliding_sign(-speed)
     return STICKS if before == NO_FRICTION else before
 
 
@@ -152,7 +152,7 @@ def choose_modes(d):
         for i in range(d.friction.count):
             e = d.element.index[i]
             if is_inconsistent(d, e):
-                set_mode(d, e, against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
+                set_mode(d, e, sliding_sign(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
     choose_by_limits(d)
 
 
@@ -175,12 +175,12 @@ def choose_by_limits(d):
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
             set_mode(d, d.element.index[i], STICKS)
-    while count_inconsistent_now(d) > 0 and any_over(d):
-        share_within_limits(d)
-        let_go(d)
+    while count_inconsistent_now(d) > 0 and any_force_over_limit(d):
+        find_limited_forces(d)
+        slide_at_limits(d)
 
 
-def any_over(d):
+def any_force_over_limit(d):
     """Return whether the force of any sticking element exceeds its limit."""
     for i in range(d.friction.stuck_count):
         if is_inconsistent(d, d.element.stuck[i]):
@@ -188,20 +188,20 @@ def any_over(d):
     return False
 
 
-def let_go(d):
+def slide_at_limits(d):
     """Let the elements slide whose forces are at their limits.
 
     If no force is at its limit, let the elements slide whose forces exceed the limits.
     """
     all_stick = True
     for i in range(d.friction.stuck_count):
-        if d.share.at_limit[i] != 0:
-            set_mode(d, d.element.stuck[i], against(float(d.share.at_limit[i])))
+        if d.limited_forces.at_limit[i] != 0:
+            set_mode(d, d.element.stuck[i], sliding_sign(float(d.limited_forces.at_limit[i])))
             all_stick = False
     for i in range(d.friction.stuck_count if all_stick else 0):
         e = d.element.stuck[i]
         if is_inconsistent(d, e):
-            set_mode(d, e, against(d.element.force[e]))
+            set_mode(d, e, sliding_sign(d.element.force[e]))
 
 
 def count_inconsistent(d):
@@ -219,16 +219,17 @@ def is_inconsistent(d, e):
     if d.element.mode[e] == STICKS:
         return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * friction_round_off(d, e)
     acceleration = d.element.mode[e] * tangential_acceleration(d, e)
-    return acceleration < -unsure_acceleration(d)
+    return acceleration < -acceleration_error(d)
 
 
-def unsure_acceleration(d):
+def acceleration_error(d):
     """Return the largest acceleration [m/s²] that may be round-off or a residual of the constraints."""
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
     return (
-        AGAINST * (largest(d, d.scratch.acceleration) + d.model.gravity_size + d.model.longest_link)
+        ACCELERATION_ERROR
+        * (largest_component(d, d.scratch.acceleration) + d.model.gravity_size + d.model.longest_link)
         + 2.0 * left
     )
 

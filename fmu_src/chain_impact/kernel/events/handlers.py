@@ -25,7 +25,7 @@ from chain_impact.kernel.events.marks import (
     NONE,
     ONSET,
     RELATCH,
-    mark,
+    mark_contact_event,
     pending_changes,
 )
 from chain_impact.kernel.events.saturation import choose_saturation
@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import clearance
 LEAVING_TIME = 0.01
 
 
-def end_if_left(d, c):
+def end_if_point_left(d, c):
     """End the contact of candidate c if its point has left the wall.
 
     A point that still moves inward, or that needs a long time to get out, has not left: the located end of a
@@ -66,12 +66,12 @@ def end_if_left(d, c):
         end_contact(d, c, False)
 
 
-def handle(d, c, kind):
+def apply_event(d, c, kind):
     """Apply an event of candidate c, which has a force law; return whether the force may have jumped."""
     if kind == ONSET:
         begin_force_contact(d, c)
     elif kind == END:
-        end_if_left(d, c)
+        end_if_point_left(d, c)
     elif kind == RELATCH:
         relatch(d, c, RELATCH_RATIO)
     elif kind == KINK:
@@ -100,7 +100,7 @@ def apply_events(d):
         count_evaluations(d, 1)
     had_forces = touch.compliant_count > 0
     if not had_forces:
-        control.keep_for_flight(d)
+        control.store_flight_size(d)
     for c in range(d.candidates):
         kind = touch.event[c]
         if d.law.impulsive[c]:
@@ -108,10 +108,10 @@ def apply_events(d):
             continue
         if rigid_impact and kind == ONSET:
             continue  # ``handle_impact`` begins this contact after the impact, which changes its speed
-        jumped = handle(d, c, kind) or jumped
+        jumped = apply_event(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
-        mark(d, c, NONE)
+        mark_contact_event(d, c, NONE)
     if rigid:
         begun = handle_impact(d)
         onset = begun if begun >= 0 else onset
@@ -121,10 +121,12 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if had_forces:
-            control.resume_flight(d)  # the proposed size suits the contact with a force that has just ended
+            control.propose_flight_size(
+                d
+            )  # the proposed size suits the contact with a force that has just ended
         begin_flight(d)
     else:
-        choose_size(d, onset, goes_on)
+        choose_next_size(d, onset, goes_on)
     has_modes = d.friction.used != 0 or d.model.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
@@ -153,7 +155,7 @@ def recompute_active_set(d):
     reset_step(d, d.step.end, d.step.state_end)
 
 
-def choose_size(d, onset, goes_on):
+def choose_next_size(d, onset, goes_on):
     """Choose the size and the method of the step after events.
 
     Args:
@@ -163,16 +165,16 @@ def choose_size(d, onset, goes_on):
     """
     if d.touch.active_count == 0:
         clear_loads(d)
-        control.resume_flight(d)
-        control.limit(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        control.propose_flight_size(d)
+        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
         begin_flight(d)
     elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
         c = onset if onset >= 0 else d.touch.active_index[0]
-        control.propose(d, control.size_at_onset(d, c, EXPLICIT))
+        control.propose_size(d, control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
         if d.step.method == EXPLICIT and d.touch.active_count > 1:
-            control.limit(d, control.size_at_onset_beside(d, onset))
+            control.limit_next_size(d, control.size_at_onset_beside(d, onset))
 
 
 def force_has_kink(d):

@@ -1,6 +1,6 @@
 """Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
 
-Newton's law of impact holds for any number of contacts at once, in the form of Moreau (1988, *Unilateral
+Newton's law of impact is valid for any number of contacts at once, in the form of Moreau (1988, *Unilateral
 contact and dry friction in finite freedom dynamics*). For all touching candidates, arriving ones and held
 ones with ġ = 0, it reads
 
@@ -25,12 +25,18 @@ that the impulses leave. If the impulses turn the point back, the contact does n
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
-from chain_impact.kernel.chain.response import take_factors
+from chain_impact.kernel.chain.response import copy_factors
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
-from chain_impact.kernel.events.marks import NEIGHBOUR, ONSET, RELEASE, drop_contact_events, mark
+from chain_impact.kernel.events.marks import (
+    NEIGHBOUR,
+    ONSET,
+    RELEASE,
+    drop_contact_events,
+    mark_contact_event,
+)
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
     clear_loads,
@@ -43,38 +49,38 @@ from chain_impact.kernel.forces.active_contacts import (
 )
 from chain_impact.kernel.forces.friction import list_sticking, set_anchor, suspend_sticking
 from chain_impact.kernel.forces.holding import (
-    RISE,
+    LEAST_RISE,
     add_change,
     project_state,
+    set_start_to_accelerations,
+    set_start_to_state,
     solve_positions,
-    start_from_accelerations,
-    start_from_state,
     work_of_impulses,
 )
-from chain_impact.kernel.ode.dense import give_impulses
-from chain_impact.kernel.ode.last_step import dissipate, supply
+from chain_impact.kernel.ode.dense import add_impulses_of_impact
+from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,
     activate_all,
+    add_to_active_set,
     any_point_held,
     factorize_free,
-    release,
-    require,
+    remove_from_active_set,
     solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
-    at_joint,
+    at_joint_stop,
     clearance,
     coordinates_size,
-    farthest,
-    fastest_of_all,
+    largest_coordinate,
+    largest_velocity,
 )
 
 # The least speed with which a point rebounds, relative to `contact.minimum_impact_speed`; a slower point does
 # not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
 # finite time (Zeno behaviour).
-STICK = 1e-3
+LEAST_REBOUND_SPEED = 1e-3
 # the largest round-off: of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|) for the impulses p and the
 # speeds u⁻ before and u⁺ after them; of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
@@ -85,7 +91,7 @@ RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
 # The largest clearance of a point that all but touches a wall, relative to the clearance of a released point.
 # Points that arrive come to rest if their kinetic energy is at most the work of the weight and dry friction
 # over this distance. So neither guard against endless impacts misses a point that has just been released.
-TOUCHES = 10.0
+NEAR_WALL_CLEARANCE = 10.0
 
 
 def handle_impact(d):
@@ -138,7 +144,7 @@ def begin_late_contacts(d):
     Returns:
         The last of these candidates, or −1 if there is none.
     """
-    onset, round_off = -1, SIGN_TOLERANCE * fastest_of_all(d)
+    onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidates):
         _, gap_rate = clearance(d, c)
         if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
@@ -166,12 +172,12 @@ def join_near_contacts(d):
     Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
     finite time.
     """
-    touch, far = d.touch, farthest(d)
+    touch, far = d.touch, largest_coordinate(d)
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if d.law.impulsive[c] and not touch.active[c] and gap < TOUCHES * release_gap(d, c, far):
+        if d.law.impulsive[c] and not touch.active[c] and gap < NEAR_WALL_CLEARANCE * release_gap(d, c, far):
             join_impact(d, c)
-            mark(d, c, NEIGHBOUR)
+            mark_contact_event(d, c, NEIGHBOUR)
 
 
 def apply_impulses(d):
@@ -186,15 +192,15 @@ def apply_impulses(d):
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
             latch_onset(d, c)
     add_change(d, d.step.state_end, velocity_at(d.links))
-    dissipate(d, max(0.0, lost))
+    count_dissipated(d, max(0.0, lost))
     if d.channels > 0:
-        supply(d, work_of_impulses(d))
-    give_impulses(d)
+        count_supplied(d, work_of_impulses(d))
+    add_impulses_of_impact(d)
     locate_points_now(d, d.step.state_end)
 
 
-def find_impulses(d, share):
-    """Find the impulses of an impact, with the restitution of each contact multiplied by ``share``.
+def find_impulses(d, fraction):
+    """Find the impulses of an impact, with the restitution of each contact multiplied by ``fraction``.
 
     Returns:
         The energy [J] that the impulses p dissipate, and Σ p (|u⁻| + |u⁺|) [J], with u⁻ and u⁺ the speeds
@@ -202,16 +208,16 @@ def find_impulses(d, share):
     """
     constraints, lost, moved = d.constraints, 0.0, 0.0
     activate_all(d)
-    start_from_state(d, 1)
+    set_start_to_state(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
         arrives = -constraints.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # the speed u⁺ after the impact is at least the restitution e times the approach speed: u⁺ ≥ −e u⁻
-        rebound = -share * d.law.restitution[c] * constraints.start[k] if arrives else 0.0
-        require(d, k, rebound if rebound > STICK * least else 0.0)
+        rebound = -fraction * d.law.restitution[c] * constraints.start[k] if arrives else 0.0
+        add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
     factorize_free(d)
-    solve_lcp(d, fastest_of_all(d))
+    solve_lcp(d, largest_velocity(d))
     for k in range(d.touch.active_count):
         # the energy that an impulse p dissipates: −½ p (u⁻ + u⁺)
         lost -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
@@ -221,7 +227,7 @@ def find_impulses(d, share):
 
 def lacks_rebound(d):
     """Return whether no impulses can give every point the rebound speed that the restitution demands."""
-    short, scale = False, fastest_of_all(d)
+    short, scale = False, largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.constraints.reached[k] < d.constraints.target[k] - IMPACT_ROUND_OFF * scale
     return short
@@ -230,15 +236,15 @@ def lacks_rebound(d):
 def end_rebounding_contacts(d):
     """End the contacts whose points separate with a speed that is larger than round-off."""
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
-    fall = start_from_accelerations(d, d.step.state_end, d.scratch.rate)
-    # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed RISE link
-    # lengths
-    slow = math.sqrt(2.0 * fall * RISE * d.model.longest_link)
+    fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
+    # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed
+    # LEAST_RISE link lengths
+    slow = math.sqrt(2.0 * fall * LEAST_RISE * d.model.longest_link)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate(d, c)  # the candidate no longer takes part in the impact
-        elif d.constraints.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
+        elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)
 
@@ -250,13 +256,13 @@ def is_gentle(d):
     lift points, which would arrive gently again, without end.
     """
     force = mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
-    slow, energy, fall, far = True, 0.0, 0.0, farthest(d)
+    slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.touch.onset_speed[c]
-            slow = slow and speed <= STICK * d.law.minimum_impact_speed[c]
+            slow = slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.touch.effective_mass[c] * speed * speed
-            fall = max(fall, TOUCHES * release_gap(d, c, far))
+            fall = max(fall, NEAR_WALL_CLEARANCE * release_gap(d, c, far))
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
     return slow or energy <= force * fall
@@ -284,7 +290,7 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Keep the contacts that a pushing force must hold, and end the other contacts."""
+    """Leave active the contacts that a pushing force must hold, and end the other contacts."""
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
@@ -292,12 +298,12 @@ def update_active_set(d):
         end_unstopped_contacts(d)
         rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)
-        take_factors(d, joints_loaded(d))
-        scale = start_from_accelerations(d, state, rate)
+        copy_factors(d, joints_loaded(d))
+        scale = set_start_to_accelerations(d, state, rate)
         activate_all(d)
         for k in range(touch.compliant_count, touch.active_count):
             if touch.event[touch.active_index[k]] == RELEASE:
-                release(d, k)
+                remove_from_active_set(d, k)
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
@@ -307,7 +313,7 @@ def update_active_set(d):
 
 def end_unstopped_contacts(d):
     """End the contacts whose points did not come to rest, because only a pull could stop them."""
-    scale = fastest_of_all(d)
+    scale = largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.touch.active_index[k], True)
@@ -317,20 +323,20 @@ def end_unstopped_contacts(d):
 def release_gap(d, c, far):
     """Return the clearance [m] that the point of candidate c gets when it is released.
 
-    ``far`` is the result of ``farthest`` [m]. The clearance of a joint's stop follows from angles, whose
-    round-off does not grow with the distance from the origin.
+    ``far`` is the result of ``largest_coordinate`` [m]. The clearance of a joint's stop follows from angles,
+    whose round-off does not grow with the distance from the origin.
     """
-    size = coordinates_size(d, c, d.step.state_end) if at_joint(d, c) else far
+    size = coordinates_size(d, c, d.step.state_end) if at_joint_stop(d, c) else far
     return max(RELEASE_GAP * d.model.longest_link, RELEASE_OF_COORDINATES * size)
 
 
 def release_contacts(d):
     """End the contacts that no force holds, and move their points a little away from the wall."""
-    parting, far = False, farthest(d)
-    start_from_state(d, 0)
+    parting, far = False, largest_coordinate(d)
+    set_start_to_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c, released = d.touch.active_index[k], not d.constraints.in_active_set[k]
-        require(d, k, release_gap(d, c, far) if released else 0.0)
+        add_to_active_set(d, k, release_gap(d, c, far) if released else 0.0)
         if released:
             end_contact(d, c, True)
             parting = True

@@ -9,7 +9,7 @@ NEIGHBOUR = 6  # event that the search does not find: a point near a wall takes 
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two changes of a mode
 
 
-def mark(d, c, kind):
+def mark_contact_event(d, c, kind):
     """Mark candidate c with an event of a ``kind``, or with NONE."""
     d.touch.event[c] = kind
 

@@ -19,7 +19,7 @@ the kink, and the next step uses the force of the other side. A point without fo
 wall moves as in flight until the point leaves or the wall pushes again.
 
 The torque or force of a drive has a kink where it reaches its limit or falls below the limit. The mode of the
-drive is kept until the end of the step.
+drive stays until the end of the step.
 
 RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value in a second impact, or
 after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ̇/v₀ and the force would grow
@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.crossing import SIMULTANEOUS, first_passage, locate_at
+from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, first_passage, locate_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.marks import (
     KINK,
@@ -41,8 +41,8 @@ from chain_impact.kernel.events.marks import (
     SLIDING_ENDS,
     STICKING_ENDS,
     drop_events,
-    mark,
     mark_change,
+    mark_contact_event,
     mark_saturation,
 )
 from chain_impact.kernel.forces.active_contacts import kink_height
@@ -69,7 +69,7 @@ MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of 
 PULL_ROUND_OFF = 1e-11
 # [s] the shortest step that is rejected because a wall pulls too strongly in a stage
 LEAST_REJECTED_STEP = 1e-9
-AT_REST = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
+REST_SPEED = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
 # The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
 # link's mass times (gravity + one link length per s²).
 FRICTION_EXCESS = 1e-10
@@ -85,13 +85,13 @@ def turn_of_inputs(d):
     return (d.step.end - d.step.start) * max(d.inputs.piece.change_rate, rate_of_signals(d))
 
 
-def many_samples(d):
+def sample_count_of_turn(d):
     """Return the number of samples of a step in which inputs turn by more than TURN_OF_STAGES."""
     return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
 def make_search(
-    value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS
+    value, suspected, mark_ended, members=WHOLE, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
 ):
     """Return a search of the last step for one kind of event.
 
@@ -152,16 +152,16 @@ def mark_kinks(d, c, theta):
 
     The points must be located there.
     """
-    mark(d, c, KINK)
+    mark_contact_event(d, c, KINK)
     # the contacts of a symmetric chain reach their kinks at the same time, up to round-off
-    locate_at(d, min(1.0, theta + SIMULTANEOUS / d.step.size))
+    locate_at(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
     for k in range(d.touch.compliant_count):
-        if own_side(d, d.touch.active_index[k]) < 0.0:
-            mark(d, d.touch.active_index[k], KINK)
+        if side_of_kink(d, d.touch.active_index[k]) < 0.0:
+            mark_contact_event(d, d.touch.active_index[k], KINK)
     locate_at(d, theta)
 
 
-def own_side(d, c):
+def side_of_kink(d, c):
     """Return the kink function of contact c, positive on the side that the step assumes."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
@@ -173,10 +173,10 @@ def has_crossed(d, c):
     return d.touch.kink_crossed[c] != 0
 
 
-def own_side_at(d, c, theta):
-    """Return the result of ``own_side`` at the fraction θ of the last step."""
+def side_of_kink_at(d, c, theta):
+    """Return the result of ``side_of_kink`` at the fraction θ of the last step."""
     locate_at(d, theta)
-    return own_side(d, c)
+    return side_of_kink(d, c)
 
 
 def relatch_margin(d, c, theta):
@@ -192,11 +192,11 @@ def relatch_margin(d, c, theta):
 find_relatch = make_search(
     relatch_margin,
     nearly_fast,
-    lambda d, c, _theta: mark(d, c, RELATCH),
+    lambda d, c, _theta: mark_contact_event(d, c, RELATCH),
     CONTACTS,
     samples=lambda _d: FEW_SAMPLES,
 )
-find_kink = make_search(own_side_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
+find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, resolution=0.0)
 
 
 # ---- release by rigid walls -------------------------------------------------------------------------------
@@ -264,7 +264,7 @@ def mark_pulling(d, _c, theta):
     least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.constraints.impulse[k] + pull_limit(d) <= 0.0:
-            mark(d, d.touch.active_index[k], RELEASE)
+            mark_contact_event(d, d.touch.active_index[k], RELEASE)
 
 
 def may_release(d, c):
@@ -278,16 +278,16 @@ def may_release(d, c):
 
 find_release = choose_search(
     make_search(least_force, may_pull, mark_pulling),
-    make_search(least_force, may_release, mark_pulling, samples=many_samples),
+    make_search(least_force, may_release, mark_pulling, samples=sample_count_of_turn),
 )
 
 
 # ---- changes of the modes of dry friction -----------------------------------------------------------------
 
 
-def has_changed(d, e):
+def mode_may_end(d, e):
     """Return whether a stage of the last step shows that the mode of element e ends (forces/friction.py)."""
-    return d.element.margin[e] < -resolution_of(d, e)
+    return d.element.margin[e] < -element_error(d, e)
 
 
 def mark_changes(d, element, theta):
@@ -298,14 +298,14 @@ def mark_changes(d, element, theta):
             mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
 
 
-def resolution_of(d, e):
+def element_error(d, e):
     """Return the error of element e: of its speed [m/s] if it slides, of its force [N] if it sticks."""
     return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
 def rest_speed(d):
     """Return the tangential speed [m/s] that counts as rest."""
-    return AT_REST * d.model.longest_link
+    return REST_SPEED * d.model.longest_link
 
 
 def friction_round_off(d, e):
@@ -316,20 +316,20 @@ def friction_round_off(d, e):
 
 
 def element_margin(d, e, theta):
-    """Return how far [m/s or N] element e is from the end of its mode, plus ``resolution_of``.
+    """Return how far [m/s or N] element e is from the end of its mode, plus ``element_error``.
 
     θ is the fraction of the last step at which the element is examined.
     """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
-        return d.element.mode[e] * tangential_rate(d, e) + resolution_of(d, e)
+        return d.element.mode[e] * tangential_rate(d, e) + element_error(d, e)
     project_state(d, d.scratch.y)
     rate_from_state(d, d.scratch.y, d.scratch.rate)
     count_evaluations(d, 1)
-    return d.element.limit[e] - abs(d.element.force[e]) + resolution_of(d, e)
+    return d.element.limit[e] - abs(d.element.force[e]) + element_error(d, e)
 
 
-def has_come_near(d):
+def margin_is_halved(d):
     """Return whether the repeated step at least halves the margin of a mode that is marked to end.
 
     The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
@@ -350,8 +350,8 @@ def may_always_change(_d, _e):
 
 
 find_mode_change = choose_search(
-    make_search(element_margin, has_changed, mark_changes, ELEMENTS),
-    make_search(element_margin, may_always_change, mark_changes, ELEMENTS, samples=many_samples),
+    make_search(element_margin, mode_may_end, mark_changes, ELEMENTS),
+    make_search(element_margin, may_always_change, mark_changes, ELEMENTS, samples=sample_count_of_turn),
 )
 
 
@@ -392,5 +392,5 @@ def mark_limit(d, _c, _theta):
 
 find_saturation = choose_search(
     make_search(drive_margin, is_past_limit, mark_limit),
-    make_search(drive_margin, may_pass_limit, mark_limit, samples=many_samples),
+    make_search(drive_margin, may_pass_limit, mark_limit, samples=sample_count_of_turn),
 )

@@ -1,6 +1,6 @@
 """The limits of drives: their modes, which change at events (sampled.py)."""
 
-from chain_impact.kernel.chain.drives import drive_count, drive_mode, wanted_force
+from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
 from chain_impact.kernel.events.marks import mark_saturation
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.functions import has_dual_rule
@@ -9,7 +9,7 @@ from chain_impact.kernel.functions import has_dual_rule
 def clear_saturation(d):
     """Set the modes of all drives to "below the limit", without marking a change.
 
-    ``chosen`` stays: in a tangent instance it holds the modes of the primal run.
+    ``chosen`` stays: in a tangent instance it is the modes of the primal run.
     """
     for i in range(drive_count(d)):
         d.drive.mode[i] = 0
@@ -23,5 +23,5 @@ def choose_saturation(d):
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(drive_count(d)):
-        d.drive.mode[i] = drive_mode(wanted_force(d, d.step.state_end, i), d.drive.limit[i])
+        d.drive.mode[i] = drive_mode(unlimited_force(d, d.step.state_end, i), d.drive.limit[i])
     mark_saturation(d, 0)

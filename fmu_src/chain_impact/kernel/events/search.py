@@ -10,30 +10,30 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events.crossing import (
-    SIMULTANEOUS,
+    SIMULTANEOUS_TIME,
     bound_curvature,
     find_crossing,
     locate_at,
-    measure,
+    measure_clearances,
 )
 from chain_impact.kernel.events.exclusion import (
     FAR,
     NOTHING,
     VALUES,
+    begin_next_interval,
     excludes_events,
-    keep_start,
     known_clearances,
     remember_clearances,
     suspect_all,
 )
-from chain_impact.kernel.events.marks import END, NONE, ONSET, mark, pending_changes
+from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event, pending_changes
 from chain_impact.kernel.events.sampled import (
     find_kink,
     find_mode_change,
     find_relatch,
     find_release,
     find_saturation,
-    has_come_near,
+    margin_is_halved,
 )
 from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate, interpolate_component
@@ -44,19 +44,19 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_a
 
 # The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
 # about 1e-15. A deeper onset is an error of the step that adds energy: 1e-11 J at 1e-9 m and 1e12 N/m^1.5.
-DEEP = 1e-9
+DEEPEST_ONSET = 1e-9
 # The θ up to which a crossing must agree with the Taylor polynomial of second order at the start of the step.
 # The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can have larger errors.
-EARLY = 1e-3
+EARLY_THETA = 1e-3
 # The largest time between an onset and the end of a step that was repeated to end at the onset, relative to
 # the step's size. With a larger time the step is rejected.
-LANDED = 1e-2
+LANDING_TIME = 1e-2
 # The largest clearance at an onset that counts as round-off, relative to a link length plus the coordinates
-# of the point. A slow point may need more than LANDED to move as far; this time then counts as 0.
-ROUND_OFF = 1e-15
-# A step is rejected only if it is longer than SIMULTANEOUS plus this part of the time. It is ten times the
-# resolution of time, because the next try may be a tenth as long.
-RESOLVED = 4e-15
+# of the point. A slow point may need more than LANDING_TIME to move as far; this time then counts as 0.
+CLEARANCE_ROUND_OFF = 1e-15
+# A step is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the time. It is ten times
+# the resolution of time, because the next try may be a tenth as long.
+TIME_RESOLUTION = 4e-15
 
 
 def find_event(d):
@@ -71,21 +71,21 @@ def find_event(d):
     if d.step.last_method == IMPLICIT:
         suspect_all(d)
         if known_clearances(d) in (NOTHING, FAR):
-            measure(d, 0.0)
-        keep_start(d)
+            measure_clearances(d, 0.0)
+        begin_next_interval(d)
     elif excludes_events(d):
         return find_event_without_crossing(d)
     if d.step.last_method != IMPLICIT:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
     theta = find_crossing(d)
-    if theta >= 0.0 and not credible(d, theta):
-        if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
+    if theta >= 0.0 and not is_credible_crossing(d, theta):
+        if d.step.end - d.step.start > SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
             reject_step(d, SPOILED)
             return -1.0
         theta = drop_separating(d, theta)
         if theta < 0.0:
-            measure(d, 1.0)
+            measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
     # Without an event the clearances are those at the end of the step. An event breaks the sequence of steps,
     # so they are then never used.
@@ -120,7 +120,7 @@ def find_sampled_event(d, theta):
     return find_saturation(d, find_mode_change(d, theta))
 
 
-def credible(d, theta):
+def is_credible_crossing(d, theta):
     """Return whether the points of the crossings at the fraction θ of the step really arrive or leave.
 
     The state, the clearances and their rates must be set at θ. Positions and rates of the interpolant may be
@@ -128,15 +128,15 @@ def credible(d, theta):
     deep inside a wall, an onset of a point that moves away, and a crossing right after the start of the step
     by a point that cannot have reached the wall yet.
     """
-    if theta <= EARLY and starts_clear(d, d.scratch.y[time_at(d.links)]):
+    if theta <= EARLY_THETA and starts_clear(d, d.scratch.y[time_at(d.links)]):
         return False
     if theta == 0.0:
         # rejection would not help: a point inside a wall at the start is inside in a shorter step as well
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
-            deep = d.search.clear_end[c] < -DEEP * d.model.longest_link
-            if deep or d.search.clear_end_rate[c] > 0.0:
+            deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.model.longest_link
+            if deep or d.search.phi_end_rate[c] > 0.0:
                 return False
     return True
 
@@ -167,18 +167,18 @@ def onset_fraction(d):
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
     θ; the result may lie a little beyond the end. It is −1, for the end of the step, if there is no onset, or
     if the step is not much longer than the resolution of time. The step is rejected if points at θ are deep
-    inside a wall or far from an onset, or if none of the modes marked to end ``has_come_near``.
+    inside a wall or far from an onset, or if none of the modes marked to end ``margin_is_halved``.
     """
-    if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
+    if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0
-    if pending_changes(d) and not has_come_near(d):
+    if pending_changes(d) and not margin_is_halved(d):
         reject_step(d, SPOILED)
         return -1.0
     late, _ = onset_lateness(d, d.step.state_end)
     if late == -math.inf:
         return -1.0
     theta = 1.0 - late
-    if not abs(late) <= LANDED:
+    if not abs(late) <= LANDING_TIME:
         reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER)
@@ -187,7 +187,7 @@ def onset_fraction(d):
     theta -= late
     interpolate(d.step, theta, d.scratch.y)
     late, deepest = onset_lateness(d, d.scratch.y)
-    if not (abs(late) <= LANDED and deepest <= DEEP * d.model.longest_link):
+    if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.model.longest_link):
         reject_step(d, SPOILED)
     return theta
 
@@ -207,11 +207,11 @@ def onset_lateness(d, y):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * seconds)
-            if abs(late) > LANDED and abs(gap) <= ROUND_OFF * (
+            if abs(late) > LANDING_TIME and abs(gap) <= CLEARANCE_ROUND_OFF * (
                 d.model.longest_link + coordinates_size(d, c, y)
             ):
                 late = 0.0
-            latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
+            latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDING_TIME else math.inf)
             deepest = max(deepest, -gap)
     return latest, deepest
 
@@ -220,7 +220,7 @@ def drop_separating(d, theta):
     """Drop the onsets of points that move away; return θ, or −1 if no event is left."""
     left = False
     for c in range(d.candidates):
-        if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:
-            mark(d, c, NONE)
+        if not d.touch.active[c] and d.search.phi_end_rate[c] > 0.0:
+            mark_contact_event(d, c, NONE)
         left = left or d.touch.event[c] != NONE
     return theta if left else -1.0

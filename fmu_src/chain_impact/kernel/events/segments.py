@@ -11,15 +11,15 @@ from chain_impact.kernel.chain.signals import next_segment, segment_end, set_seg
 from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.forces.inputs import SAME_TIME, ensure_inputs, limit_to
+from chain_impact.kernel.forces.inputs import SAME_TIME, ensure_inputs, limit_to_time
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
+    count_supplied,
     ensure_dense,
     evaluate_start,
     reset_step,
-    supply,
     truncate_step,
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
@@ -37,7 +37,7 @@ def limit_to_segment(d, h):
 
     The size of a step in fictitious time remains h.
     """
-    return h if d.step.regularized >= 0 else limit_to(d, first_end(d), h)
+    return h if d.step.regularized >= 0 else limit_to_time(d, first_end(d), h)
 
 
 def first_end(d):
@@ -69,23 +69,23 @@ def check_segments(d):
         if d.signal.input[j] == CHANNEL and has_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)
             k, lap = d.signal.segment[j], d.signal.lap[j]
-            begin_next(d, j)
+            begin_next_segment(d, j)
             after, rate_after, bend_after = signal_at(d, j, d.step.end)
             set_segment(d, j, k, lap)
             size = d.model.longest_link
-            jumps = not same(before, after, abs(rate) + abs(rate_after) + size)
-            jumps = jumps or not same(rate, rate_after, abs(bend) + abs(bend_after) + size)
+            jumps = not equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + size)
+            jumps = jumps or not equal_up_to_round_off(rate, rate_after, abs(bend) + abs(bend_after) + size)
             if jumps and not d.motion.belt[d.signal.index[j]]:
                 return SIGNAL_JUMPS
     return OK
 
 
-def same(before, after, scale):
+def equal_up_to_round_off(before, after, scale):
     """Return whether two numbers are equal up to round-off, relative to their sizes and a ``scale``."""
     return abs(after - before) <= VALUE_ROUND_OFF * (abs(before) + abs(after) + scale)
 
 
-def begin_next(d, j):
+def begin_next_segment(d, j):
     """Begin the segment of signal j that follows the segment that has ended."""
     while has_ended(d, j):
         next_segment(d, j)
@@ -127,19 +127,25 @@ def begin_segment(d, j):
     ensure_inputs(d, y)
     energy = energy_balance(d, y) if stores else 0.0
     before, rate, bend = signal_at(d, j, d.step.end)
-    begin_next(d, j)
+    begin_next_segment(d, j)
     after, rate_after, bend_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
     size = d.model.longest_link
     if stores:
         # a channel adds no energy here: the position and velocity of base and walls never jump
-        supply(d, energy_balance(d, y) - energy)
+        count_supplied(d, energy_balance(d, y) - energy)
         # the value of `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
-        return NO_JUMP if same(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale) else BENDS
-    if d.motion.belt[d.signal.index[j]] and not same(rate, rate_after, abs(bend) + abs(bend_after) + size):
+        return (
+            NO_JUMP
+            if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale)
+            else BENDS
+        )
+    if d.motion.belt[d.signal.index[j]] and not equal_up_to_round_off(
+        rate, rate_after, abs(bend) + abs(bend_after) + size
+    ):
         return JUMPS
-    return NO_JUMP if same(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
+    return NO_JUMP if equal_up_to_round_off(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
 
 
 @has_dual_rule

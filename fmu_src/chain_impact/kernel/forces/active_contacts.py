@@ -6,9 +6,9 @@ and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during 
 
 from chain_impact.kernel.forces.force_formula import (
     continued_force,
-    cut_off,
     force_on_side,
     height_over_kink,
+    is_cut_off,
     law_slopes,
     set_damping,
     set_expected_depth,
@@ -19,11 +19,11 @@ from chain_impact.kernel.forces.friction import (
     list_friction,
     may_have_friction,
 )
-from chain_impact.kernel.functions import clear
+from chain_impact.kernel.functions import clear_numbers
 from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import (
     add_along,
-    at_joint,
+    at_joint_stop,
     clear_loads_of,
     clearance,
     lever_of_candidate,
@@ -33,7 +33,7 @@ from chain_impact.kernel.rows.geometry import (
 
 def clear_impacts(d, time):
     """Set the count and the data of impacts to those of a run that starts at ``time`` [s]."""
-    clear(d.impact)
+    clear_numbers(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 
 
@@ -53,14 +53,14 @@ def apply_contact(d, c, gap, gap_rate):
     Return the power [W] that this force dissipates.
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
-    keep_force(d, c, force)
+    store_force(d, c, force)
     add_along(normal_row(d, c), d.scratch.load, force)
     # the elastic part K δⁿ of the force F stores energy, the rest dissipates the power (F − K δⁿ) δ̇ ≥ 0;
     # δ is the penetration
     return (elastic - force) * gap_rate
 
 
-def keep_force(d, c, force):
+def store_force(d, c, force):
     """Store the ``force`` [N] of candidate c in ``touch.force``."""
     d.touch.force[c] = force
 
@@ -93,7 +93,7 @@ def apply_true_contacts(d):
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        keep_force(d, c, contact_force(d, c, gap, gap_rate))
+        store_force(d, c, contact_force(d, c, gap, gap_rate))
         add_along(normal_row(d, c), d.scratch.load, d.touch.force[c])
     if d.friction.count > 0:
         apply_friction(d)
@@ -202,7 +202,7 @@ def set_joint_square(d, c, top, joint):
 def cross_kink(d, c):
     """Switch candidate c, at the kink of the force, to the force on the other side of the kink."""
     touch = d.touch
-    if cut_off(d, c):
+    if is_cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1: the force rises
     if d.law.approach_only[c]:
         # at this kink the rate of the penetration is 0, and the largest penetration has been recorded
@@ -240,9 +240,9 @@ def list_touching(d):
     touch.compliant_count = touch.active_count
     if d.contact.any_rigid:
         list_kind(d, 1)
-    touch.stop_count = 0
-    for k in range(touch.active_count if d.model.has_stops else 0):
-        touch.stop_count += at_joint(d, touch.active_index[k])
+    touch.joint_stop_count = 0
+    for k in range(touch.active_count if d.model.has_joint_stops else 0):
+        touch.joint_stop_count += at_joint_stop(d, touch.active_index[k])
     if d.friction.used:
         list_friction(d)
 

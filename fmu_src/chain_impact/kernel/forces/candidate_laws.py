@@ -11,7 +11,7 @@ the law of the first of these candidates; the others copy it (``law.same_as``).
 
 import math
 
-from chain_impact.kernel.chain.inertia import in_use
+from chain_impact.kernel.chain.inertia import given_or_derived
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.laws import (
     ANY,
@@ -26,7 +26,7 @@ from chain_impact.kernel.forces.laws import (
 )
 from chain_impact.kernel.functions import copy_row
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint, at_stop
+from chain_impact.kernel.rows.geometry import at_joint_stop, at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -43,24 +43,24 @@ from chain_impact.kernel.status import (
 # walls. For K = 1e8, n = 3/2 and links of 1 m this leaves out a force of 1e-10 N; round-off of positions is
 # about 1e-15. Without this margin, the solver would search every step of a point that slides along a wall at
 # zero clearance for an onset.
-HARMLESS = 1e-12
-# origins of laws that are no walls, see ``origin``
+HARMLESS_DEPTH = 1e-12
+# origins of laws that are no walls, see ``law_origin``
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law
 
 
 def start_laws(d):
-    """Find which candidates share a law, and set the laws of all candidates; return a status."""
+    """Find which candidates have the same law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
         d.law.number[c] = 0  # 0: ``derive_damping`` derives anew, because any parameter may have changed
-        first, source = 0, origin(d, c)
-        while origin(d, first) != source:
+        first, source = 0, law_origin(d, c)
+        while law_origin(d, first) != source:
             first += 1
         d.law.same_as[c] = first
     return update_laws(d)
 
 
-def origin(d, c):
+def law_origin(d, c):
     """Return a number for the origin of the law of candidate c.
 
     Returns:
@@ -68,7 +68,7 @@ def origin(d, c):
         OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
     """
     if at_stop(d, c):
-        return OF_JOINTS if at_joint(d, c) else OF_SLIDER
+        return OF_JOINTS if at_joint_stop(d, c) else OF_SLIDER
     wall = d.candidate.wall[c]
     walls = d.walls
     own = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
@@ -82,13 +82,13 @@ def update_laws(d):
     if status != OK:
         return status
     d.contact.any_force, d.contact.any_rigid, d.contact.any_friction = 0, 0, 0
-    d.stops.restitution = in_use(d.given.stop_restitution, d.given.restitution)
+    d.stops.restitution = given_or_derived(d.given.stop_restitution, d.given.restitution)
     for c in range(d.candidates):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
             set_parameters(d, c)
-            note_kind(d, c)
+            record_law_kind(d, c)
         else:
             copy_row(d.law, first, c)  # setting the law again would take longer
     return OK
@@ -122,7 +122,7 @@ def is_in_use(d, c):
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
 
 
-def note_kind(d, c):
+def record_law_kind(d, c):
     """Record whether the law of candidate c has a force or is rigid, and whether it has dry friction."""
     if d.law.static_friction[c] > 0.0:
         d.contact.any_friction = 1
@@ -134,12 +134,12 @@ def note_kind(d, c):
 
 def given_number(d, c):
     """Return the given number of the law of candidate c."""
-    return d.stops.law if at_joint(d, c) and d.stops.law > 0 else d.given.law
+    return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
 
 def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c; for a joint's stop, K at the lever arm."""
-    if at_joint(d, c):
+    if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.model.longest_link, d.stops.exponent + 1.0)
     if at_stop(d, c):
         return d.given.stiffness
@@ -149,8 +149,8 @@ def given_stiffness(d, c):
 
 def given_restitution(d, c):
     """Return the given restitution of candidate c."""
-    if at_joint(d, c):
-        return in_use(d.given.stop_restitution, d.given.restitution)
+    if at_joint_stop(d, c):
+        return given_or_derived(d.given.stop_restitution, d.given.restitution)
     if at_stop(d, c):
         return d.given.restitution
     restitution = d.walls.restitution[d.candidate.wall[c]]
@@ -167,9 +167,9 @@ def given_friction(d, c):
     )
 
 
-def exponent(d, c):
+def law_exponent(d, c):
     """Return the exponent n of the law of candidate c."""
-    return d.stops.exponent if at_joint(d, c) else d.contact.exponent
+    return d.stops.exponent if at_joint_stop(d, c) else d.contact.exponent
 
 
 def check_law(d, c):
@@ -184,7 +184,7 @@ def check_law(d, c):
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
-    if ANY != EXPONENTS[number - 1] != exponent(d, c):
+    if ANY != EXPONENTS[number - 1] != law_exponent(d, c):
         return EXPONENT_NOT_ALLOWED
     return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
 
@@ -213,7 +213,7 @@ def derive_damping(d, c):
         return
     law, number = d.law, given_number(d, c)
     law.impulsive[c] = is_impulsive(number)
-    law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = exponent(d, c), 0, 0.0
+    law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = law_exponent(d, c), 0, 0.0
     if number <= LAW_COUNT:
         if RATE_EXPONENTS[number - 1] != ANY:
             law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
@@ -224,11 +224,11 @@ def derive_damping(d, c):
 def set_parameters(d, c):
     """Set the parameters of candidate c's law to the given parameters."""
     law = d.law
-    law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
+    law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
-    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.longest_link
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.model.longest_link
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
-    if at_joint(d, c):
+    if at_joint_stop(d, c):
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.longest_link

@@ -6,7 +6,7 @@ the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
 across a kink would lose its order of accuracy. So a step uses the smooth force of one side of the kink, also
-beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` holds the side.
+beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` is the side.
 Outputs and peaks use the true force.
 """
 
@@ -17,14 +17,14 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import at_joint, lever_of_candidate
+from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
 # The relative increment of penetration and speed for the central differences of a user's law. It is about the
 # cube root of round-off: the errors of truncation and of round-off are then equal.
-INCREMENT = 1e-5
+RELATIVE_INCREMENT = 1e-5
 # The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative to
-# v₀ √(tolerance/max(1, damping_share)). The impulse then errs by a tenth of the tolerance at most.
-TURNED = 0.3
+# v₀ √(tolerance/max(1, damping_over_elastic)). The impulse then errs by a tenth of the tolerance at most.
+TURNING_RATE = 0.3
 
 
 @has_dual_rule
@@ -38,10 +38,10 @@ def power_of_depth(depth, exponent):
         return 1.0
     if exponent == 0.5:
         return math.sqrt(depth)
-    return rare_power(depth, exponent)
+    return power_by_roots(depth, exponent)
 
 
-def rare_power(depth, exponent):
+def power_by_roots(depth, exponent):
     """Return δ^exponent for δ ≥ 0, by roots and products for the exponents ¼, 2 and 5/2."""
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
@@ -91,19 +91,19 @@ def set_damping(d, c):
     else:
         # d = f K^(1−s) m^s, with the law's factor f and exponent s, and the effective mass m
         ratio = touch.effective_mass[c] / stiffness
-        share = power(ratio, mass_power)
-        touch.damping[c] = factor * stiffness * share * unit_of_damping(d, c, mass_power)
+        factor_of_mass = power(ratio, mass_power)
+        touch.damping[c] = factor * stiffness * factor_of_mass * unit_of_damping(d, c, mass_power)
     touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
 
 
 def unit_of_damping(d, c, mass_power):
     """Return the factor by which the damping of a joint's stop differs from f K^(1−s) m^s; 1 for others.
 
-    f and s belong to the law (laws.py), and m is the effective mass. The law of a joint's stop holds for the
+    f and s belong to the law (laws.py), and m is the effective mass. The law of a joint's stop is that of the
     angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
     kernel's damping at the lever arm r is d = d'/rᵖ⁺². The factor is also 1 if f has no unit.
     """
-    if not at_joint(d, c):
+    if not at_joint_stop(d, c):
         return 1.0
     law = d.law
     lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
@@ -114,12 +114,12 @@ def turning_margin(d, c):
     """Return the largest |δ̇| [m/s] up to which a step may use the force of the wrong side of the kink.
 
     If |δ̇| reaches the speed v on the wrong side, the relative error of the impulse is (v/v₀)² times the
-    result of ``damping_share``. The result also includes the tolerance times the longest link per second,
-    because for a point at rest errors change the sign of δ̇ all the time.
+    result of ``damping_over_elastic``. The result also includes the tolerance times the longest link per
+    second, because for a point at rest errors change the sign of δ̇ all the time.
     """
     tolerance = d.solver.tolerance
-    least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
-    return TURNED * least * d.touch.impact_speed[c] + tolerance * d.model.longest_link
+    least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
+    return TURNING_RATE * least * d.touch.impact_speed[c] + tolerance * d.model.longest_link
 
 
 def law_force(d, c, depth, rate):
@@ -135,7 +135,7 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return the values of ``law_force``, but with the smooth force of one side of the kink on both sides.
 
-    ``touch.beyond_kink`` holds this side. A crossing of the kink is recorded.
+    ``touch.beyond_kink`` is this side. A crossing of the kink is recorded.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -179,7 +179,7 @@ def height_over_kink(d, c, depth, rate):
     return force
 
 
-def cut_off(d, c):
+def is_cut_off(d, c):
     """Return whether a step uses the force 0 for candidate c, because the law would give a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
@@ -205,7 +205,7 @@ def user_contact_force(d, c, depth, rate):
     law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
-    if at_joint(d, c):
+    if at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
     force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm
@@ -239,7 +239,7 @@ def law_slopes(d, c, depth, rate):
 
     Both are 0 where the force is cut off.
     """
-    if cut_off(d, c):
+    if is_cut_off(d, c):
         return 0.0, 0.0
     if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_slopes(d, c, depth, rate)
@@ -255,17 +255,17 @@ def law_slopes(d, c, depth, rate):
 
 def user_slopes(d, c, depth, rate):
     """Return the values of ``law_slopes`` for a user's law, by central differences; negative ones as 0."""
-    step = INCREMENT * depth
+    step = RELATIVE_INCREMENT * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
-    step = INCREMENT * (abs(rate) + d.touch.impact_speed[c])
+    step = RELATIVE_INCREMENT * (abs(rate) + d.touch.impact_speed[c])
     low, _ = law_force(d, c, depth, rate - step)
     high, _ = law_force(d, c, depth, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
 
 
-def damping_share(d, c):
+def damping_over_elastic(d, c):
     """Return the damping force of candidate c divided by its elastic force, a number ≥ 0.
 
     Both forces are those at the impact speed v₀ and the expected penetration. For the Hunt–Crossley family

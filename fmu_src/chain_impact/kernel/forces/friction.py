@@ -26,7 +26,7 @@ Contacts.
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
 from chain_impact.kernel.rows.geometry import (
     add_along,
-    farthest,
+    largest_coordinate,
     tangent_row,
     tangential_position,
     tangential_rate,
@@ -35,7 +35,7 @@ from chain_impact.kernel.rows.geometry import (
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
 # A sticking element is held if its distance from its anchor, after a projection, is at most this part of the
 # largest coordinate; so small a distance is round-off.
-NOT_HELD = 1e-13
+ANCHOR_ROUND_OFF = 1e-13
 
 
 def may_have_friction(d, c):
@@ -65,7 +65,7 @@ def clear_friction(d):
         set_mode(d, e, NO_FRICTION)
 
 
-def against(force):
+def sliding_sign(force):
     """Return the sign, along t, of the sliding that a friction ``force`` along t opposes."""
     return 1 if force < 0.0 else -1
 
@@ -114,7 +114,7 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Unlist the sticking elements during an impact on rigid walls: no friction limit holds for impulses."""
+    """Unlist the sticking elements during an impact on rigid walls: no friction limit applies to impulses."""
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
@@ -162,11 +162,11 @@ def apply_friction(d):
             d.element.limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
         if d.element.mode[e] != STICKS:
-            friction.power += slide(d, e, sliding)
+            friction.power += apply_sliding_friction(d, e, sliding)
     return friction.power
 
 
-def slide(d, e, size):
+def apply_sliding_friction(d, e, size):
     """Add the friction of ``size`` [N] of the sliding element e to the loads; return its lost power [W]."""
     sign = float(d.element.mode[e])
     speed = tangential_rate(d, e)
@@ -177,7 +177,7 @@ def slide(d, e, size):
     return sign * size * speed
 
 
-def keep_static_forces(d):
+def store_static_forces(d):
     """Store the constraint forces [N] of sticking elements, and how far they exceed their limits."""
     friction, first = d.friction, d.touch.active_count
     for i in range(friction.stuck_count):
@@ -210,13 +210,13 @@ def work_of_holding(d):
     return work
 
 
-def keep_anchors(d):
+def move_missed_anchors(d):
     """Move each anchor that a projection has missed to the located coordinate of its sticking element.
 
     A projection misses an anchor only where impulses can hardly move the element (constraints.py). A
     correction in each step would do work, and change the energy of a chain at rest.
     """
-    friction, tolerance = d.friction, NOT_HELD * farthest(d)
+    friction, tolerance = d.friction, ANCHOR_ROUND_OFF * largest_coordinate(d)
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
         if abs(tangential_position(d, e) - d.element.anchor[e]) > tolerance:

@@ -9,15 +9,15 @@ import math
 
 from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
-    at_center,
-    largest,
+    at_center_of_mass,
+    largest_component,
     locate_points_now,
     move_points,
 )
-from chain_impact.kernel.chain.response import FREE, take_factors
+from chain_impact.kernel.chain.response import FREE, copy_factors
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, supplied_at, velocity_at
-from chain_impact.kernel.forces.active_contacts import keep_force
-from chain_impact.kernel.forces.friction import NOT_HELD, keep_static_forces
+from chain_impact.kernel.forces.active_contacts import store_force
+from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.compliance import joints_loaded, mean_mass, solve_space
 from chain_impact.kernel.rows.constraints import (
@@ -38,9 +38,9 @@ from chain_impact.kernel.rows.geometry import (
     constraint_acceleration,
     constraint_count,
     constraint_row,
-    farthest,
-    fastest_of_all,
     largest_acceleration,
+    largest_coordinate,
+    largest_velocity,
     tangent_row,
     tangential_position,
     tangential_rate,
@@ -48,23 +48,23 @@ from chain_impact.kernel.rows.geometry import (
 
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
 # walls or base move and a point stays deeper, the walls leave no room for the chain.
-SQUEEZE = 1e-6
+SQUEEZED_DEPTH = 1e-6
 # A point leaves a wall only if it rises at least to this height, relative to the longest link. A lower height
 # could not be distinguished from round-off, and the next onset could not be located.
-RISE = 1e-14
+LEAST_RISE = 1e-14
 # The largest plausible correction of a coordinate in a projection, relative to the tolerance plus the largest
 # residual. Angles are in rad, lengths in units of the longest link. A motion that needs more can hardly be
 # constrained.
-MISPLACED = 10.0
+LARGEST_CORRECTION = 10.0
 # The largest part of the residual that a projection onto the constraints of sticking elements may leave. A
 # projection that would leave more moves nothing.
-IN_VAIN = 0.5
+LARGEST_REMAINING_RESIDUAL = 0.5
 # The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
 # relative to the mean mass of a link.
-RESISTANCE = 1e3
+CONTACT_RESISTANCE = 1e3
 
 
-def start_from_state(d, derivative):
+def set_start_to_state(d, derivative):
     """Set ``start`` to clearances of contacts and distances of sticking elements from their anchors.
 
     If ``derivative`` is 1, set ``start`` to the rates of these values.
@@ -81,7 +81,7 @@ def start_from_state(d, derivative):
             constraints.start[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
-def start_from_loads(d):
+def set_start_to_load_motion(d):
     """Set ``start`` to the components along all constraints of the motion caused by ``scratch.load``.
 
     Return the largest component of the motion of any place.
@@ -90,7 +90,7 @@ def start_from_loads(d):
     solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)
     for k in range(constraint_count(d)):
         d.constraints.start[k] = along(constraint_row(d, k), d.scratch.motion)
-    return largest(d, d.scratch.motion)
+    return largest_component(d, d.scratch.motion)
 
 
 def clear_least_forces(d):
@@ -105,7 +105,7 @@ def add_change(d, y, first):
         y[first + j] += d.constraints.change[j]
 
 
-def start_from_accelerations(d, y, rate):
+def set_start_to_accelerations(d, y, rate):
     """Set ``start`` to the accelerations along all constraints, for the rate ẏ of the state y.
 
     Return the largest component of the acceleration of any place or moving wall.
@@ -120,12 +120,12 @@ def add_constraint_forces(d, y, rate):
     """Add to the rate ẏ of the free motion the accelerations that the constraint forces cause.
 
     Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
-    ``d.constraints.impulse`` holds the forces [N]; at walls at rest they do no work, apart from errors.
+    ``d.constraints.impulse`` contains the forces [N]; at walls at rest they do no work, apart from errors.
     MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the tolerance.
     """
     constraints = d.constraints
-    take_factors(d, joints_loaded(d))
-    scale = start_from_accelerations(d, y, rate)
+    copy_factors(d, joints_loaded(d))
+    scale = set_start_to_accelerations(d, y, rate)
     activate_all(d)
     if solve_equality(d, scale) > d.solver.tolerance * scale:
         note_moving(d, d.solver.tolerance * scale)
@@ -133,15 +133,15 @@ def add_constraint_forces(d, y, rate):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
-    keep_forces(d)
+    store_constraint_forces(d)
 
 
-def keep_forces(d):
+def store_constraint_forces(d):
     """Store the forces in ``d.constraints.impulse`` as those of the held contacts and sticking elements."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        keep_force(d, d.touch.active_index[k], d.constraints.impulse[k])
+        store_force(d, d.touch.active_index[k], d.constraints.impulse[k])
     if any_sticking(d):
-        keep_static_forces(d)
+        store_static_forces(d)
 
 
 def project_state(d, y):
@@ -161,13 +161,13 @@ def project_state(d, y):
         constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
         activate_all(d)
-        start_from_state(d, derivative)
+        set_start_to_state(d, derivative)
         if derivative:
             solve_stopping_impulses(d)
         else:
             solve_positions(d)
             if d.channels > 0:
-                note_squeezed(d, SQUEEZE * d.model.longest_link)
+                note_squeezed(d, SQUEEZED_DEPTH * d.model.longest_link)
         add_change(d, y, derivative * velocity_at(d.links))
         locate_points_now(d, y)
     if d.channels > 0:
@@ -245,7 +245,7 @@ def momentum(d, vectors):
     """
     x, y = 0.0, 0.0
     for i in range(d.links):
-        cx, cy = at_center(d, vectors, i)
+        cx, cy = at_center_of_mass(d, vectors, i)
         x, y = x + d.model.mass[i] * cx, y + d.model.mass[i] * cy
     return x, y
 
@@ -253,7 +253,7 @@ def momentum(d, vectors):
 @has_dual_rule
 def contact_resistance(d):
     """Return the resistance [kg] of a contact with a force law against a projection."""
-    return RESISTANCE * mean_mass(d)
+    return CONTACT_RESISTANCE * mean_mass(d)
 
 
 def solve_positions(d):
@@ -267,7 +267,7 @@ def solve_positions(d):
     constraints, size, far, asked, moved, left = (
         d.constraints,
         d.model.longest_link,
-        farthest(d),
+        largest_coordinate(d),
         0.0,
         0.0,
         0.0,
@@ -280,8 +280,8 @@ def solve_positions(d):
         left = max(left, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(constraints.change[j]) / (size if j < ANGLES else 1.0))
-    in_vain = left > max(IN_VAIN * asked, NOT_HELD * far) and not any_point_held(d)
-    if in_vain or moved > MISPLACED * (d.solver.tolerance + asked / size):
+    in_vain = left > max(LARGEST_REMAINING_RESIDUAL * asked, ANCHOR_ROUND_OFF * far) and not any_point_held(d)
+    if in_vain or moved > LARGEST_CORRECTION * (d.solver.tolerance + asked / size):
         if any_point_held(d):
             solve_lcp(d, far)
         else:
@@ -290,7 +290,7 @@ def solve_positions(d):
 
 def solve_stopping_impulses(d):
     """Find the impulses that stop the active set; no wall pulls by more than ``tolerated_momentum``."""
-    speed = fastest_of_all(d)
+    speed = largest_velocity(d)
     factorize_free(d)
     solve_equality(d, speed)
     if least_impulse(d) < -tolerated_momentum(d, speed):
@@ -308,10 +308,10 @@ def least_impulse(d):
 def tolerated_momentum(d, speed):
     """Return the largest momentum [N·s] of the chain that counts as zero.
 
-    It is the chain's mass times a sum: the speed after a fall by RISE, and the tolerated error of ``speed``
-    [m/s].
+    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE, and the tolerated error of
+    ``speed`` [m/s].
     """
     size = d.model.longest_link
     mass = d.model.energy_scale / (size * size)
-    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
+    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * LEAST_RISE * size)
     return mass * (rise + d.solver.tolerance * (size + speed))

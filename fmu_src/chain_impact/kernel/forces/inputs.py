@@ -2,7 +2,7 @@
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.piece` holds the next piece and `inputs.piece` the present piece; u₀ of the next piece is the value in
+`given.piece` is the next piece and `inputs.piece` the present piece; u₀ of the next piece is the value in
 `given`. Inputs of order 0 are constant, and no polynomial is evaluated.
 
 Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
@@ -19,8 +19,8 @@ given value, and the position is the integral of the speed.
 import math
 
 from chain_impact.kernel.chain.inputs import CHANNEL, TARGET, input_field, is_used
-from chain_impact.kernel.chain.motion import move
-from chain_impact.kernel.chain.signals import drives, signal_at
+from chain_impact.kernel.chain.motion import move_channels
+from chain_impact.kernel.chain.signals import is_driven, signal_at
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
@@ -31,9 +31,9 @@ REINITIALIZE, CONTINUES = 1, 2
 # The largest part of a given displacement that the given velocities v and v′ before and after it may leave
 # unexplained, relative to |v| + |v′| times the time between them. A larger part is a contradiction, of which
 # the user is warned; a part beyond 1 is a jump of the position of a wall.
-UNEXPLAINED = 0.05
+UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that may be unexplained in addition, whatever the speeds are
-TOUCH_OFF = 1e-9
+UNEXPLAINED_DISPLACEMENT = 1e-9
 # The largest jump of an acceleration, times the squared time of the cubic, that counts as round-off, relative
 # to the positions at the cubic's ends and its travel. Also the largest third coefficient that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
@@ -115,7 +115,7 @@ def set_inputs(d, time):
     if d.signals > 0:
         set_driven(d, time)
     if d.channels > 0:
-        move(d, time)
+        move_channels(d, time)
 
 
 def set_driven(d, time):
@@ -146,14 +146,14 @@ def inputs_continue(d):
 def limit_to_piece(d, h):
     """Return a size ≤ h of the next step: it ends with the piece of the inputs or leaves no tiny rest of it.
 
-    A step in the fictitious time of a contact, or with constant inputs, keeps the size h.
+    A step in the fictitious time of a contact, or with constant inputs, has the size h.
     """
     if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
-    return limit_to(d, d.inputs.piece.until, h)
+    return limit_to_time(d, d.inputs.piece.until, h)
 
 
-def limit_to(d, time, h):
+def limit_to_time(d, time, h):
     """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before it."""
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
@@ -208,14 +208,14 @@ def interpolate_motion(d, time):
     if time == moved.until and d.given.changed != REINITIALIZE:
         return OK  # the same communication step continues after a pause
     now, h = d.step.time, time - d.step.time
-    move(d, now)
+    move_channels(d, now)
     for j in range(d.channels):
-        if not drives(d, j) and not note_given(d, j, now):
+        if not is_driven(d, j) and not record_given(d, j, now):
             return refuse_channel(d, j)
     moved.until = time
     moves, jumps = False, False
     for j in range(d.channels):
-        if drives(d, j):
+        if is_driven(d, j):
             continue
         lasting = set_cubic(d, j, time, h)
         new = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
@@ -266,7 +266,7 @@ def set_cubic(d, j, time, h):
     return abs(bend) <= ACCELERATION_ROUND_OFF * size
 
 
-def note_given(d, j, now):
+def record_given(d, j, now):
     """Record the values given to channel j at the present communication point, at the time ``now`` [s].
 
     Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
@@ -288,8 +288,8 @@ def note_given(d, j, now):
         moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True
     unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
-    speeds, ignored = lasted * (abs(before) + abs(v)), TOUCH_OFF * d.model.longest_link
-    if not unexplained > UNEXPLAINED * speeds + ignored:
+    speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.model.longest_link
+    if not unexplained > UNEXPLAINED_PART * speeds + ignored:
         return True
     of_base = d.model.base_moves and j < 2  # the first two channels belong to the base
     if not of_base and unexplained > speeds + ignored:

@@ -222,7 +222,7 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """Return ``scale`` ζ; an oscillator of damping ratio ζ keeps the part e of its speed in a half-cycle."""
+    """Return ``scale`` ζ; after a half-cycle an oscillator of damping ratio ζ has the part e of its speed."""
     decrement = log(e)
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 

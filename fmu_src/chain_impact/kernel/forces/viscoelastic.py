@@ -57,13 +57,13 @@ SERIES = (
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
 # The least 1 − e for which P is evaluated at e; closer to e = 1, where the derivative of r with respect to e
 # is infinite, P of e = 1 is used.
-NEAREST = 1e-12
+NEAREST_TO_ONE = 1e-12
 
 
 def viscoelastic_factor(e):
     """Return f(e), for 0 < e ≤ 1."""
     exponent = log(e)
-    root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST else 0.0 * e
+    root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST_TO_ONE else 0.0 * e
     return (1.0 - e) * exp(-0.6 * exponent) * series(2.0 * root - 1.0)
 
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from chain_impact.kernel.functions import has_dual_rule, inlined
-from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits, double
+from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
 
 # [rad] the largest angle that ``cosine_and_sine`` accepts; the reduction of a larger angle loses digits
 LARGEST_ANGLE = 1e6
@@ -27,32 +27,32 @@ S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# the bits of 2/π in pieces of PIECE bits; a reduction takes PIECES of them, and more would not change the
-# result
-PIECE, PIECES = 24, 6
+# the bits of 2/π in groups of GROUP_BITS bits; a reduction takes GROUPS of them, and more would not change
+# the result
+GROUP_BITS, GROUPS = 24, 6
 LAST_DIGIT = 971  # the exponent of 2 in the last binary digit of the largest double
 
 
-def _pieces():
-    """Return the binary digits of 2/π after the point, in pieces of PIECE digits."""
-    count = LAST_DIGIT // PIECE + PIECES + 1
-    places = PIECE * count + 32
+def _digit_groups():
+    """Return the binary digits of 2/π after the point, in groups of GROUP_BITS digits."""
+    count = LAST_DIGIT // GROUP_BITS + GROUPS + 1
+    scale = GROUP_BITS * count + 32
     # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
-    digits = (2 << 2 * places) // (16 * _fixed_arctangent(5, places) - 4 * _fixed_arctangent(239, places))
-    pieces = (digits >> (places - PIECE * (i + 1)) & ((1 << PIECE) - 1) for i in range(count))
-    return np.array([float(piece) for piece in pieces])
+    digits = (2 << 2 * scale) // (16 * _fixed_arctangent(5, scale) - 4 * _fixed_arctangent(239, scale))
+    groups = (digits >> (scale - GROUP_BITS * (i + 1)) & ((1 << GROUP_BITS) - 1) for i in range(count))
+    return np.array([float(group) for group in groups])
 
 
-def _fixed_arctangent(n, places):
-    """Return arctan(1/n), times 2^places."""
-    term, total, k = (1 << places) // n, 0, 1
+def _fixed_arctangent(n, scale):
+    """Return arctan(1/n), times 2^scale."""
+    term, total, k = (1 << scale) // n, 0, 1
     while term:
         total += term // k if k % 4 == 1 else -(term // k)
         term, k = term // (n * n), k + 2
     return total
 
 
-DIGITS = _pieces()
+DIGITS = _digit_groups()
 
 
 @has_dual_rule
@@ -63,7 +63,7 @@ def direction(angle):
     if not abs(angle) < math.inf:
         return math.nan, math.nan
     turns, r = far_reduction(angle)
-    return of_parts(turns, r)
+    return cosine_and_sine_of_parts(turns, r)
 
 
 def cosine(angle):
@@ -84,11 +84,11 @@ def cosine_and_sine(angle):
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
     # number of quarter turns k mod 4, from −2 to 2
     turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
-    return of_parts(turns, r)
+    return cosine_and_sine_of_parts(turns, r)
 
 
 @inlined
-def of_parts(turns, r):
+def cosine_and_sine_of_parts(turns, r):
     """Return the cosine and sine of the angle turns π/2 + r, with turns from −2 to 2 and |r| ≤ π/4."""
     t = r * r
     t2 = t * t
@@ -101,24 +101,24 @@ def of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return ``turns`` and r of ``of_parts`` for an angle whose size is LARGEST_ANGLE or larger.
+    """Return ``turns`` and r of ``cosine_and_sine_of_parts`` for an angle of at least LARGEST_ANGLE.
 
     Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
-    pattern = bits(abs(angle))
+    pattern = bits_of(abs(angle))
     # the size of the angle as integers m, e, a and b: |φ| = m 2^e, m = a 2²⁷ + b
     e = (pattern >> FRACTION) - 1075
-    m = double((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
+    m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))
     b = m - a * 2.0**27
-    first = max(0, (e - 2) // PIECE)
+    first = max(0, (e - 2) // GROUP_BITS)
     total, lost = 0.0, 0.0
-    for i in range(first, first + PIECES):
-        for half, exponent in ((a, e + 27 - PIECE * (i + 1)), (b, e - PIECE * (i + 1))):
+    for i in range(first, first + GROUPS):
+        for half, exponent in ((a, e + 27 - GROUP_BITS * (i + 1)), (b, e - GROUP_BITS * (i + 1))):
             if exponent >= 2:
                 continue
             # The product is exact, and so is its remainder after whole turns.
-            part = half * (float(DIGITS[i]) * double(ONE + (exponent << FRACTION)))
+            part = half * (float(DIGITS[i]) * double_of_bits(ONE + (exponent << FRACTION)))
             remainder = part - 4.0 * math.floor(0.25 * part)
             # The sum of the remainders is stored exactly, as total + lost.
             before, total = total, total + remainder

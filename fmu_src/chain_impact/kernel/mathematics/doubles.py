@@ -16,32 +16,32 @@ ROUND = 1.5 * 2.0**52
 
 
 @inlined
-def bits(number):
+def bits_of(number):
     """Return the bits of a double as an integer."""
     return int(np.float64(number).view(np.int64))
 
 
 @inlined
-def double(pattern):
+def double_of_bits(pattern):
     """Return the double with these bits."""
     return float(np.int64(pattern).view(np.float64))
 
 
 @inlined
-def front(number):
+def rounded_to_26_bits(number):
     """Return a number rounded to 26 bits."""
-    return double((bits(number) + HALF) & FRONT)
+    return double_of_bits((bits_of(number) + HALF) & FRONT)
 
 
 @inlined
 def product(y, high, low):
     """Return y (high + low) as the sum of two doubles (T. J. Dekker 1971, Numer Math 18:224)."""
-    of_y, of_high = front(y), front(high)
+    of_y, of_high = rounded_to_26_bits(y), rounded_to_26_bits(high)
     return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
 
 
-def in_two(fixed, places):
-    """Return ``fixed``/2^FIXED as the sum of two doubles, the first a multiple of 2^−places."""
-    unit = 1 << (FIXED - places)
+def in_two_doubles(fixed, fraction_bits):
+    """Return ``fixed``/2^FIXED as the sum of two doubles, the first a multiple of 2^−fraction_bits."""
+    unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit
-    return first / (1 << places), (fixed - first * unit) / (1 << FIXED)
+    return first / (1 << fraction_bits), (fixed - first * unit) / (1 << FIXED)

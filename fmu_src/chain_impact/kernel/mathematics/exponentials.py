@@ -8,21 +8,30 @@ import math
 import numpy as np
 
 from chain_impact.kernel.functions import has_dual_rule, inlined
-from chain_impact.kernel.mathematics.doubles import FIXED, FRACTION, ROUND, bits, double, in_two
-from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, parts_beside_one
+from chain_impact.kernel.mathematics.doubles import (
+    FIXED,
+    FRACTION,
+    ROUND,
+    bits_of,
+    double_of_bits,
+    in_two_doubles,
+)
+from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, log_parts_beside_one
 
 POWER_COUNT_BITS = 7  # the table has 2⁷ powers
 POWER_COUNT = 1 << POWER_COUNT_BITS
 # coefficients of the best approximation on |r| < ln 2/256, by Remez's exchange: e^r = 1 + r + r² P(r)
 EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
-STEP_HIGH, STEP_LOW = in_two(LN_2 // POWER_COUNT, PLACES)
+STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
-ROUND_BITS = bits(ROUND)
-COMMON = 650.0  # the largest |x| for ``common``: e^x is finite, and not so small that it would lose digits
+ROUND_BITS = bits_of(ROUND)
+COMMON = (
+    650.0  # the largest |x| for ``exp_of_common``: e^x is finite, and not so small that it would lose digits
+)
 # Half of the range of exponents. For |x| > COMMON, e^x is e^(x ∓ 512 ln 2) times 2^±512, which rounds once.
 HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
-HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two(HALF_RANGE * LN_2, PLACES)
+HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
 NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
 STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x
@@ -36,8 +45,8 @@ def _table():
         for bit in reversed(range(POWER_COUNT_BITS)):  # a factor √2, √√2, … for each bit of the index j
             root = math.isqrt(root << FIXED)
             power = power * root >> FIXED if j >> bit & 1 else power
-        high, low = in_two(power, FRACTION)
-        patterns.append(bits(high))
+        high, low = in_two_doubles(power, FRACTION)
+        patterns.append(bits_of(high))
         remainders.append(low / high)
     return np.array(patterns), np.array(remainders)
 
@@ -46,35 +55,35 @@ POWER_BITS, REST = _table()
 
 
 @inlined
-def common(high, low):
+def exp_of_common(high, low):
     """Return e^(high + low), for |high| < COMMON and a number ``low`` that is far smaller."""
     shifted = high * STEPS_PER_ONE + ROUND
     steps = shifted - ROUND
-    count = bits(shifted) - ROUND_BITS
+    count = bits_of(shifted) - ROUND_BITS
     r = ((high - steps * STEP_HIGH) - steps * STEP_LOW) + low
     j, r2 = count & (POWER_COUNT - 1), r * r
     tail = (float(REST[j]) + r) + r2 * ((EXP_P[0] + r * EXP_P[1]) + r2 * (EXP_P[2] + r * EXP_P[3]))
-    power = double(int(POWER_BITS[j]) + ((count >> POWER_COUNT_BITS) << FRACTION))
+    power = double_of_bits(int(POWER_BITS[j]) + ((count >> POWER_COUNT_BITS) << FRACTION))
     return power + power * tail
 
 
-def of_sum(high, low):
+def exp_of_sum(high, low):
     """Return e^(high + low), for any number ``high`` and a number ``low`` that is far smaller."""
     if abs(high) < COMMON:
-        return common(high, low)
+        return exp_of_common(high, low)
     if high > OVERFLOW:
         return math.inf
     if high < UNDERFLOW:
         return 0.0
     if high > 0.0:
-        return common(high - HALF_RANGE_HIGH, low - HALF_RANGE_LOW) * UP
-    return common(high + HALF_RANGE_HIGH, low + HALF_RANGE_LOW) * DOWN
+        return exp_of_common(high - HALF_RANGE_HIGH, low - HALF_RANGE_LOW) * UP
+    return exp_of_common(high + HALF_RANGE_HIGH, low + HALF_RANGE_LOW) * DOWN
 
 
 @has_dual_rule
 def exp(x):
     """Return e^x."""
-    return math.nan if math.isnan(x) else of_sum(x, 0.0)
+    return math.nan if math.isnan(x) else exp_of_sum(x, 0.0)
 
 
 @has_dual_rule
@@ -86,5 +95,5 @@ def expm1(x):
         return exp(x) - 1.0
     y = x + 0.5 * x * x if abs(x) < NEARLY_LINEAR else exp(x) - 1.0
     # one step of Newton's method for ln(1 + y) = x improves y
-    high, low = parts_beside_one(y)
+    high, low = log_parts_beside_one(y)
     return y + ((x - high) - low) * (1.0 + y)

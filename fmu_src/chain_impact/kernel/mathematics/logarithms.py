@@ -15,10 +15,10 @@ from chain_impact.kernel.mathematics.doubles import (
     FRACTION,
     LEAST_NORMAL,
     ONE,
-    bits,
-    double,
-    front,
-    in_two,
+    bits_of,
+    double_of_bits,
+    in_two_doubles,
+    rounded_to_26_bits,
 )
 
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ doubles
@@ -53,21 +53,21 @@ def _table():
     """Return three columns with a row for each interval of m: c, and −ln c in two parts."""
     rows = []
     for i in range(MANTISSA_INTERVALS):
-        m = double(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
+        m = double_of_bits(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
         # c has 9 bits, so r = m c − 1 is exact
         unit = 512 if m > 1.0 else 256
         c = unit if i == MIDDLE else round(unit / m)
-        rows.append((c / unit, *in_two(fixed_logarithm(unit, c), PLACES)))
+        rows.append((c / unit, *in_two_doubles(fixed_logarithm(unit, c), PLACES)))
     return tuple(np.array(column) for column in zip(*rows, strict=True))
 
 
 INVERSE, LOG_HIGH, LOG_LOW = _table()
 LN_2 = fixed_logarithm(2, 1)
-LN_2_HIGH, LN_2_LOW = in_two(LN_2, PLACES)
+LN_2_HIGH, LN_2_LOW = in_two_doubles(LN_2, PLACES)
 
 
 @inlined
-def parts(pattern):
+def log_parts(pattern):
     """Return the logarithm of a positive number that is not subnormal, as the sum of two doubles.
 
     Args:
@@ -75,9 +75,9 @@ def parts(pattern):
     """
     k = (pattern - FIRST) >> FRACTION
     i = ((pattern - FIRST) >> WIDTH_BITS) & (MANTISSA_INTERVALS - 1)
-    m, c = double(pattern - (k << FRACTION)), float(INVERSE[i])
+    m, c = double_of_bits(pattern - (k << FRACTION)), float(INVERSE[i])
     # r = m c − 1 is the sum of u and v; u, v, r and u² are exact
-    m_front = front(m)
+    m_front = rounded_to_26_bits(m)
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
@@ -92,31 +92,31 @@ def parts(pattern):
     return high, (rounded + small) + tail
 
 
-def any_parts(x):
+def log_parts_of_any(x):
     """Return the logarithm of a positive finite number as the sum of two doubles."""
-    pattern = bits(x)
+    pattern = bits_of(x)
     if pattern < LEAST_NORMAL:
-        pattern = bits(x * 2.0**52) - (52 << FRACTION)
-    return parts(pattern)
+        pattern = bits_of(x * 2.0**52) - (52 << FRACTION)
+    return log_parts(pattern)
 
 
 @has_dual_rule
 def log(x):
     """Return ln x; −∞ for x = 0, and NaN for x < 0."""
     if 0.0 < x < math.inf:
-        high, low = any_parts(x)
+        high, low = log_parts_of_any(x)
         return high + low
     if x == 0.0:
         return -math.inf
     return math.inf if x > 0.0 else math.nan
 
 
-def parts_beside_one(x):
+def log_parts_beside_one(x):
     """Return ln(1 + x), for −1 < x < ∞, as the sum of two doubles."""
     whole = 1.0 + x
     lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
     # ln(1 + x) = ln w + d/w − …, where w is the rounded sum 1 + x, and d = 1 + x − w the lost part
-    high, low = any_parts(whole)
+    high, low = log_parts_of_any(whole)
     return high, low + (lost - 0.5 * lost * lost) / whole
 
 
@@ -127,5 +127,5 @@ def log1p(x):
         return 1.0 * x
     if not -1.0 < x < math.inf:
         return log(1.0 + x)
-    high, low = parts_beside_one(x)
+    high, low = log_parts_beside_one(x)
     return high + low

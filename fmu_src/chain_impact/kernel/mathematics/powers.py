@@ -3,9 +3,9 @@
 import math
 
 from chain_impact.kernel.functions import has_dual_rule
-from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits, product
-from chain_impact.kernel.mathematics.exponentials import COMMON, common, of_sum
-from chain_impact.kernel.mathematics.logarithms import any_parts, parts
+from chain_impact.kernel.mathematics.doubles import INFINITY, LEAST_NORMAL, bits_of, product
+from chain_impact.kernel.mathematics.exponentials import COMMON, exp_of_common, exp_of_sum
+from chain_impact.kernel.mathematics.logarithms import log_parts, log_parts_of_any
 
 ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
 HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite
@@ -14,12 +14,12 @@ HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite
 @has_dual_rule
 def power(x, y):
     """Return x^y."""
-    pattern = bits(x)
+    pattern = bits_of(x)
     if LEAST_NORMAL <= pattern < INFINITY:
-        high, low = parts(pattern)
+        high, low = log_parts(pattern)
         high, low = product(y, high, low)
         if abs(high) < COMMON:
-            return common(high, low)
+            return exp_of_common(high, low)
     return any_power(x, y)
 
 
@@ -34,15 +34,15 @@ def any_power(x, y):
     if x < 0.0 and size < math.inf and not whole:
         return math.nan
     odd = whole and abs(y) < ALL_EVEN and math.floor(0.5 * y) != 0.5 * y
-    return math.copysign(of_size(size, y), x) if odd else of_size(size, y)
+    return math.copysign(power_of_size(size, y), x) if odd else power_of_size(size, y)
 
 
-def of_size(x, y):
+def power_of_size(x, y):
     """Return x^y for x ≥ 0 and y ≠ 0."""
     if x == 1.0:
         return 1.0
     if x == 0.0 or math.isinf(x) or abs(y) >= HUGE_EXPONENT:
         return math.inf if (x > 1.0) == (y > 0.0) else 0.0
-    high, low = any_parts(x)
+    high, low = log_parts_of_any(x)
     high, low = product(y, high, low)
-    return of_sum(high, low)
+    return exp_of_sum(high, low)

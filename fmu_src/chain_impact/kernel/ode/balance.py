@@ -1,7 +1,7 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
-error. A step that keeps the tolerance changes the balance by about the tolerance times a scale S of the
+error. A step within the tolerance changes the balance by about the tolerance times a scale S of the
 energy, or less. To first order, with the scales of control.py for the errors of the components of the state,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
@@ -37,7 +37,7 @@ from chain_impact.kernel.chain.drives import (
     coordinates_of_drive,
     drive_count,
     drive_inertia,
-    factor_to_moment,
+    moment_factor,
     spring_force,
 )
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -49,51 +49,53 @@ from chain_impact.kernel.ode.control import (
     EXPLICIT,
     SPOILED,
     accepted,
-    conclude,
     impact_energy,
     penetration_scale,
     reject_step,
+    set_outcome,
 )
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
+    count_supplied,
     ensure_dense,
     ensure_points,
     ensure_rate,
     largest_turn,
-    supply,
 )
-from chain_impact.kernel.ode.methods import STABLE, joints_over
+from chain_impact.kernel.ode.methods import STABLE_STEP, joint_stiffness_number
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, relative to the tolerance times the scale S of the
 # energy. In 1500 random scenes the largest ratio of this kind had a median of 0.0015, and exceeded 1 in 1 %
 # of the scenes.
-OF_A_STEP = 3.0
+STEP_CHANGE = 3.0
 # The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
 # the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
 # a common sign only where a point rests: there their sum reaches 230 in 100,000 steps.
-OF_A_WINDOW = 100.0
+WINDOW_CHANGE = 100.0
 WINDOW = 1.0  # [s] length of a window of time, equal to COST_WINDOW (cost.py)
 # the energy that the errors of all steps together may add, relative to the available energy
 ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
-SLIP = 1e-8
-# LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale, like
-# OF_A_STEP. LASTING: the time [s] in which as much again may be lost. In 3360 random scenes this limit
-# shortens steps in 3 % of the runs, most of them with stiff springs.
-LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
+SLIGHT_GAIN = 1e-8
+# ENERGY_LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale,
+# like STEP_CHANGE. LOSS_TIME: the time [s] in which as much again may be lost. In 3360 random scenes this
+# limit shortens steps in 3 % of the runs, most of them with stiff springs.
+ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
+NOTABLE_LOSS = (
+    0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
+)
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
-LOOSE = 1e-4
+LOOSE_TOLERANCE = 1e-4
 # [rad] The rotation of a link in a step beyond which the step's dense output, if there is one, is checked.
 LONG_TURN = 1.0
 # the allowed change of the energy balance at the middle of a step, where the order is lower, relative to the
 # allowed change at the end
-INTERPOLATED = 10.0
+MIDDLE_CHANGE = 10.0
 # round-off of the energy balance in a step, relative to the energies, and to each contact force, spring
 # moment and weight times the coordinates at which it acts
 ENERGY_ROUND_OFF = 1e-15
@@ -114,12 +116,12 @@ def start_balance(d, time):
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy_scale
     balance.start, balance.since = time, time
-    rebase_energy(d)
+    restart_balance(d)
     balance.at_start, balance.origin = balance.at_end, balance.at_end
     begin_window(d)
     _, potential = mechanical_energy(d, d.step.state_end)
     balance.available = 0.0
-    balance.available = most_energy(d, d.step.state_end, potential)
+    balance.available = largest_available_energy(d, d.step.state_end, potential)
     balance.available_at_start = balance.available
 
 
@@ -129,11 +131,11 @@ def begin_window(d):
     balance.reference = balance.at_end
     # the part of the allowed change that does not depend on the state
     energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
-    balance.least_allowed = OF_A_STEP * d.solver.tolerance * energy
+    balance.least_allowed = STEP_CHANGE * d.solver.tolerance * energy
     balance.allowed = balance.least_allowed
 
 
-def rebase_energy(d):
+def restart_balance(d):
     """Evaluate the energy balance again at the start of a step that does not continue the last step."""
     locate_points(d, d.step.state_end)
     d.balance.at_end = energy_balance(d, d.step.state_end)
@@ -154,7 +156,7 @@ def apply_next_piece(d):
     before = energy_balance(d, y)
     apply_inputs(d)
     locate_points(d, y)
-    supply(d, energy_balance(d, y) - before)
+    count_supplied(d, energy_balance(d, y) - before)
 
 
 def reinit_balance(d):
@@ -165,19 +167,20 @@ def reinit_balance(d):
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
     if d.touch.active_count > 0:
-        rebase_energy(d)
+        restart_balance(d)
         balance.reference += balance.at_end - before
         balance.origin += balance.at_end - before
         balance.at_start = balance.at_end
 
 
 def check_energy(d, theta):
-    """Reject the last step if it does not keep the energy balance up to θ (−1: up to its end).
+    """Reject the last step if it does not conserve the energy balance up to θ (−1: up to its end).
 
-    The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds NOTABLE.
+    The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds
+    NOTABLE_LOSS.
 
     Returns:
-        The energy balance and the available energy [J] at θ, for ``keep_energy``.
+        The energy balance and the available energy [J] at θ, for ``store_energy``.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -190,35 +193,35 @@ def check_energy(d, theta):
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
-    available = most_energy(d, y, potential)
+    available = largest_available_energy(d, y, potential)
     # `abs(change) > allowed` would accept a NaN
     if not abs(change) <= balance.least_allowed:
-        allowed = allowance(d, y)
+        allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
             reject_step(d, SPOILED)
             return present, available
         balance.allowed = max(balance.allowed, allowed)
-    if change > SLIP * available and present - balance.origin > ENERGY_GAIN * available:
+    if change > SLIGHT_GAIN * available and present - balance.origin > ENERGY_GAIN * available:
         reject_step(d, SPOILED)
         return present, available
     loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
-    if loss > 1.0 and not -change > round_off(d, y):
+    if loss > 1.0 and not -change > allowed_round_off(d, y):
         loss = 1.0
-    if loss > NOTABLE:
-        conclude(d, max(d.trial.error, loss), d.trial.cost_factor)
+    if loss > NOTABLE_LOSS:
+        set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
     if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
         reject_step(d, SPOILED)
     return present, available
 
 
-def keep_energy(d, present, available):
+def store_energy(d, present, available):
     """Store the energy balance and the available energy [J] at the end of an accepted step."""
     balance = d.balance
     balance.at_start, balance.available_at_start = balance.at_end, balance.available
     balance.at_end, balance.available = present, available
 
 
-def most_energy(d, y, potential):
+def largest_available_energy(d, y, potential):
     """Return the largest available energy [J] so far, including state y with its ``potential`` energy."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
@@ -227,9 +230,9 @@ def most_energy(d, y, potential):
 def loss_allowed(d, available):
     """Return the energy [J], > 0, that the last step may lose; ``available`` as in ``loss_budget``."""
     balance, budget = d.balance, loss_budget(d, available)
-    share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
+    fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
-    return max(left, share * budget, ENERGY_ROUND_OFF * available)
+    return max(left, fraction * budget, ENERGY_ROUND_OFF * available)
 
 
 def loss_budget(d, available):
@@ -238,8 +241,8 @@ def loss_budget(d, available):
     ``available`` is the available energy at this end.
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
-    most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
-    return most * (1.0 + (d.step.end - balance.since) / LASTING)
+    most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
+    return most * (1.0 + (d.step.end - balance.since) / LOSS_TIME)
 
 
 def is_long(d):
@@ -249,16 +252,16 @@ def is_long(d):
     check; an explicit step that is longer than the stability limit for joints with dampers or springs; and,
     at a loose tolerance, the first step of a run, whose size is a guess.
     """
-    if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
+    if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
     resisted = d.model.has_springs_or_dampers and d.step.last_method == EXPLICIT
-    return resisted and joints_over(d, d.step.end - d.step.start) > STABLE
+    return resisted and joint_stiffness_number(d, d.step.end - d.step.start) > STABLE_STEP
 
 
 def interpolates(d):
-    """Return whether the dense output keeps energy balance and dissipation at the middle of the last step."""
+    """Return whether the dense output conserves the energy balance in the middle of the last step."""
     y = d.scratch.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
@@ -266,30 +269,30 @@ def interpolates(d):
         return False
     locate_points(d, y)
     change = abs(energy_balance(d, y) - d.balance.at_end)
-    return change <= INTERPOLATED * d.balance.least_allowed or change <= INTERPOLATED * allowance(d, y)
+    return change <= MIDDLE_CHANGE * d.balance.least_allowed or change <= MIDDLE_CHANGE * allowed_change(d, y)
 
 
 def dissipates_evenly(d, middle):
     """Return whether ``middle``, the dissipated energy in mid-step, lies between its end values, roughly."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy_scale + abs(end) + impact_energy(d)
-    slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
+    slack = MIDDLE_CHANGE * STEP_CHANGE * d.solver.tolerance * scale
     return min(start, end) - slack <= middle <= max(start, end) + slack
 
 
-def allowance(d, y):
+def allowed_change(d, y):
     """Return the allowed change of the energy balance [J] in a step to state y, with the points located."""
-    scale, summed = scales(d, y)
-    return OF_A_STEP * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
+    scale, summed = energy_scales(d, y)
+    return STEP_CHANGE * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
 
 
-def round_off(d, y):
+def allowed_round_off(d, y):
     """Return the part of the allowed change [J] that is round-off."""
-    _, summed = scales(d, y)
+    _, summed = energy_scales(d, y)
     return ENERGY_ROUND_OFF * summed
 
 
-def scales(d, y):
+def energy_scales(d, y):
     """Return the scale S [J] of the energy balance, and the sum [J] of energies whose round-off enters it.
 
     Both belong to state y; its points must be located.
@@ -304,7 +307,7 @@ def scales(d, y):
     if d.model.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_force(d, y, i))
-            scale += force * factor_to_moment(d, i)
+            scale += force * moment_factor(d, i)
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -324,8 +327,8 @@ def check_balance(d):
     if d.step.end >= balance.start + WINDOW:
         balance.start = d.step.end
         begin_window(d)
-    share, drift = OF_A_WINDOW / OF_A_STEP, abs(balance.at_end - balance.reference)
-    if drift > share * balance.allowed:
+    fraction, drift = WINDOW_CHANGE / STEP_CHANGE, abs(balance.at_end - balance.reference)
+    if drift > fraction * balance.allowed:
         locate_points(d, d.step.state_end)
-        balance.allowed = max(balance.allowed, allowance(d, d.step.state_end))
-    return OK if drift <= share * balance.allowed else ENERGY_NOT_KEPT
+        balance.allowed = max(balance.allowed, allowed_change(d, d.step.state_end))
+    return OK if drift <= fraction * balance.allowed else ENERGY_NOT_KEPT

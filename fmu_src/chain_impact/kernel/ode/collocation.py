@@ -33,16 +33,16 @@ from chain_impact.kernel.ode.control import (
     ORDER,
     PAST_END,
     clear_faded,
-    conclude,
     force_errors,
     largest_errors,
     raise_scales,
     reject_step,
+    set_outcome,
     set_scales,
 )
-from chain_impact.kernel.ode.dense import POWERS, interpolate, take_quadratures
+from chain_impact.kernel.ode.dense import POWERS, copy_tried_quadratures, interpolate
 from chain_impact.kernel.ode.extended import (
-    compliant,
+    clearance_count,
     extend_start,
     extended_rate,
     extended_size,
@@ -57,10 +57,10 @@ from chain_impact.kernel.ode.extended import (
     solve_complex,
     solve_real,
 )
-from chain_impact.kernel.ode.friction_work import keep_friction, settle_friction, work_along
+from chain_impact.kernel.ode.friction_work import correct_friction_energy, store_friction_forces, work_along
 from chain_impact.kernel.ode.radau import (
     END_WEIGHTS,
-    ITERATIONS,
+    MOST_ITERATIONS,
     NODES,
     PAIRS,
     RADAU_STAGES,
@@ -75,12 +75,12 @@ LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
 # how far beyond a step's end, in step lengths, its polynomial has degree 5, 4 and 3; farther, degree 1
-FORETOLD = (1.2, 2.0, 3.0)
+EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step's factorizations, of an iteration's solutions, and of the error estimate with the
 # projection onto the clearances, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
 # complex ones 2.5 times as much; the estimate and the projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-FORCELESS = 1e-3  # a contact that ends within this first part of a step has practically no force left
+FORCELESS_PART = 1e-3  # a contact that ends within this first part of a step has practically no force left
 # the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
 DECAY_TIMES = 3.0
 
@@ -136,14 +136,14 @@ def can_extrapolate(d):
 def set_jacobian(d, z):
     """Evaluate the Jacobian A at z, the state in the middle of the step, if ``can_extrapolate`` is true.
 
-    Otherwise z is inaccurate, and A of the start of the step is kept, for a fast motion there.
+    Otherwise z is inaccurate, and A of the start of the step stays, for a fast motion there.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
 
 
 find_residuals, correct_stages, _converge = simplified_newton(
-    clear_stage_notes, extended_rate, keep_friction, set_jacobian, factorize, solve
+    clear_stage_notes, extended_rate, store_friction_forces, set_jacobian, factorize, solve
 )
 
 
@@ -152,7 +152,7 @@ def prepare(d, h):
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
-    h = toward_end(d, h)
+    h = size_toward_end(d, h)
     return h if can_extrapolate(d) else size_for_fast_motion(d, h)
 
 
@@ -164,18 +164,18 @@ def set_weights(d):
     weight = d.implicit.weight
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
-    set_scales(d, d.step.state_end, weight, compliant(d))
-    raise_scales(d, d.step.state_end, weight, compliant(d))
+    set_scales(d, d.step.state_end, weight, clearance_count(d))
+    raise_scales(d, d.step.state_end, weight, clearance_count(d))
     for j in range(extended_size(d)):
         weight[j] = 1.0 / (d.solver.tolerance * weight[j])
 
 
-def toward_end(d, h):
+def size_toward_end(d, h):
     """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # time to the end: −g/ġ, as the force is almost 0; an end in the first part FORCELESS of h is ignored
-        if gap_rate > 0.0 and FORCELESS * h * gap_rate < -gap < h * gap_rate / PAST_END:
+        # time to the end: −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h is ignored
+        if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
 
@@ -221,19 +221,19 @@ def extrapolate_stages(d, h, size):
             implicit.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
             implicit.stages[i, j] = part * implicit.start_rate[j]
-        for k in range(compliant(d)):
+        for k in range(clearance_count(d)):
             implicit.stages[i, gap_at(d, k)] = part * implicit.start_rate[gap_at(d, k)]
 
 
 def extrapolate_polynomial(d, h, size):
-    """Set the stages by extrapolating the last step's polynomial, with the degree that FORETOLD gives."""
+    """Extrapolate the last step's polynomial to the stages; EXTRAPOLATED_LENGTHS gives its degree."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
     dropped = 0
-    while dropped < len(FORETOLD) and beyond > FORETOLD[dropped]:
+    while dropped < len(EXTRAPOLATED_LENGTHS) and beyond > EXTRAPOLATED_LENGTHS[dropped]:
         dropped += 1
-    dropped = RADAU_STAGES - 1 if dropped == len(FORETOLD) else dropped
+    dropped = RADAU_STAGES - 1 if dropped == len(EXTRAPOLATED_LENGTHS) else dropped
     for i in range(RADAU_STAGES):
         for j in range(size):
             implicit.stages[i, j] = 0.0
@@ -254,13 +254,13 @@ def attempt(d, h):
     count_other_cost(d, FACTORIZATIONS + SOLUTIONS * implicit.iterations + ESTIMATE)
     if solved:
         if d.friction.count > 0:
-            settle_friction(d, h)
+            correct_friction_energy(d, h)
         set_result(d, h)
-        error = estimate(d, h, size)
-        if compliant(d) > 0:
+        error = error_estimate(d, h, size)
+        if clearance_count(d) > 0:
             change, apart = project_clearances(d, implicit.z, d.trial.state)
             error = max(error, change, apart)
-        conclude(d, error, cost_factor(implicit))
+        set_outcome(d, error, cost_factor(implicit))
     elif not math.isfinite(implicit.correction):
         reject_step(d, INFINITE)
     else:
@@ -269,10 +269,10 @@ def attempt(d, h):
 
 def cost_factor(implicit):
     """Return a factor ≤ 1 on the next size: after many iterations, shorter steps with fewer are cheaper."""
-    share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + implicit.iterations)
+    factor = (2.0 * MOST_ITERATIONS + 1.0) / (2.0 * MOST_ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
-        share = min(share, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
-    return share
+        factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
+    return factor
 
 
 def set_result(d, h):
@@ -283,11 +283,11 @@ def set_result(d, h):
     for j in range(sundman_u_at(d.links)):
         y[j] = implicit.z[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
-    take_quadratures(d, implicit.z, quadrature_at(d, 0))
+    copy_tried_quadratures(d, implicit.z, quadrature_at(d, 0))
     locate_points(d, y)
 
 
-def estimate(d, h, size):
+def error_estimate(d, h, size):
     """Return the error of the step, relative to the tolerance; infinity if it is not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
@@ -324,8 +324,8 @@ def coefficient(stages, m, j):
     return total
 
 
-def keep_stages(d, faded):
-    """Set the dense output, and keep the stages to predict; if ``faded``, clear any < FADED (control.py)."""
+def store_stages(d, faded):
+    """Set the dense output, and store the stages to predict; if ``faded``, clear the faded (control.py)."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -346,21 +346,21 @@ def set_dense(values, j, stages, at, degree):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
 
 
-def keep_clearances(d):
+def match_clearances(d):
     """Make the dense output agree with the integrated clearances at the thirds of the last step.
 
     The work of dry friction along this correction is dissipated.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
-    if compliant(d) == 0:
+    if clearance_count(d) == 0:
         return
     for third in range(1, 3):
         interpolate(d.step, third / 3.0, d.scratch.y)
         locate_points(d, d.scratch.y)
         for derivative in range(2):
-            for k in range(compliant(d)):
+            for k in range(clearance_count(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
-                implicit.normal[k] = interpolated(d, at, third / 3.0)
+                implicit.normal[k] = extended_component(d, at, third / 3.0)
             project_coordinates(d, d.scratch.y, derivative, change)
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
@@ -382,7 +382,7 @@ def lagrange(first, m, x):
     return value
 
 
-def interpolated(d, j, theta):
+def extended_component(d, j, theta):
     """Return component j of the extended state z at the fraction θ of the last step."""
     total = d.implicit.start[j]
     for m in range(1, RADAU_STAGES + 1):
@@ -390,9 +390,9 @@ def interpolated(d, j, theta):
     return total
 
 
-def curvatures(d, h):
+def bound_curvatures(d, h):
     """Set a bound on |g̈| [m/s²] over the last step for the integrated clearance g of each active contact."""
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):
             bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))

@@ -19,7 +19,7 @@ from chain_impact.kernel.chain.drives import (
     along_drive,
     drive_count,
     drive_slopes,
-    factor_to_moment,
+    moment_factor,
 )
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import (
@@ -30,11 +30,11 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.force_formula import damping_share
+from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import along, clearance, farthest, normal_row
+from chain_impact.kernel.rows.geometry import along, clearance, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method
@@ -75,28 +75,28 @@ ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3,
 # For each outcome from SPOILED on, the error, relative to the tolerance, that gives the same next size. After
 # SPOILED the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it
 # is half as long, and after DIVERGED a third.
-SAME_AS_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
+EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # the least error of a step for the choice of the next size; a smaller error counts as LEAST_ERROR
 LEAST_ERROR = 1e-16
 # [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1: the largest with
 # few rejected steps (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
-TURN = 2.8
+FIRST_TURN = 2.8
 # ONSET_SIZE and ONSET_ORDER for an explicit step with time as its variable. After the onset the force is a
 # power of the time, so the order of errors is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
 # Otherwise the number would decay until its square underflows; some processors are slow with such denormal
 # numbers.
-FADED = 1e-100
+FADED_SIZE = 1e-100
 
 
 def begin_trial(d, h):
     """Begin to try a step of size h."""
     d.trial.size = h
-    conclude(d, 0.0, 1.0)
+    set_outcome(d, 0.0, 1.0)
 
 
-def conclude(d, error, cost_factor):
+def set_outcome(d, error, cost_factor):
     """Set the outcome of the tried step from its error.
 
     Args:
@@ -121,37 +121,37 @@ def accepted(d):
     return d.trial.outcome == ACCEPTED
 
 
-def propose(d, size):
+def propose_size(d, size):
     """Propose a size of the next step, in its integration variable."""
     d.step.next_size = size
 
 
-def limit(d, size):
+def limit_next_size(d, size):
     """Limit the next step to a size."""
-    propose(d, min(d.step.next_size, size))
+    propose_size(d, min(d.step.next_size, size))
 
 
-def rescale(d, ratio):
+def scale_next_size(d, ratio):
     """Multiply the proposed size by a ratio, as the integration variable changes."""
-    propose(d, d.step.next_size * ratio)
+    propose_size(d, d.step.next_size * ratio)
 
 
-def keep_for_flight(d):
+def store_flight_size(d):
     """Store the proposed size, for the flight after the contacts that begin now."""
     d.step.flight_size = d.step.next_size
 
 
-def resume_flight(d):
-    """Propose the size that ``keep_for_flight`` stored."""
-    propose(d, d.step.flight_size)
+def propose_flight_size(d):
+    """Propose the size that ``store_flight_size`` stored."""
+    propose_size(d, d.step.flight_size)
 
 
-def factor(d):
+def next_size_factor(d):
     """Return the ratio of the next size to the size of the tried step, from the outcome, error and cost."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
-    error = SAME_AS_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
+    error = EQUIVALENT_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
     return max(SHRINK, SAFETY[method] * d.trial.cost_factor * power(error, EXPONENT[method]))
 
 
@@ -160,29 +160,29 @@ def size_in_flight(d, y, rate):
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
-    turn = TURN * power(d.solver.tolerance, -EXPONENT[EXPLICIT])
+    turn = FIRST_TURN * power(d.solver.tolerance, -EXPONENT[EXPLICIT])
     return turn / max(fastest, turn)
 
 
 def size_at_onset(d, c, method):
     """Return a size [s] for a method's first step in the contact of candidate c, which began just now."""
-    return ONSET_SIZE[method] * time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
+    return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
 def size_at_onset_beside(d, c):
     """Return the size [s] of the first explicit step for a contact that begins while other contacts last."""
-    return BESIDE_SIZE * time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
+    return BESIDE_SIZE * contact_time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
 
-def time_scale(d, c):
+def contact_time_scale(d, c):
     """Return the time scale [s] of the force of candidate c after its onset, for the size of the first step.
 
     Without damping the time is δ*/v₀, the expected penetration divided by the impact speed; with damping it
     is shorter.
     """
-    share, exponent = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
+    ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # damping that stops the point makes this time shorter
-    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + share, -exponent)
+    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
 
 
 # The largest relative error of a penetration, however loose the tolerance is. With an error above some
@@ -191,7 +191,7 @@ LARGEST_ERROR = 0.01
 # The round-off of a position, relative to the largest coordinate, or angle times the longest link: its usual
 # size, and a bound for contacts older than OLD reciprocals of their frequency. There a single step with
 # more round-off than usual excites a motion that short steps keep alive.
-PLACE_ROUND_OFF, PLACE_ROUND_OFF_AT_REST, OLD = 1e-15, 4e-15, 1e3
+POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, OLD = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
@@ -230,12 +230,12 @@ def raise_scales(d, y, scale, contacts):
         return
     for i in range(n):
         turned = max(turned, abs(y[ANGLES + i]))
-    largest = max(farthest(d), size * turned) / d.solver.tolerance
+    largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
     for k in range(contacts):
         c = d.touch.active_index[k]
         frequency = d.touch.impact_speed[c] / d.touch.depth_scale[c]
         lasts = frequency * (d.step.end - d.touch.onset[c]) > OLD
-        least = largest * (PLACE_ROUND_OFF_AT_REST if lasts else PLACE_ROUND_OFF)
+        least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
         fastest = max(fastest, frequency * least)
     for j in range(velocity_at(n), dissipated_at(n)):
@@ -243,19 +243,19 @@ def raise_scales(d, y, scale, contacts):
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates that are smaller than FADED to 0; return whether there are any."""
+    """Set coordinates and rates that are smaller than FADED_SIZE to 0; return whether there are any."""
     count = 0
     for j in range(dissipated_at(d.links)):
-        count += 0.0 < abs(y[j]) < FADED
+        count += 0.0 < abs(y[j]) < FADED_SIZE
     # most states have no such component, and need only the loop above, which is fast without branches
     for j in range(dissipated_at(d.links) if count > 0 else 0):
-        # a value of exactly 0 is skipped, so that a tangent instance keeps its derivatives
-        if 0.0 < abs(y[j]) < FADED:
+        # a value of exactly 0 is skipped, so that the derivatives of a tangent instance stay
+        if 0.0 < abs(y[j]) < FADED_SIZE:
             y[j] = 0.0
     return count > 0
 
 
-def no_step(d):
+def no_step_status(d):
     """Return the status of a run in which no step is accepted, even the smallest."""
     if d.constraints.unsolved == SQUEEZED:
         return NO_ROOM
@@ -314,7 +314,7 @@ def force_errors(d):
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, i)
-        factor = factor_to_moment(d, i)
+        factor = moment_factor(d, i)
         first = max(first, force_error(d, d.scratch.error[0], i, c, k) * factor)
         second = max(second, force_error(d, d.scratch.error[1], i, c, k) * factor)
     usual = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)

@@ -21,19 +21,19 @@ POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
 # The largest number of guesses of a fast method for a root in a bracket; usually three to ten suffice. Each
 # later guess halves the bracket.
-FAST = 20
+FAST_GUESSES = 20
 # The largest number of guesses: 64 halvings make a bracket of width 1 narrower than any resolution, or leave
 # no number inside it.
-TRIES = FAST + 64
+MOST_GUESSES = FAST_GUESSES + 64
 FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step reaches a given time
 
 
 def next_guess(low, high, guess, tries):
     """Return the guess of a fast method, or the middle of the bracket if the guess lies outside the bracket.
 
-    After FAST ``tries`` always return the middle.
+    After FAST_GUESSES ``tries`` always return the middle.
     """
-    if tries < FAST and low < guess < high:
+    if tries < FAST_GUESSES and low < guess < high:
         return guess
     return 0.5 * (low + high)
 
@@ -88,7 +88,7 @@ def regularized_fraction(d, elapsed):
         return 1.0
     # time increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
-    for tries in range(TRIES):
+    for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed
         if error == 0.0:
             break
@@ -145,8 +145,8 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-# the number of samples in a step with which ``quadrature_within`` keeps the impulse of a wall from falling
-COURSE_SAMPLES = 16
+# the number of samples in a step with which ``quadrature_within`` prevents that the impulse of a wall falls
+IMPULSE_SAMPLES = 16
 # Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
 # where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
 # and the impulses of the walls come first.
@@ -160,11 +160,11 @@ QUADRATURES = (
 
 def _rate_of(kinds):
     """Return a function (d, i) for the rate of entry i, counted from the first entry of these kinds."""
-    (_, places, rate), others = kinds[0], kinds[1:]
+    (_, count, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate
     after = _rate_of(others)
-    return lambda d, i: rate(d, i) if i < places(d) else after(d, i - places(d))
+    return lambda d, i: rate(d, i) if i < count(d) else after(d, i - count(d))
 
 
 _rate = _rate_of(QUADRATURES)
@@ -206,7 +206,7 @@ def quadrature_rates(d, factor, out):
         out[k] = _rate(d, d.quadrature.index[k]) * factor
 
 
-def keep_end_rates(d):
+def store_end_rates(d):
     """Store the quadratures' rates at the end of the last step, where the state's rate was just evaluated."""
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
@@ -226,7 +226,7 @@ def set_quadrature_stage_at_end(d, i):
         quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.links)]
 
 
-def settle_impulses(d):
+def correct_falling_impulses(d):
     """Correct impulses of walls that decrease in the last step, because a wall never pulls.
 
     The end of the step must be final, because the correction uses the impulses there.
@@ -267,8 +267,8 @@ def quadrature_within(d, theta, k):
     value = interpolate_component(quadrature, theta, k)
     if quadrature.index[k] >= d.candidates:
         return value
-    for i in range(COURSE_SAMPLES):
-        sample = d.step.kept * (COURSE_SAMPLES - 1 - i) / COURSE_SAMPLES
+    for i in range(IMPULSE_SAMPLES):
+        sample = d.step.end_fraction * (IMPULSE_SAMPLES - 1 - i) / IMPULSE_SAMPLES
         below = min(above, interpolate_component(quadrature, sample, k))
         if sample <= theta:
             break
@@ -276,14 +276,14 @@ def quadrature_within(d, theta, k):
     return max(quadrature.state[k], below, min(above, value))
 
 
-def take_quadratures(d, z, first):
-    """Copy the quadratures at the end of the tried step from z, which holds them from index ``first`` on."""
+def copy_tried_quadratures(d, z, first):
+    """Copy the quadratures at the end of the tried step from z, where they begin at index ``first``."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
 
-def append_quadratures(d):
-    """Make the quadratures of the tried step those of the last step, as ``accept`` does for the state."""
+def accept_quadratures(d):
+    """Make the tried step's quadratures those of the last step, as ``make_last_step`` does for the state."""
     quadrature = d.quadrature
     for k in range(quadrature.count):
         quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]
@@ -326,7 +326,7 @@ def reset_quadratures(d):
             quadrature.dense[m, k] = 0.0
 
 
-def give_impulses(d):
+def add_impulses_of_impact(d):
     """Add to the totals the impulses of rigid walls in an impact, which were just found."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])

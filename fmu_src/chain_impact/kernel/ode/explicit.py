@@ -14,15 +14,15 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.cost import count_evaluations
-from chain_impact.kernel.functions import inlined, sequence
+from chain_impact.kernel.functions import called_in_turn, inlined
 from chain_impact.kernel.ode.control import (
     PAST_END,
     RUNS_BACK,
-    conclude,
     controlled_count,
     reject_step,
     scaled_errors,
     set_gap_errors,
+    set_outcome,
 )
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
@@ -102,11 +102,11 @@ STAGES = len(A)
 END_STAGE = STEP_STAGES  # index of the stage at the end of the step
 # The factor by which a step near the end of a contact may exceed the allowed size, to get PAST_END times the
 # predicted time to the end. Any other step covers at most half of this time, so that no tiny step remains.
-STRETCH = 1.2
+LARGEST_STRETCH = 1.2
 # A contact that ends within this first part of a step has practically no force left: its penetration may be
 # round-off. The step passes this end, and the search for events finds it. A step to the end could be shorter
 # than the resolution of time.
-UNRESOLVED_END = 1e-6
+UNRESOLVED_PART = 1e-6
 # The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
 # rest, held points have practically no speed, and such small errors occur.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
@@ -183,14 +183,14 @@ def _stage(i, accepted):
     return stage
 
 
-_stages = sequence(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
+_stages = called_in_turn(*(_stage(i, accepted=False) for i in range(1, END_STAGE)))
 _step_end, _step_sum = combination(B), weighted_sum(B)
-_dense_stages = sequence(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
+_dense_stages = called_in_turn(*(_stage(i, accepted=True) for i in range(END_STAGE + 1, STAGES)))
 _errors = combinations(E5, E3)
 _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
-def toward_end(d, h):
+def size_toward_end(d, h):
     """Return the size of the next step, given the size h that the error control allows.
 
     Near the end of a contact, the step passes this end or covers at most half of the time until then.
@@ -207,11 +207,11 @@ def toward_end(d, h):
     # the contact ends where u, the root of the penetration, is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
-    return up_to(h, left)
+    return size_up_to_end(h, left)
 
 
 def toward_ends(d, h):
-    """Return the size of the next step as ``toward_end`` does, for a step with time as its variable.
+    """Return the size of the next step as ``size_toward_end`` does, for a step with time as its variable.
 
     The end is the first one of all contacts with a force law.
     """
@@ -224,32 +224,32 @@ def toward_ends(d, h):
             # the clearance g is zero after the time t: g + ġ t + ½ g̈ t² = 0
             square = gap_rate * gap_rate - 2.0 * gap * gap_acceleration(d, c)
             left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
-    return up_to(h, left)
+    return size_up_to_end(h, left)
 
 
-def up_to(h, left):
+def size_up_to_end(h, left):
     """Return the size of the next step if h is allowed and a contact ends after about ``left``.
 
     Both are in the step's integration variable.
     """
-    if left < UNRESOLVED_END * h:
+    if left < UNRESOLVED_PART * h:
         return h
-    if PAST_END * left < STRETCH * h:
+    if PAST_END * left < LARGEST_STRETCH * h:
         return PAST_END * left
     return min(h, 0.5 * left)
 
 
 def attempt(d, h):
     """Try a step of size h from ``step.state_end``."""
-    make(d, h)
+    make_step(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.trial.state):
         reject_step(d, RUNS_BACK)
     else:
-        conclude(d, estimate(d, h), 1.0)
+        set_outcome(d, error_estimate(d, h), 1.0)
 
 
-def estimate(d, h):
+def error_estimate(d, h):
     """Return the error of the tried step, relative to the tolerance; not finite if a rate was not finite."""
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
@@ -278,7 +278,7 @@ def is_smooth(d):
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
 
 
-def make(d, h):
+def make_step(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of the error."""
     _stages(d, h)
     _step_end(d.scratch.stage, d.step.state_end, h, d.trial.state)

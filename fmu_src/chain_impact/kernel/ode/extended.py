@@ -32,8 +32,8 @@ impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k
 i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
 wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
 
-The functions take s, x and a scratch ``space`` that are all real or all complex. The space holds impedances,
-loads, the resulting motion and factors, of which one ``row`` is used.
+The functions take s, x and a scratch ``space`` that are all real or all complex. The space contains
+impedances, loads, the resulting motion and factors, of which one ``row`` is used.
 
 The coordinates are projected onto the integrated clearances. Without the projection, the small difference
 between both would act as an impact on a stiff wall. The difference before the projection counts as an error
@@ -62,10 +62,11 @@ from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_m
 from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode.dense import quadrature_rates
 from chain_impact.kernel.rows.compliance import joints_loaded, solve_space
-from chain_impact.kernel.rows.constraints import any_constraint, hold_at_once
+from chain_impact.kernel.rows.constraints import any_constraint, set_single_solution_impedances
 from chain_impact.kernel.rows.geometry import (
     add_along,
     add_impedance,
+    add_joint_impedances,
     along,
     any_sticking,
     clear_loads_of,
@@ -73,7 +74,6 @@ from chain_impact.kernel.rows.geometry import (
     constraint_count,
     constraint_row,
     gap_acceleration,
-    join,
     normal_row,
     row_of_drive,
 )
@@ -87,14 +87,14 @@ def gap_at(d, k):
     return sundman_u_at(d.links) + k
 
 
-def compliant(d):
+def clearance_count(d):
     """Return the number of contacts whose clearances are in z: the active ones with a force law."""
     return d.touch.compliant_count
 
 
 def rate_at(d, k):
     """Return the index in the extended state z of the rate of the k-th active contact's clearance."""
-    return gap_at(d, compliant(d) + k)
+    return gap_at(d, clearance_count(d) + k)
 
 
 def quadrature_at(d, k):
@@ -102,7 +102,7 @@ def quadrature_at(d, k):
 
     If impulses are requested, the impulses of the contacts in z come first.
     """
-    return gap_at(d, 2 * compliant(d) + k)
+    return gap_at(d, 2 * clearance_count(d) + k)
 
 
 def extended_size(d):
@@ -118,7 +118,7 @@ def extend_start(d):
     accelerate_points(d, d.step.state_end, scratch.rate_start)
     for j in range(sundman_u_at(n)):
         implicit.start[j], implicit.start_rate[j] = d.step.state_end[j], scratch.rate_start[j]
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         implicit.start[gap_at(d, k)], implicit.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
     for k in range(d.quadrature.count):
         implicit.start[quadrature_at(d, k)] = d.quadrature.state_end[k]
@@ -132,7 +132,7 @@ def extend_start(d):
 
 def clearance_rates(d, z, rate):
     """Set the entries ġ and g̈ in ``rate``, the rate of z, for accelerated points."""
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
 
@@ -144,7 +144,7 @@ def extended_rate(d, z, elapsed, rate):
     locate_points_now(d, z)
     clear_loads(d)
     dissipated = 0.0
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
@@ -164,7 +164,7 @@ def extended_slopes(d, z):
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
         implicit.stiffness[k], implicit.damping[k] = law_slopes(d, c, depth, rate)
@@ -187,31 +187,31 @@ def drive_resistance(d, i, s):
 def factorize_shift(d, s, space, row):
     """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
     no_impedance(d, space.impedance)
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, contact_impedance(d, k, s))
-    hold_at_once(d)
-    for k in range(compliant(d), constraint_count(d)):
+    set_single_solution_impedances(d)
+    for k in range(clearance_count(d), constraint_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
     if d.model.has_springs_or_dampers:
         for i in range(d.links):
             space.impedance.joint[i] = drive_resistance(d, i, s)
         if d.slides:
             add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
-    join(d, space.impedance)
+    add_joint_impedances(d, space.impedance)
     factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
 def solve_shift(d, s, space, row, x):
-    """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x holds r at the start."""
+    """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x is r at the start."""
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.has_springs_or_dampers:
         for i in range(drive_count(d)):
             # impulse of damper and spring of drive i: its part of K r_v + s S r_q
-            rate, change_of_place = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
+            rate, displacement = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
             _, k = drive_slopes(d, i)
-            load_drive(d, space.load, i, drive_resistance(d, i, s) * rate + s * k * change_of_place)
-    for k in range(compliant(d)):
+            load_drive(d, space.load, i, drive_resistance(d, i, s) * rate + s * k * displacement)
+    for k in range(clearance_count(d)):
         # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint_row(d, k), space.load, impulse)
@@ -222,10 +222,10 @@ def solve_shift(d, s, space, row, x):
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         x[rate_at(d, k)] -= along(constraint_row(d, k), space.motion)
         x[gap_at(d, k)] += s * x[rate_at(d, k)]
-    for k in range(min(d.quadrature.count, compliant(d))):
+    for k in range(min(d.quadrature.count, clearance_count(d))):
         x[quadrature_at(d, k)] -= s * (
             implicit.stiffness[k] * x[gap_at(d, k)] + implicit.damping[k] * x[rate_at(d, k)]
         )
@@ -238,7 +238,7 @@ def factorize_real(d, s):
 
 
 def solve_real(d, s, x):
-    """Solve (1 − s A) x = r for a real shift s [s]; x holds r at the start."""
+    """Solve (1 − s A) x = r for a real shift s [s]; x is r at the start."""
     solve_shift(d, s, d.scratch, SHIFTED, x)
 
 
@@ -276,7 +276,7 @@ def project_coordinates(d, y, derivative, change):
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
@@ -298,7 +298,7 @@ def project_clearances(d, z, y):
     implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
-        for k in range(compliant(d)):
+        for k in range(clearance_count(d)):
             implicit.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
@@ -309,7 +309,7 @@ def project_clearances(d, z, y):
 def largest_mismatch(d, z):
     """Return the largest difference of located and integrated clearances, relative to max(δ, δ*)."""
     worst = 0.0
-    for k in range(compliant(d)):
+    for k in range(clearance_count(d)):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
         depth = max(d.touch.depth_scale[c], -gap)

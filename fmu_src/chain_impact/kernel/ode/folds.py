@@ -4,7 +4,7 @@ At a fold the mobility W of what constraints hold passes through 0. A force p = 
 but m also contains the error of the state, so close to the fold the error of p has any size. The motion
 depends on W p only, and is right. A force in a row of outputs therefore follows from forces some way before
 and after the row, if these show that the force passes the fold smoothly. A force that grows without bound
-toward the fold is kept, because it is far larger than its error. The same holds at every toggle position,
+toward the fold stays, because it is far larger than its error. The same is true at every toggle position,
 where W is small.
 """
 
@@ -12,17 +12,17 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
-from chain_impact.kernel.forces.holding import add_change, keep_forces
+from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
 from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 
-# The least and the largest distance of the two nearer places from a row, as a part of the step. The farther
-# places may lie outside the step, by up to half its size: there the dense output continues, and an event at
+# The least and the largest distance of the two nearer samples from a row, as a part of the step. The farther
+# samples may lie outside the step, by up to half its size: there the dense output continues, and an event at
 # the end of the step does not count.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# The four places in units of their distance, and the weights of their forces in the value of a cubic in the
+# The four samples in units of their distance, and the weights of their forces in the value of a cubic in the
 # middle, and in a difference that is 0 for such a polynomial without its cubic term. A part c/ε of the force,
 # with the distance ε from the fold, changes the difference by about 3 c over the distance.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
@@ -49,13 +49,13 @@ def refine_rate(d, theta, y, rate):
     if smooth:
         replace_impulses(d, d.constraints.refined)
         add_change(d, rate, velocity_at(d.links))
-        keep_forces(d)
+        store_constraint_forces(d)
 
 
 def find_forces(d, theta, distance, rate):
-    """Set ``refined`` to the forces at θ that follow from four places, unless one of these is near the fold.
+    """Set ``refined`` to the forces at θ that follow from four samples, unless one of these is near the fold.
 
-    Set ``uneven`` to the differences of the forces. Return whether no place is near the fold.
+    Set ``uneven`` to the differences of the forces. Return whether no sample is near the fold.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
@@ -73,7 +73,7 @@ def find_forces(d, theta, distance, rate):
 
 
 def passes_smoothly(d):
-    """Return whether the forces of the four places show that the forces pass the fold smoothly."""
+    """Return whether the forces of the four samples show that the forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))

@@ -16,21 +16,21 @@ from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q
 from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
 
 
-def keep_friction(d, stage):
+def store_friction_forces(d, stage):
     """Store the forces of dry friction at a stage of an implicit step, where the rate was just evaluated."""
     for k in range(d.friction.count):
         e = d.element.index[k]
         d.implicit.friction[stage, e] = d.element.force[e]
 
 
-def settle_friction(d, h):
+def correct_friction_energy(d, h):
     """Correct the dissipated energy in the stages of a step of size h [s] after the last iteration."""
     for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
             d.implicit.stages[i, dissipated_at(d.links)] -= h * Q[i][m] * power
     if any_sticking(d):
-        settle_holding(d, h)
+        count_holding_work(d, h)
 
 
 def power_of_correction(d, m):
@@ -95,7 +95,7 @@ def work_of_sliding(d, change, force):
     return work
 
 
-def settle_holding(d, h):
+def count_holding_work(d, h):
     """Count the work of the sticking elements since the start of the step as dissipated, in every stage.
 
     Sticking elements should not move: their small motions away from the anchors are errors. At the end of the

@@ -9,28 +9,28 @@ to the step that follows (advance.py).
 
 from chain_impact.kernel.chain.kinematics import (
     accelerate_points,
+    locate_from_link_vectors,
     locate_points,
     note_points_at_end,
     note_points_elsewhere,
-    place_points,
 )
-from chain_impact.kernel.chain.motion import move_with
+from chain_impact.kernel.chain.motion import move_channels_to_state
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.cost import count_evaluations, counted_cost, uncount_cost
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
-from chain_impact.kernel.forces.friction import keep_anchors
+from chain_impact.kernel.forces.friction import move_missed_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, rescale
+from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, scale_next_size
 from chain_impact.kernel.ode.dense import (
-    append_quadratures,
+    accept_quadratures,
     change_within,
+    correct_falling_impulses,
     fraction,
     interpolate,
-    keep_end_rates,
     reset_quadratures,
     roll_back_quadratures,
-    settle_impulses,
+    store_end_rates,
     truncate_quadratures,
 )
 from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
@@ -43,7 +43,7 @@ NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user o
 def reset_step(d, time, y):
     """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures.
 
-    The delay of the event with which the next step begins is kept.
+    The delay of the event with which the next step begins stays.
     """
     step = d.step
     for j in range(len(step.state)):
@@ -69,18 +69,18 @@ def reset_times(d, time):
     step.time, step.start, step.end, step.clock = time, time, time, time
 
 
-def delay_start(d, delay):
+def set_start_delay(d, delay):
     """Set the ``delay`` [s] of the event with which the next step begins: 0, with derivatives."""
     d.step.start_delay = delay
 
 
-def accept(d):
+def make_last_step(d):
     """Make the tried step the last step, after a projection of its end onto the constraints."""
     step, y = d.step, d.trial.state
     step.remainder = step.remainder_end
     if any_constraint(d):
         project_trial(d)
-        keep_anchors(d)
+        move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
     # without dissipation no component fades
     resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.model.has_springs_or_dampers != 0
@@ -88,16 +88,16 @@ def accept(d):
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
-    append_quadratures(d)
+    accept_quadratures(d)
     step.start = step.end
-    step.size, step.kept = d.trial.size, 1.0
+    step.size, step.end_fraction = d.trial.size, 1.0
     step.end = step.start + y[time_at(d.links)]
     step.last_method = step.method
     step.dense_for = NOT_REQUESTED
     step.rate_known = 0
     note_points_elsewhere(d)
     if step.last_method == IMPLICIT:
-        collocation.keep_stages(d, faded)
+        collocation.store_stages(d, faded)
     else:
         # the explicit error control has located the points at the end if contacts are active
         find_rate(d, d.touch.active_count > 0)
@@ -109,7 +109,7 @@ def project_trial(d):
     The projection moves points back to rigid walls, sticking elements back to their anchors, and other
     elements with them: dry friction does work in this motion. At rest this work, and the energy that the step
     dissipates, are smaller than the last digit of the dissipated energy. The part that rounding of the sum
-    loses is therefore kept, and added in the next step; otherwise the lost parts would add up.
+    loses is therefore stored, and added in the next step; otherwise the lost parts would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
     if d.friction.count == 0:
@@ -121,13 +121,13 @@ def project_trial(d):
 
 
 def add_dissipated(d, y, change, before):
-    """Set the dissipated energy in y to ``before`` plus a change [J], and keep what the sum loses."""
+    """Set the dissipated energy in y to ``before`` plus a change [J], and store what the sum loses."""
     lost = dissipated_at(d.links)
     y[lost] = before + change
     d.step.remainder_end = change - (y[lost] - before)
 
 
-def dissipate(d, energy):
+def count_dissipated(d, energy):
     """Count an energy [J] that is lost at the end of the last step as dissipated energy."""
     d.step.state_end[dissipated_at(d.links)] += energy
 
@@ -135,11 +135,11 @@ def dissipate(d, energy):
 def evaluate_start(d):
     """Evaluate the rate at the start of the next step again."""
     rate_from_state(d, d.step.state_end, d.scratch.rate_start)
-    keep_end_rates(d)
+    store_end_rates(d)
     count_evaluations(d, 1)
 
 
-def supply(d, energy):
+def count_supplied(d, energy):
     """Count an energy [J] as supplied by inputs at the end of the last step."""
     d.step.state_end[supplied_at(d.links)] += energy
 
@@ -158,11 +158,11 @@ def roll_back(d):
 def truncate_step(d, theta):
     """End the last step at its fraction θ."""
     ensure_dense(d, SOLVER)
-    end_at(d, theta)
+    end_at_fraction(d, theta)
     d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
 
 
-def end_at(d, theta):
+def end_at_fraction(d, theta):
     """Set the state and the quadratures at the end of the last step to their values at its fraction θ."""
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
@@ -172,7 +172,7 @@ def end_at(d, theta):
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
-    step.kept = theta
+    step.end_fraction = theta
     mark_jump(d)
 
 
@@ -188,18 +188,18 @@ def set_own_output_time(d, time):
 def truncate_to_output_time(d):
     """End the last step at the communication point."""
     ensure_dense(d, OUTPUTS)
-    end_at(d, fraction(d, d.step.time))
-    settle_impulses(d)
+    end_at_fraction(d, fraction(d, d.step.time))
+    correct_falling_impulses(d)
     d.step.end = d.step.time
 
 
-def keep_state(d):
+def store_output_state(d):
     """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
     interpolate(d.step, fraction(d, d.step.time), d.trial.state)
 
 
-def return_to_kept_state(d):
-    """End the last step at the communication point, in the state that ``keep_state`` stored."""
+def return_to_stored_state(d):
+    """End the last step at the communication point, in the state that ``store_output_state`` stored."""
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0
 
@@ -228,7 +228,7 @@ def choose_variable(d, size_chosen):
     if changed:
         step.breaks += 1
         if not size_chosen:
-            rescale(d, before / time_rate_now(d, step.state_end))
+            scale_next_size(d, before / time_rate_now(d, step.state_end))
 
 
 def ensure_rate(d):
@@ -250,12 +250,12 @@ def find_rate(d, located):
         rate_from_points(d, y, rate)
     else:
         rate_from_state(d, y, rate)
-    keep_end_rates(d)
+    store_end_rates(d)
     if d.candidates > 0:
         if not touching:
             if d.channels > 0:
-                move_with(d, y)
-            place_points(d, y)
+                move_channels_to_state(d, y)
+            locate_from_link_vectors(d, y)
         accelerate_points(d, y, rate)
         note_points_at_end(d)
     count_evaluations(d, 1)
@@ -296,7 +296,7 @@ def ensure_dense(d, reader):
     if present == NOT_REQUESTED:
         counted = counted_cost(d)
         if step.last_method == IMPLICIT:
-            collocation.keep_clearances(d)
+            collocation.match_clearances(d)
         else:
             explicit.dense_output(d, step.size)
         uncount_cost(d, counted)

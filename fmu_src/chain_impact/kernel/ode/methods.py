@@ -4,15 +4,15 @@ The explicit method is better as long as accuracy limits its step: in flight and
 contact the stability or the loss of order of the explicit method limits the step. The fastest motion of a
 contact has the rate ρ = max(c/m, √(k/m)), with its damping c, its stiffness k and the effective mass m at its
 onset; with the step size h, the explicit method is stable for about hρ < 6. Impacts are resolved with hρ
-below 1, so explicit steps with hρ above STIFF show, at no cost, that the contact is sustained. A sustained
-contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact, too. An
-implicit step costs two or three explicit ones, so it must be longer than the last explicit step by the same
-factor. The size of an implicit step for this comparison is the size of the next step, because the first
-implicit steps after an event grow fast.
+below 1, so explicit steps with hρ above STIFF_STEP show, at no cost, that the contact is sustained. A
+sustained contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact,
+too. An implicit step costs two or three explicit ones, so it must be longer than the last explicit step by
+the same factor. The size of an implicit step for this comparison is the size of the next step, because the
+first implicit steps after an event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
-below STIFF; if they are longer, the oscillation is so small that implicit steps may damp it.
+below STIFF_STEP; if they are longer, the oscillation is so small that implicit steps may damp it.
 Rigid walls cause no stiffness.
 
 The functions ``prepare`` and ``attempt`` take the size h of a step, in the step's integration variable.
@@ -28,17 +28,17 @@ from chain_impact.kernel.ode.control import (
     EXPLICIT,
     IMPLICIT,
     begin_trial,
-    limit,
+    limit_next_size,
     prescribed_method,
-    propose,
+    propose_size,
     size_at_onset,
 )
 
 # The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
 # cheaper. Impacts are resolved with less than 1, and DOP853 is stable up to about 6.
-STIFF = 2.0
+STIFF_STEP = 2.0
 # the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper
-STIFF_CONTACT = 0.1
+STIFF_STEP_IN_CONTACT = 0.1
 # The duration, in time scales of the contact, after which a contact counts as sustained. An impact takes
 # three to ten.
 SUSTAINED_AFTER = 20.0
@@ -46,10 +46,10 @@ SUSTAINED_AFTER = 20.0
 EQUAL_COST_RATIO = 2.5
 # the hρ of implicit steps below which explicit steps advance farther, if the size of explicit steps is not
 # known
-NOT_STIFF = 5.0
+NOT_STIFF_STEP = 5.0
 # The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
 # stable hρ. A longer step amplifies motions that are too small for the error control.
-STABLE = 4.0
+STABLE_STEP = 4.0
 # Implicit steps continue in an impact only if joints make even this part of its first explicit step stiff.
 # Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only if joints
 # are far stiffer than the contact.
@@ -68,7 +68,7 @@ def choose_method(d):
     elif d.solver.method != AUTO:
         step.method = prescribed_method(d.solver.method)
         if touching and step.method == EXPLICIT:
-            keep_stable(d)
+            limit_to_stable(d)
     elif not (touching or d.model.has_springs_or_dampers):
         begin_explicit(d)  # nothing is stiff
     elif step.end > step.start:  # the run was not re-initialized just now
@@ -79,14 +79,14 @@ def choose_method(d):
                 # the last change of the method did not pay: require more steps before the next change
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
-                keep_stable(d)
+                limit_to_stable(d)
             else:
                 # if an event or an input has truncated the step, the size that the errors allow is not known:
                 # 0
-                step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
+                step.explicit_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
-            keep_stable(d)
+            limit_to_stable(d)
 
 
 def suggests_switch(d):
@@ -95,19 +95,19 @@ def suggests_switch(d):
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
             return step.next_size < EQUAL_COST_RATIO * step.explicit_size
-        return stiffness_number(d, step.next_size) < NOT_STIFF
+        return stiffness_number(d, step.next_size) < NOT_STIFF_STEP
     z = stiffness_number(d, step.end - step.start)
-    return z > STIFF or (z > STIFF_CONTACT and contacts_last(d))
+    return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and contacts_last(d))
 
 
-def keep_stable(d):
+def limit_to_stable(d):
     """Limit the next explicit step, with contacts or stiff joints, to a stable size.
 
     At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z = hρ belongs to the part of the last step that was kept
-        limit(d, d.step.size * d.step.kept * STABLE / z)
+    if z > 0.0:  # z = hρ belongs to the last step up to its ``end_fraction``
+        limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 
 def contacts_last(d):
@@ -126,35 +126,35 @@ def begin_impact(d, c):
     """Begin a new phase at the onset of candidate c, with the explicit method and the proposed step size.
 
     The proposed size is the result of ``size_at_onset`` for the explicit method. If the last steps were
-    implicit, and joints make the steps of the impact stiff, too, the implicit method is kept.
+    implicit, and joints make the steps of the impact stiff, too, the method stays implicit.
     """
-    if joints_over(d, IMPACT_PART * d.step.next_size) <= STIFF:
+    if joint_stiffness_number(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
     elif d.step.method != EXPLICIT:
-        limit(d, size_at_onset(d, c, d.step.method))
+        limit_next_size(d, size_at_onset(d, c, d.step.method))
     reset_stiff_count(d)
 
 
 def begin_flight(d):
     """Begin a new phase after the last contact or an impact on a rigid wall.
 
-    The implicit method is kept only if joints make the proposed step stiff; an explicit step is made stable.
+    The method stays implicit only if joints make the proposed step stiff; an explicit step is made stable.
     """
-    z = joints_over(d, d.step.next_size)
-    if z <= STIFF:
+    z = joint_stiffness_number(d, d.step.next_size)
+    if z <= STIFF_STEP:
         d.step.method = EXPLICIT
     if d.step.method == EXPLICIT:
-        propose(d, stable(d, d.step.next_size))
+        propose_size(d, stable_size(d, d.step.next_size))
     reset_stiff_count(d)
 
 
-def stable(d, h):
+def stable_size(d, h):
     """Return a size [s] for the first explicit step: h, or less if stiff joints require less for stability.
 
     At rest the errors do not show that a step is far too long: its end state is correct, but its dense output
     is not.
     """
-    return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
+    return h * min(1.0, STABLE_STEP / max(STABLE_STEP, joint_stiffness_number(d, h)))
 
 
 def begin_explicit(d):
@@ -173,16 +173,16 @@ def reset_stiff_count(d):
 def stiffness_number(d, h):
     """Return the product hρ for a step of size h [s]; ρ is the fastest rate of contacts and of joints."""
     z = h * fastest_contact(d)
-    return max(z, joints_over(d, h)) if d.model.has_springs_or_dampers else z
+    return max(z, joint_stiffness_number(d, h)) if d.model.has_springs_or_dampers else z
 
 
-def joints_over(d, h):
+def joint_stiffness_number(d, h):
     """Return the product hρ for a step of size h [s], ρ the fastest rate of joints with dampers or springs.
 
-    If an upper bound of hρ is at most STIFF, the function returns this bound, and ρ is not computed.
+    If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and ρ is not computed.
     """
     z = h * d.model.joint_rate_bound
-    if z > STIFF:
+    if z > STIFF_STEP:
         z = h * largest_joint_rate(d, d.step.state_end)
         clear_loads(d)
     return z
@@ -206,7 +206,7 @@ def prepare(d, h):
     """Prepare a step of the current method at its start; return the size h to try first."""
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)
-    return explicit.toward_end(d, h)
+    return explicit.size_toward_end(d, h)
 
 
 def attempt(d, h):

@@ -22,7 +22,7 @@ error, θ/(1 − θ) of the last correction, is a small part of the tolerance.
 
 import math
 
-from chain_impact.kernel.functions import sequence
+from chain_impact.kernel.functions import called_in_turn
 from chain_impact.kernel.mathematics.powers import power
 
 RADAU_STAGES = 5
@@ -83,10 +83,12 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
-LEFT_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
-DIVERGES = 0.95  # the convergence rate θ above which the iteration is given up
-FARTHEST = 1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
+MOST_ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
+ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
+DIVERGENCE_RATE = 0.95  # the convergence rate θ above which the iteration is given up
+FAILED_CORRECTION = (
+    1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
+)
 
 
 def shift_of(pair, h):
@@ -129,7 +131,7 @@ def _correct(d, size):
         implicit.z[j] = largest
 
 
-_transform = sequence(*(_transformed(i) for i in range(RADAU_STAGES)))
+_transform = called_in_turn(*(_transformed(i) for i in range(RADAU_STAGES)))
 
 
 def simplified_newton(begin, rate, note, linearize, factorize, solve):
@@ -175,7 +177,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
     def converge(d, h, size):
         implicit = d.implicit
         before = 0.0
-        for k in range(1, ITERATIONS + 1):
+        for k in range(1, MOST_ITERATIONS + 1):
             find_residuals(d, h, size)
             if k == 1:
                 linearize(d, implicit.z)
@@ -183,7 +185,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             solve(d, h, size)
             correct_stages(d, h, size)
             implicit.iterations = k
-            if not implicit.correction < FARTHEST:
+            if not implicit.correction < FAILED_CORRECTION:
                 implicit.contraction = math.inf
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
@@ -193,14 +195,15 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
-            if ratio * implicit.correction <= LEFT_ERROR:
+            if ratio * implicit.correction <= ITERATION_ERROR:
                 return True
             # the iteration diverges, or will not converge in time
-            if k > 2 and theta > DIVERGES:
+            if k > 2 and theta > DIVERGENCE_RATE:
                 return False
             if (
                 k > 2
-                and power(theta, float(ITERATIONS - k)) / (1.0 - theta) * implicit.correction > LEFT_ERROR
+                and power(theta, float(MOST_ITERATIONS - k)) / (1.0 - theta) * implicit.correction
+                > ITERATION_ERROR
             ):
                 return False
         return False

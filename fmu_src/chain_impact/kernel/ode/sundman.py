@@ -13,7 +13,7 @@ contains u and t, and the variable of a step is s, the fictitious time of the *r
 must be the only active contact. Without a regularized contact p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
-distance of two bodies takes the place of p.
+distance of two bodies replaces p.
 """
 
 import math
@@ -28,11 +28,11 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 NO_CONTACT = -1  # value of step.regularized if the integration variable of the step is time
 # The least u, the root of the penetration, to which a step may go. Where u < 0 the step has passed the end of
 # the contact, and time decreases.
-BACK = -0.5
+LEAST_ROOT = -0.5
 # The largest sum u + |δ̇|/v₀ with which a point counts as resting on a wall, not as hitting it: u is the root
 # of its penetration, and |δ̇|/v₀ its speed relative to the impact speed. The step then runs in time: with s
 # as the variable, time would hardly advance, because p is almost 0.
-RESTING = 0.1
+RESTING_SUM = 0.1
 
 
 @inlined
@@ -89,14 +89,14 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, at least RESTING, to convert the size of a step to seconds."""
-    return max(RESTING, time_rate_of(d, y[sundman_u_at(d.links)]))
+    """Return dt/ds in state y, at least RESTING_SUM, to convert the size of a step to seconds."""
+    return max(RESTING_SUM, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
-    """Return whether a step to state y goes far beyond the contact's end, to u < BACK, or back in time."""
+    """Return whether a step to state y goes far beyond the contact's end (u < LEAST_ROOT) or back in time."""
     return d.step.regularized != NO_CONTACT and (
-        y[sundman_u_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0
+        y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
     )
 
 
@@ -112,6 +112,6 @@ def lone_contact(d):
     gap, gap_rate = clearance(d, c)
     u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
     over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= RESTING:
+    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

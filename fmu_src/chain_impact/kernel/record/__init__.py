@@ -1,4 +1,4 @@
-"""The record that holds all data of a running simulation.
+"""The record of all data of a running simulation.
 
 Each part has a function that returns its layout. The kernel derives some values. Of the others,
 variables/filling.py sets the scene's values, variables/driving.py those of signals, and simulation/inputs.py

@@ -91,7 +91,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
-        ("stop_count", INTEGER),  # number of active stops in joints
+        ("joint_stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts, packed: in the first ``active_count`` entries
         ("active_index", bounded(0, candidates - 1), (candidates,)),
         ("active", bounded(0, 1), (candidates,)),  # 1: in contact
@@ -150,7 +150,7 @@ def latest_dtype() -> np.dtype:
     If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
     """
     return record(
-        ("kept", bounded(0, LATEST)),  # number of latest impacts that the scene requests
+        ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
         ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
         ("point", INTEGER, (LATEST,)),  # as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
@@ -189,7 +189,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
         ("unsolved", INTEGER),
-        # 1: the first iteration of the last problem left more than NEAR_FOLD (rows/constraints.py) of the
+        # 1: the first iteration of the last problem left more than FOLD_RESIDUAL (rows/constraints.py) of the
         # residual at rigid walls
         ("near_fold", INTEGER),
         ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
@@ -214,7 +214,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 
 @written_by("rows/limits.py")
-def share_dtype(links: int, elements: int) -> np.dtype:
+def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for constraint forces within the limits of friction."""
     # at least the number of rows in `constraints`, as every candidate is an element; 0 without friction
     rows = 2 * elements
@@ -228,7 +228,7 @@ def share_dtype(links: int, elements: int) -> np.dtype:
         ("center", REAL, (rows,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
         # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺ of the force p⁺
-        ("wanted", REAL, (rows,)),
+        ("unlimited", REAL, (rows,)),
         ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
         # N, impedance times residual of a row inside the limits, else the change of its force p
         ("correction", REAL, (rows,)),

@@ -1,4 +1,4 @@
-"""The counts at the start of a record, on which the sizes and places of all its parts depend."""
+"""The counts at the start of a record, on which the sizes and offsets of all its parts depend."""
 
 from typing import NamedTuple
 

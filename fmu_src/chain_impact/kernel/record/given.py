@@ -57,7 +57,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("inertia", NOT_NEGATIVE, (links,)),  # kg·m² about the centre of mass
         ("has_springs", INTEGER),  # 1: some drive has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some drive has damping or a spring
-        ("has_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
+        ("has_joint_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
         ("has_drive_friction", INTEGER),  # 1: some joint, or the slider, has dry friction
         ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
         ("has_armatures", INTEGER),  # 1: some joint has an armature
@@ -85,7 +85,7 @@ def model_dtype(links: int, sites: int) -> np.dtype:
 @settable(AT_START)
 @written_by("forces/candidate_laws.py")
 def contact_dtype() -> np.dtype:
-    """Return the layout of the contact data that all walls share; the rest of the law is in `given`."""
+    """Return the layout of the contact data common to all walls; the rest of the law is in `given`."""
     return record(
         ("exponent", POSITIVE),
         ("radius", NOT_NEGATIVE),  # m
@@ -268,9 +268,9 @@ def moved_dtype(channels: int) -> np.dtype:
         ("distance", REAL),  # m, its displacement since the previous given values
         ("lasted", REAL),  # s, time since its previous given values
         ("speed", REAL),  # m/s, its given velocity
-        ("position", REAL, (channels,)),  # m, position after the last `move` (chain/motion.py)
-        ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move`
-        ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move`
+        ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
+        ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
+        ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
         # m, coefficients of the position in the present piece of the inputs
         ("piece", REAL, (DEGREE + 1, channels)),
         # values that were given to a channel at their most recent change
@@ -311,14 +311,14 @@ def site_dtype(links: int, sites: int) -> np.dtype:
     )
 
 
-@written_by("chain/motion.py", rest="rows/geometry.py")
+@written_by("chain/motion.py", unmoved_offset="rows/geometry.py")
 def shift_dtype(candidates: int) -> np.dtype:
     """Return the layout of the present motion of each candidate's wall, in a scene with moving walls."""
     return table(
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
         ("channel", INTEGER),
-        ("rest", REAL),  # m, offset of the wall if its motion has the position 0
+        ("unmoved_offset", REAL),  # m, offset of the wall if its motion has the position 0
         ("rate", REAL),  # m/s, speed of the wall along n
         ("acceleration", REAL),  # m/s², acceleration of the wall along n
         ("travel", REAL),  # m, distance that the belt has moved along t

@@ -26,9 +26,9 @@ from chain_impact.kernel.record.contacts import (
     impact_dtype,
     latest_dtype,
     law_dtype,
+    limited_forces_dtype,
     peaks_dtype,
     quadrature_dtype,
-    share_dtype,
     touch_dtype,
 )
 from chain_impact.kernel.record.counts import COUNTS, Counts
@@ -76,7 +76,7 @@ def output_dtype(
     """Return the layout of the outputs at the communication point.
 
     ``force``, ``penetration``, ``penetration_rate`` and ``impulse`` have an entry for each candidate. For
-    stops in joints, the entry of a joint's first stop holds the moment [N·m, > 0 at joint_min], the angle
+    stops in joints, the entry of a joint's first stop has the moment [N·m, > 0 at joint_min], the angle
     [rad], its rate and the angular impulse of both stops; the entry of the second stop is 0.
     """
     points = links + 1 + sites
@@ -214,7 +214,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("contact_log", contact_log_dtype(candidates)),
         ("implicit", implicit_dtype(links, candidates, elements, sites)),
         ("constraints", constraints_dtype(links, candidates, elements)),
-        ("share", share_dtype(links, elements)),
+        ("limited_forces", limited_forces_dtype(links, elements)),
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
         ("changes", changes_dtype(elements)),

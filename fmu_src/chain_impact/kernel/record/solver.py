@@ -44,7 +44,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # s, time from `start` to the event that begins the step: 0, with derivatives in a tangent instance
         ("start_delay", REAL),
         ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
-        ("kept", REAL),  # fraction of `size` at which the step ends
+        ("end_fraction", REAL),  # fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
         # s, ``next_size`` before the first of the present contacts, for the flight after them
         ("flight_size", REAL),
@@ -149,10 +149,13 @@ def balance_dtype() -> np.dtype:
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
     """Return the layout of the factors of ``rows`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``share`` σ = κ/(H + κ) and
+        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
         # ``complement`` 1 − σ = H/(H + κ)
-        *((name, scalar, (rows, links)) for name in ("gain_x", "gain_y", "inverse", "share", "complement")),
-        # 1: joints transmit moments; 0: ``share`` and ``complement`` are not used
+        *(
+            (name, scalar, (rows, links))
+            for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
+        ),
+        # 1: joints transmit moments; 0: ``coupling`` and ``complement`` are not used
         ("coupled", INTEGER, (rows,)),
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
         ("middle_mobility", scalar, (rows, 3)),
@@ -238,14 +241,14 @@ def search_dtype(candidates: int) -> np.dtype:
         ("curvature", REAL, (candidates,)),
         # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
         # u, or ∞ at a rigid wall (events/exclusion.py)
-        ("clear_start", REAL, (candidates,)),
-        ("clear_end", REAL, (candidates,)),
+        ("phi_start", REAL, (candidates,)),
+        ("phi_end", REAL, (candidates,)),
         # derivative φ′ in the step's variable at the start of the interval
-        ("clear_start_rate", REAL, (candidates,)),
-        ("clear_end_rate", REAL, (candidates,)),
+        ("phi_start_rate", REAL, (candidates,)),
+        ("phi_end_rate", REAL, (candidates,)),
         # second derivative φ″ at the start of the whole step
-        ("clear_start_curve", REAL, (candidates,)),
-        ("clear_end_curve", REAL, (candidates,)),
+        ("phi_start_curve", REAL, (candidates,)),
+        ("phi_end_curve", REAL, (candidates,)),
     )
 
 
@@ -268,7 +271,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for the complex shifts, one of each conjugate pair, the data that ``scratch`` holds for the real shift
+    # for the complex shifts, one of each conjugate pair, the data that ``scratch`` contains for the real
+    # shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -300,7 +304,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
         # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
-        # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` holds the
+        # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination
         ("shift", REAL),
         ("pairs", pairs),

@@ -13,19 +13,19 @@ impedance, is one more term of the elimination (chain/response.py). No matrix is
 
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
-from chain_impact.kernel.chain.sites import carry_sites
+from chain_impact.kernel.chain.sites import move_site_loads
 from chain_impact.kernel.chain.state import coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.rows.geometry import (
     add_along,
     add_impedance,
+    add_joint_impedances,
+    add_joint_loads,
     along,
-    at_joint,
+    at_joint_stop,
     clear_loads_of,
     constraint_count,
     constraint_row,
-    join,
     normal_row,
-    to_joints,
 )
 
 # The least mobility of a point, relative to the mobility of all links as one mass: a bound on the effective
@@ -34,11 +34,11 @@ from chain_impact.kernel.rows.geometry import (
 LEAST_MOBILITY = 1e-6
 # The number of iterations of constraints.py for sticking elements if no rigid wall holds a point. It is
 # fixed, because a varying number would let the forces jump.
-SWEEPS = 5
+STICKING_PASSES = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
 # would lose digits of the chain's inertia, a smaller D needs more iterations.
-HELD_STIFFNESS = 1e6
+RELATIVE_IMPEDANCE = 1e6
 
 
 def mean_mass(d):
@@ -47,21 +47,21 @@ def mean_mass(d):
 
 
 def holding_impedance(d):
-    """Return an impedance [kg] with which a link of mean mass keeps about a millionth of its free motion."""
-    return HELD_STIFFNESS * mean_mass(d)
+    """Return an impedance [kg] that leaves a link of mean mass about a millionth of its free motion."""
+    return RELATIVE_IMPEDANCE * mean_mass(d)
 
 
 def held_mobility(d, mobility):
-    """Return the mobility W′ [1/kg] for a single constraint: m/W′ is the impulse of SWEEPS iterations.
+    """Return the mobility W′ [1/kg] for a single constraint: m/W′ is the impulse of STICKING_PASSES.
 
-    With n = SWEEPS, the mobility W and the impedance D, the iterations reduce a residual m to m/(1 + D W)ⁿ,
-    so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be constrained: in a
-    toggle position, where W = 0, W′ is 1/(n D).
+    With n = STICKING_PASSES, the mobility W and the impedance D, the iterations reduce a residual m to
+    m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be
+    constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
     total = 1.0
-    for _ in range(SWEEPS - 1):
+    for _ in range(STICKING_PASSES - 1):
         total = 1.0 + left * total
     return (compliance + max(0.0, mobility)) / total
 
@@ -69,18 +69,18 @@ def held_mobility(d, mobility):
 def factorize_contacts(d, row, impedance):
     """Factorize M + Jᵀ D J, with the mass matrix M, in a ``row`` of ``scratch.factors``.
 
-    ``impedance`` holds D_k [kg] of each constraint, packed.
+    ``impedance`` contains D_k [kg] of each constraint, packed.
     """
     no_impedance(d, d.scratch.impedance)
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
-    join(d, d.scratch.impedance)
+    add_joint_impedances(d, d.scratch.impedance)
     factorize(d, d.scratch.link, d.scratch, row, joints_loaded(d))
 
 
 def joints_loaded(d):
     """Return whether any joint has an armature, an active stop or sticking friction."""
-    return d.model.has_armatures != 0 or d.touch.stop_count + d.friction.stuck_joints > 0
+    return d.model.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
 
 
 def solve_space(d, link_vectors, space, row, change):
@@ -93,8 +93,8 @@ def solve_space(d, link_vectors, space, row, change):
         row: the row of the factors.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
-    to_joints(d, space.load)
-    carry_sites(d, link_vectors, space.load)
+    add_joint_loads(d, space.load)
+    move_site_loads(d, link_vectors, space.load)
     solve(d, link_vectors, space, row, change)
     move_points(d, link_vectors, change, space.motion)
 
@@ -107,7 +107,7 @@ def solve_contacts(d, row, impulse, change):
     solve_space(d, d.scratch.link, d.scratch, row, change)
 
 
-def geared_accelerations(d, y, rate):
+def accelerations_with_armatures(d, y, rate):
     """Solve for the accelerations of a chain with armatures: M also contains the inertia of the rotors.
 
     The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
@@ -148,7 +148,7 @@ def geared_accelerations(d, y, rate):
         load.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
         load.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
     no_impedance(d, scratch.impedance)
-    join(d, scratch.impedance)
+    add_joint_impedances(d, scratch.impedance)
     factorize(d, link, scratch, FREE, True)
     solve(d, link, scratch, FREE, scratch.change)
     for j in range(coordinate_count(n)):
@@ -161,8 +161,8 @@ def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)
-    join(d, scratch.impedance)
-    factorize(d, scratch.link, scratch, FREE, d.model.has_armatures != 0 or at_joint(d, c))
+    add_joint_impedances(d, scratch.impedance)
+    factorize(d, scratch.link, scratch, FREE, d.model.has_armatures != 0 or at_joint_stop(d, c))
     clear_loads_of(d, scratch.load)
     add_along(row, scratch.load, 1.0)
     solve_space(d, scratch.link, scratch, FREE, scratch.change)

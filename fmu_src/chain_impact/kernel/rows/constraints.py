@@ -18,7 +18,7 @@ walls the iteration continues until the residual is round-off, and D grows if th
 
 A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. This
 constraint is always in the active set. For dependent constraints the iteration finds the solution with the
-least Σ p²/D. With D in proportion to the limits of friction the sticking elements therefore share their load
+least Σ p²/D. With D in proportion to the limits of friction the sticking elements therefore carry the load
 in the same proportion. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a
 straight chain on a floor. The iteration leaves these motions free, because their constraint forces could have
 any size. Where D W is about 1, the forces are the result of a fixed number of iterations, and so a smooth
@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
-    SWEEPS,
+    STICKING_PASSES,
     factorize_contacts,
     held_mobility,
     holding_impedance,
@@ -51,32 +51,32 @@ from chain_impact.kernel.rows.geometry import (
 
 # The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
 # larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is
-# multiplied by STIFFER, up to STIFFEST times the mean mass of a link; with a larger D the residual would only
-# be round-off.
-STIFFEST, STIFFER, SLOW_DECREASE = 1e12, 1e3, 0.1
-NEAR_FOLD = 1e-3  # the part of the residual that shows a fold if the first iteration leaves more of it
+# multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass of a link; with a larger D the
+# residual would only be round-off.
+LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
+FOLD_RESIDUAL = 1e-3  # the part of the residual that shows a fold if the first iteration leaves more of it
 # The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
 # of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
 # whole motion, times the large D of the other iterations, would remain in the forces against motions that can
 # hardly be constrained, and steps at tight tolerances would be short.
-GENTLE = 1e3
+FIRST_IMPEDANCE = 1e3
 # The least mobility W, times the mean mass of a link, for which one point at a rigid wall is solved directly.
 # A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
-LEAST_SINGLE = 1e-3
-# The factor on the impedance D of sticking elements for one solution in place of n = SWEEPS iterations. With
-# x = D W, the iterations leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as
-# much if a = ((1 + x)ⁿ − 1)/x, which is n for small x and AT_ONCE for x = 0.36. For a larger x both leave
-# little.
-AT_ONCE = 10.0
+LEAST_SINGLE_MOBILITY = 1e-3
+# The factor on the impedance D of sticking elements for one solution in place of n = STICKING_PASSES. With
+# x = D W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much if
+# a = ((1 + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
+SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
-# The residual of a constrained motion that may be round-off, relative to the largest motion. If NOISE is much
-# smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its energy.
-NOISE = 1e-13
-UNDERFLOWS = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
-# The largest motion that sticking elements may keep, relative to the squared tolerance times the largest
+# The residual of a constrained motion that may be round-off, relative to the largest motion. If it is
+# much smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its
+# energy.
+RESIDUAL_ROUND_OFF = 1e-13
+UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
+# The largest motion that may remain to sticking elements, relative to the squared tolerance times the largest
 # motion. Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and
 # again.
-NEGLIGIBLE = 0.1
+NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
 # impulse or motion
 SIGN_TOLERANCE = 1e-12
@@ -84,12 +84,12 @@ SIGN_TOLERANCE = 1e-12
 # candidate changes in a pivot. Single changes terminate for a positive definite W, but take more pivots.
 MAX_STALLED_PIVOTS = 3
 # the least impedance of a sticking element, relative to that of the element with the largest limit
-LEAST_SHARE = 1e-2  # with a smaller impedance, the residual falls too slowly
+LEAST_STICKING_IMPEDANCE = 1e-2  # with a smaller impedance, the residual falls too slowly
 # values of d.constraints.unsolved, the result of the search for constraint forces. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 # the largest number of pivots, in addition to 4 for each row; far more than was ever observed
-ROUNDS = 30
+EXTRA_PIVOTS = 30
 
 
 def set_impedance(d, amount):
@@ -101,26 +101,26 @@ def set_impedance(d, amount):
     for k in range(constraint_count(d)):
         constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.resistance[k]
     if amount > 0.0 and any_sticking(d):
-        share_impedance(d)
+        scale_sticking_impedances(d)
 
 
-def share_impedance(d):
-    """Scale the impedances of sticking elements by limit over largest limit, at least by LEAST_SHARE."""
+def scale_sticking_impedances(d):
+    """Scale the impedances of sticking elements by limit over largest limit, within a bound."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
     for i in range(friction.stuck_count):
-        share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
-        d.constraints.impedance[first + i] *= max(LEAST_SHARE, share)
+        ratio = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
+        d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 
 
-def hold_at_once(d):
-    """Set the impedances with which one solution acts on the motion about as SWEEPS iterations do."""
+def set_single_solution_impedances(d):
+    """Set the impedances with which one solution acts on the motion about as STICKING_PASSES do."""
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        times = AT_ONCE if k >= d.touch.active_count else 1.0
+        times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
     if any_sticking(d):
-        share_impedance(d)
+        scale_sticking_impedances(d)
 
 
 def factorize_free(d):
@@ -133,7 +133,7 @@ def solve_equality(d, scale):
     """Find the impulses that bring the active set from ``start`` to ``target``; others have no impulse.
 
     Args:
-        d: the instance, with the points located and the free motion factorized. ``d.constraints`` holds the
+        d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
             problem and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
 
@@ -142,32 +142,32 @@ def solve_equality(d, scale):
     """
     constraints, impedance = d.constraints, holding_impedance(d)
     constraints.near_fold = 0
-    row = only_active(d)
+    row = single_active(d)
     if row >= 0 and solve_single(d, row):
         return 0.0
     clear_impulses(d)
     if not any_point_held(d):
-        set_impedance(d, GENTLE * mean_mass(d))
+        set_impedance(d, FIRST_IMPEDANCE * mean_mass(d))
         factorize_contacts(d, HELD, constraints.impedance)
         find_residual(d)
         correct_impulses(d)
     set_impedance(d, impedance)
     factorize_contacts(d, HELD, constraints.impedance)
-    worst = iterate(d, scale, impedance)
+    worst = iterate_impulses(d, scale, impedance)
     if any_point_held(d):
         return worst
-    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOWS):
-        least = NEGLIGIBLE * d.solver.tolerance * d.solver.tolerance * scale
-        leave_free(d, least * least / (least * least + worst * worst), NOISE * scale)
+    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOW_SIZE):
+        least = NEGLIGIBLE_MOTION * d.solver.tolerance * d.solver.tolerance * scale
+        reduce_free_impulses(d, least * least / (least * least + worst * worst), RESIDUAL_ROUND_OFF * scale)
     return 0.0
 
 
-def iterate(d, scale, impedance):
+def iterate_impulses(d, scale, impedance):
     """Iterate until the residual is round-off, or no ``impedance`` [kg] reduces it further.
 
     The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual, makes
     D grow, or follows one in which D has grown; D grows at most twice. The first pass with a larger D adds
-    round-off, which the next removes. Sticking elements without a rigid wall get at most SWEEPS iterations.
+    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_PASSES.
 
     Returns:
         The largest residual.
@@ -176,37 +176,37 @@ def iterate(d, scale, impedance):
     before, worst, iterations = math.inf, find_residual(d), 0
     while worst > round_off or not iterated_enough(d, iterations):
         slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
-        if has_walls and iterations == 1 and worst > max(NEAR_FOLD * before, SIGN_TOLERANCE * scale):
+        if has_walls and iterations == 1 and worst > max(FOLD_RESIDUAL * before, SIGN_TOLERANCE * scale):
             constraints.near_fold = 1
         before = worst
-        if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
+        if slow and worst > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d):
             before = math.inf
-            impedance *= STIFFER
+            impedance *= IMPEDANCE_GROWTH
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
-        elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == SWEEPS):
+        elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == STICKING_PASSES):
             break
         correct_impulses(d)
         worst, iterations = find_residual(d), iterations + 1
     return worst
 
 
-def leave_free(d, share, noise):
-    """Remove a ``share`` of the impulses against motions that the iteration leaves free.
+def reduce_free_impulses(d, fraction, noise):
+    """Remove a ``fraction`` of the impulses against motions that the iteration leaves free.
 
-    Along such a motion the product of impedance D and mobility W is far below 1, and each of the SWEEPS
-    iterations adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a constrained
-    motion, and its impulse stays.
+    Along such a motion the product of impedance D and mobility W is far below 1, and each of the
+    STICKING_PASSES adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a
+    constrained motion, and its impulse stays.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
         residual = constraints.residual[k]
         above = residual * residual / (residual * residual + noise * noise)
-        constraints.impulse[k] -= share * above * SWEEPS * constraints.impedance[k] * residual
+        constraints.impulse[k] -= fraction * above * STICKING_PASSES * constraints.impedance[k] * residual
     move_by_impulses(d)
 
 
-def only_active(d):
+def single_active(d):
     """Return the index of the only constraint in the active set, or −1 if the set has none or several."""
     only = -1
     for k in range(constraint_count(d)):
@@ -226,7 +226,7 @@ def solve_single(d, row):
     mobility = along(constraint_row(d, row), motion)
     if row >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
-    elif mobility * mean_mass(d) < LEAST_SINGLE:
+    elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
     impulse = (constraints.target[row] - constraints.start[row]) / mobility
     for j in range(len(constraints.change)):
@@ -310,7 +310,7 @@ def solve_lcp(d, scale):
     constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
-    for _ in range(ROUNDS + 4 * count):
+    for _ in range(EXTRA_PIVOTS + 4 * count):
         solve_equality(d, scale)
         wrong = count_violations(d, scale)
         if wrong == 0 or cost_exceeded(d):
@@ -383,17 +383,17 @@ def any_constraint(d):
 def activate_all(d):
     """Let the active set be the contacts without a force law and the sticking elements, with target 0."""
     for k in range(d.touch.compliant_count):
-        release(d, k)
+        remove_from_active_set(d, k)
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        require(d, k, 0.0)
+        add_to_active_set(d, k, 0.0)
 
 
-def require(d, k, target):
+def add_to_active_set(d, k, target):
     """Put constraint k into the active set; ``target`` is the least motion that it requires."""
     d.constraints.in_active_set[k] = 1
     d.constraints.target[k] = target
 
 
-def release(d, k):
+def remove_from_active_set(d, k):
     """Take constraint k out of the active set."""
     d.constraints.in_active_set[k] = 0

@@ -29,10 +29,10 @@ from chain_impact.kernel.chain.drives import (
     joints_resist,
     lever_of_drive,
 )
-from chain_impact.kernel.chain.kinematics import clear_joints, largest, polar, zero
+from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, largest_component, set_polar
 from chain_impact.kernel.chain.motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
-from chain_impact.kernel.chain.slider import slide_along
+from chain_impact.kernel.chain.slider import along_slider
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
@@ -44,14 +44,14 @@ OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
-"""Name of a stop → the value of candidate.stop; its sign is the side of the stop, see ``side``."""
+"""Name of a stop → the value of candidate.stop; its sign is the side of the stop, see ``stop_sign``."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
 STOP_COUNT = len(STOP_CODES)
 AT_WALL = 0  # value of candidate.stop for a candidate that is no stop
 
 
-def place_walls(d):
-    """Compute the place of each candidate, and the normal and the offset of the candidate's wall or stop."""
+def set_candidate_rows(d):
+    """Set the place of each candidate, and the normal and the offset of the candidate's wall or stop."""
     for c in range(d.candidates):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
         d.candidate.place[c], d.candidate.radius[c] = point, d.contact.radius
@@ -59,15 +59,15 @@ def place_walls(d):
             s = site_of_point(d, point)
             d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
         if at_stop(d, c):
-            place_stop(d, c)
+            set_stop(d, c)
         elif wall < len(WALLS):
-            place_box_wall(d, c, wall)
+            set_box_wall(d, c, wall)
         else:
-            place_sloped_wall(d, c, wall - len(WALLS))
-        d.shift.rest[c] = d.candidate.offset[c]
+            set_sloped_wall(d, c, wall - len(WALLS))
+        d.shift.unmoved_offset[c] = d.candidate.offset[c]
 
 
-def place_box_wall(d, c, wall):
+def set_box_wall(d, c, wall):
     """Set the normal and the offset of candidate c at a ``wall`` of the box, an index in WALLS."""
     candidate = d.candidate
     nx, ny = NORMALS[wall]
@@ -76,29 +76,33 @@ def place_box_wall(d, c, wall):
     candidate.offset[c] = (nx + ny) * d.model.wall[wall]
 
 
-def place_sloped_wall(d, c, w):
+def set_sloped_wall(d, c, w):
     """Set the normal and the offset of candidate c, whose wall is number w of the walls at any angle."""
     candidate, walls = d.candidate, d.walls
     candidate.offset[c] = 1.0
     cosine, sine = candidate.normal_y[c : c + 1], candidate.normal_x[c : c + 1]
-    polar(candidate.offset[c : c + 1], walls.angle, w, cosine, sine)
+    set_polar(candidate.offset[c : c + 1], walls.angle, w, cosine, sine)
     # n = (−sin φ, cos φ) is to the left of the wall's direction (cos φ, sin φ)
     candidate.normal_x[c] = -candidate.normal_x[c]
     candidate.offset[c] = candidate.normal_x[c] * walls.x[w] + candidate.normal_y[c] * walls.y[w]
 
 
-def place_stop(d, c):
+def set_stop(d, c):
     """Set the row, the offset and the radius of candidate c, a stop of a joint or of the slider.
 
     The base touches the slider's stops. A joint's stop is at the place of the joint.
     """
-    candidate, sign, i = d.candidate, side(d, c), d.candidate.point[c] - 1 if at_joint(d, c) else d.links
+    candidate, sign, i = (
+        d.candidate,
+        stop_sign(d, c),
+        d.candidate.point[c] - 1 if at_joint_stop(d, c) else d.links,
+    )
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would show
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
     limit = lever_of_candidate(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
-    if not at_joint(d, c):
-        limit += slide_along(d, d.initial.position[0], d.initial.position[1])
+    if not at_joint_stop(d, c):
+        limit += along_slider(d, d.initial.position[0], d.initial.position[1])
     candidate.offset[c], candidate.radius[c] = sign * limit, 0.0
 
 
@@ -112,22 +116,22 @@ def at_stop(d, c):
     return d.candidate.stop[c] != AT_WALL
 
 
-def at_joint(d, c):
+def at_joint_stop(d, c):
     """Return whether candidate c is a stop of a joint."""
     return d.candidate.stop[c] == JOINT_MIN or d.candidate.stop[c] == JOINT_MAX
 
 
-def side(d, c):
+def stop_sign(d, c):
     """Return the direction of the normal of a stop: 1.0 at a lower limit, −1.0 at an upper limit."""
     return 1.0 if d.candidate.stop[c] > AT_WALL else -1.0
 
 
-def stop_moment(d, c, force):
+def joint_stop_moment(d, c, force):
     """Return the moment [N·m] of the ``force`` [N] of a joint's stop, or the angular impulse of an impulse.
 
     It is positive at the lower limit, and negative at the upper limit.
     """
-    return side(d, c) * lever_of_candidate(d, c) * force
+    return stop_sign(d, c) * lever_of_candidate(d, c) * force
 
 
 def first_stop(d, c):
@@ -145,7 +149,7 @@ def first_stop(d, c):
 def candidate_within_bounds(d, c):
     """Return whether the numbers of stop, point, place and wall of candidate c are possible in this scene."""
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
-    first, last = (1, d.links) if at_joint(d, c) else (0, d.links + d.sites)
+    first, last = (1, d.links) if at_joint_stop(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
     if at_stop(d, c):
         most += STOP_COUNT
@@ -266,7 +270,7 @@ def constraint_acceleration(d, k):
     return tangential_acceleration(d, d.element.stuck[k - d.touch.active_count])
 
 
-def to_joints(d, load):
+def add_joint_loads(d, load):
     """Add the load at each joint's place, times its lever arm, the longest link, to the moment in the joint.
 
     The place of a joint is no point of the chain: its x is the angle of the joint times this arm.
@@ -276,7 +280,7 @@ def to_joints(d, load):
             load.joint[i] += d.model.longest_link * load.x[joint_place(d, i)]
 
 
-def join(d, impedance):
+def add_joint_impedances(d, impedance):
     """Add to the impedance of each joint the rotor of its drive and the impedance at its place."""
     if d.model.has_joint_places or d.model.has_armatures:
         square = d.model.longest_link * d.model.longest_link
@@ -288,28 +292,28 @@ def join(d, impedance):
 
 def clear_loads_of(d, load):
     """Set to zero the loads at all places and, in a scene that uses them, the moments in all joints."""
-    zero(d, load)
+    clear_vectors(d, load)
     if joints_resist(d):
         clear_joints(load)
 
 
-def fastest_of_all(d):
+def largest_velocity(d):
     """Return the largest component [m/s] of the velocities of all places and moving walls."""
-    fastest = largest(d, d.scratch.velocity)
+    fastest = largest_component(d, d.scratch.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
         fastest = max(fastest, speed)
     return fastest
 
 
-def farthest(d):
+def largest_coordinate(d):
     """Return the largest coordinate [m] of any place, at least the longest link: the scale of round-off."""
-    return max(d.model.longest_link, largest(d, d.scratch.position))
+    return max(d.model.longest_link, largest_component(d, d.scratch.position))
 
 
 def largest_acceleration(d):
     """Return the largest component [m/s²] of the accelerations of all places and moving walls."""
-    most = largest(d, d.scratch.acceleration)
+    most = largest_component(d, d.scratch.acceleration)
     if d.channels > 0:
         _, acceleration = fastest_wall(d)
         most = max(most, acceleration)
@@ -321,7 +325,7 @@ def length_bound(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.model.has_stops:  # the places of other joints have no clearances
+    if d.model.has_joint_stops:  # the places of other joints have no clearances
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -332,7 +336,7 @@ def length_bound(d, vectors):
 def coordinates_size(d, c, y):
     """Return the sum [m] of the sizes of the coordinates whose round-off enters g of candidate c."""
     point = d.candidate.point[c]
-    if at_joint(d, c):
+    if at_joint_stop(d, c):
         return d.model.longest_link * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.scratch.position.x[place]) + abs(d.scratch.position.y[place])
@@ -349,7 +353,7 @@ def link_of(d, c):
 
 def lever_of_candidate(d, c):
     """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
-    return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint(d, c) else 1.0
+    return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint_stop(d, c) else 1.0
 
 
 def faces_base(d, c):

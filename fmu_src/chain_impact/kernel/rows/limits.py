@@ -30,29 +30,34 @@ import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
-from chain_impact.kernel.rows.compliance import SWEEPS, factorize_contacts, holding_impedance, solve_contacts
-from chain_impact.kernel.rows.constraints import ROUNDS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
+from chain_impact.kernel.rows.compliance import (
+    STICKING_PASSES,
+    factorize_contacts,
+    holding_impedance,
+    solve_contacts,
+)
+from chain_impact.kernel.rows.constraints import EXTRA_PIVOTS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import along, constraint_count, constraint_row
 
 
-def share_within_limits(d):
+def find_limited_forces(d):
     """Find forces within the limits of friction that satisfy the constraints as far as possible.
 
     Call ``add_constraint_forces`` in forces/holding.py just before: it sets the constraints. Afterwards
-    ``at_limit`` holds the sign of each sticking element's force that is at its limit, else 0.
+    ``at_limit`` is the sign of each sticking element's force that is at its limit, else 0.
     """
-    share, scale = d.share, largest_start(d)
+    limited, scale = d.limited_forces, largest_start(d)
     set_impedance(d, holding_impedance(d))
     for k in range(constraint_count(d)):
-        share.center[k], share.force[k], share.inside[k] = 0.0, 0.0, 1
-        share.residual[k] = d.constraints.target[k] - d.constraints.start[k]
-    for _ in range(SWEEPS):
-        minimize(d, scale)
-        find_left(d)
+        limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
+        limited.residual[k] = d.constraints.target[k] - d.constraints.start[k]
+    for _ in range(STICKING_PASSES):
+        minimize_within_limits(d, scale)
+        update_residuals(d)
         if cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
-        share.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
+        limited.at_limit[i] = sign_at_limit(d, d.touch.active_count + i)
 
 
 def largest_start(d):
@@ -72,10 +77,10 @@ def sign_at_limit(d, k):
 
     If the limit is 0, the sign is that of the residual.
     """
-    share, limit = d.share, upper_limit(d, k)
+    limited, limit = d.limited_forces, upper_limit(d, k)
     if limit == 0.0:
-        return 1 if share.residual[k] > 0.0 else -1
-    return 1 if share.force[k] >= limit else (-1 if share.force[k] <= -limit else 0)
+        return 1 if limited.residual[k] > 0.0 else -1
+    return 1 if limited.force[k] >= limit else (-1 if limited.force[k] <= -limit else 0)
 
 
 def lower_limit(d, k):
@@ -92,8 +97,8 @@ def upper_limit(d, k):
     if k < first:
         return math.inf
     e = d.element.stuck[k - first]
-    share = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
-    return max(0.0, share * d.element.limit[e])
+    ratio = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
+    return max(0.0, ratio * d.element.limit[e])
 
 
 def clipped(d, k, force):
@@ -101,7 +106,7 @@ def clipped(d, k, force):
     return min(upper_limit(d, k), max(lower_limit(d, k), force))
 
 
-def minimize(d, scale):
+def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
     The forces inside their limits move toward the solution with the other forces fixed. The first force that
@@ -109,76 +114,76 @@ def minimize(d, scale):
     most is released. The minimized function decreases with each change, so no set of rows occurs twice, and
     the search ends.
     """
-    share, end = d.share, constraint_count(d)
-    for _ in range(ROUNDS + 4 * end):
+    limited, end = d.limited_forces, constraint_count(d)
+    for _ in range(EXTRA_PIVOTS + 4 * end):
         solve_inside(d)
         row, part = first_at_limit(d)
         for k in range(d.touch.compliant_count, end):
-            if share.inside[k]:
-                share.force[k] += part * (share.wanted[k] - share.force[k])
+            if limited.inside[k]:
+                limited.force[k] += part * (limited.unlimited[k] - limited.force[k])
         if row >= 0:
-            share.inside[row], share.force[row] = 0, clipped(d, row, share.wanted[row])
+            limited.inside[row], limited.force[row] = 0, clipped(d, row, limited.unlimited[row])
         else:
-            row = most_inside(d, scale)
+            row = row_to_release(d, scale)
             if row < 0 or cost_exceeded(d):
                 return
-            share.inside[row] = 1
+            limited.inside[row] = 1
 
 
 def first_at_limit(d):
-    """Return the row whose force is the first to reach a limit on the way to the wanted forces, or −1.
+    """Return the row whose force is the first to reach a limit on the way to the unlimited forces, or −1.
 
     Also return the part of the way at which this force reaches its limit, or 1.
     """
-    share, first, part = d.share, -1, 1.0
+    limited, first, part = d.limited_forces, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        limit = clipped(d, k, share.wanted[k])
-        if share.inside[k] and limit != share.wanted[k]:
-            reached = (limit - share.force[k]) / (share.wanted[k] - share.force[k])
+        limit = clipped(d, k, limited.unlimited[k])
+        if limited.inside[k] and limit != limited.unlimited[k]:
+            reached = (limit - limited.force[k]) / (limited.unlimited[k] - limited.force[k])
             if reached < part or first < 0:
                 first, part = k, reached
     return first, part
 
 
-def most_inside(d, scale):
+def row_to_release(d, scale):
     """Return the row at a limit whose force tends inward most, or −1 if none exceeds round-off."""
-    share, row, largest, most_of_all = d.share, -1, 0.0, 0.0
+    limited, row, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        largest = max(largest, abs(share.force[k]))
+        largest = max(largest, abs(limited.force[k]))
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        inward = abs(clipped(d, k, share.wanted[k]) - share.force[k])
+        inward = abs(clipped(d, k, limited.unlimited[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
-        if not share.inside[k] and inward > max(round_off, most_of_all):
+        if not limited.inside[k] and inward > max(round_off, most_of_all):
             row, most_of_all = k, inward
     return row
 
 
 def solve_inside(d):
-    """Store in ``wanted`` the forces p + D m⁺ of all rows, before they are limited.
+    """Store in ``unlimited`` the forces p + D m⁺ of all rows, before they are limited.
 
     The residuals m⁺ are those with the forces of the rows not inside fixed at their limits.
     """
-    share, motion = d.share, d.scratch.motion
+    limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):
         moves = k < d.touch.compliant_count
-        share.impedance[k] = 0.0 if moves or not share.inside[k] else d.constraints.impedance[k]
-        share.correction[k] = share.impedance[k] * share.residual[k]
-        if not moves and not share.inside[k]:
-            share.correction[k] = share.force[k] - share.center[k]
-    factorize_contacts(d, HELD, share.impedance)
-    solve_contacts(d, HELD, share.correction, share.change)
+        limited.impedance[k] = 0.0 if moves or not limited.inside[k] else d.constraints.impedance[k]
+        limited.correction[k] = limited.impedance[k] * limited.residual[k]
+        if not moves and not limited.inside[k]:
+            limited.correction[k] = limited.force[k] - limited.center[k]
+    factorize_contacts(d, HELD, limited.impedance)
+    solve_contacts(d, HELD, limited.correction, limited.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        left = share.residual[k] - along(constraint_row(d, k), motion)
-        share.wanted[k] = share.center[k] + d.constraints.impedance[k] * left
+        residual = limited.residual[k] - along(constraint_row(d, k), motion)
+        limited.unlimited[k] = limited.center[k] + d.constraints.impedance[k] * residual
     count_other_cost(d, 1)
 
 
-def find_left(d):
+def update_residuals(d):
     """Set the forces p and the residuals with which the next iteration begins, from the present forces."""
-    share = d.share
-    solve_contacts(d, FREE, share.force, share.change)
+    limited = d.limited_forces
+    solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):
-        share.center[k] = share.force[k]
+        limited.center[k] = limited.force[k]
         reached = d.constraints.start[k] + along(constraint_row(d, k), d.scratch.motion)
-        share.residual[k] = d.constraints.target[k] - reached
+        limited.residual[k] = d.constraints.target[k] - reached
     count_other_cost(d, 1)

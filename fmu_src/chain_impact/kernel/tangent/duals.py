@@ -41,7 +41,7 @@ TRUST = np.dtype(
         ("wall", np.int64),
         # sum of the changes of a position that friction has left open, relative to the largest derivative of
         # a position (friction.py)
-        ("share", np.float64),
+        ("neglected", np.float64),
         (
             "split",
             np.int64,
@@ -63,7 +63,7 @@ def value(number):
     return number.value
 
 
-def carried(number, slope, argument):
+def dual_with_slope(number, slope, argument):
     """Return a dual number with the value ``number`` and the derivatives of ``argument`` times ``slope``."""
     return argument.carried(number, slope)
 
@@ -81,12 +81,12 @@ def slope(number, direction):
     return number.slope[direction]
 
 
-def sloped(number, direction, slope):
+def with_slope(number, direction, slope):
     """Return a copy of a dual number in which the derivative in one direction is ``slope``."""
     return number.sloped(direction, slope)
 
 
-def varies(number):
+def has_slope(number):
     """Return whether a dual number has any derivative that is not zero."""
     return number.varies()
 

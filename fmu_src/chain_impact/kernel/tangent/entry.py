@@ -10,12 +10,12 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.entry import within_bounds
 from chain_impact.kernel.events.contact_log import update_own_to_output_time
 from chain_impact.kernel.observe import fill_outputs, refill_motion
-from chain_impact.kernel.ode.last_step import keep_state, return_to_kept_state, set_own_output_time
+from chain_impact.kernel.ode.last_step import return_to_stored_state, set_own_output_time, store_output_state
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, block
 from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
 from chain_impact.kernel.tangent.step_ends import move_end
-from chain_impact.kernel.tangent.trust import share_reason, trusted
+from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 
 
 def for_all(act):
@@ -28,9 +28,9 @@ def for_all(act):
         for b in range(d.tangents):
             act(d, block(d, b))
         for b in range(1, d.tangents):
-            share_reason(block(d, 0), block(d, b))
+            copy_reason(block(d, 0), block(d, b))
         for b in range(1, d.tangents):
-            share_reason(block(d, b), block(d, 0))
+            copy_reason(block(d, b), block(d, 0))
 
     return act_on_all
 
@@ -42,7 +42,7 @@ def observe_tangent(d, t):
     """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
-    if not trusted(t) or d.statistics.status != OK:
+    if not is_trusted(t) or d.statistics.status != OK:
         forget_slopes(as_words(t.output))
     elif t.trust.split:
         forget_slopes(as_words(t.output.friction))
@@ -52,9 +52,9 @@ def observe_tangent(d, t):
 
 def observe_trial_of_tangent(_d, t):
     """Set the derivatives of the outputs that change at once in a trial of new values."""
-    return_to_kept_state(t)
+    return_to_stored_state(t)
     refill_motion(t)
-    if not trusted(t):
+    if not is_trusted(t):
         forget_slopes(as_words(t.output))
     forget_missing(t)
 
@@ -81,7 +81,7 @@ def truncate_tangent(d, t):
     The state there is stored, so that trials of new input values can return to it.
     """
     set_own_output_time(t, d.step.time)
-    keep_state(t)
+    store_output_state(t)
     update_own_to_output_time(t)
     move_end(t)
 
@@ -98,7 +98,7 @@ def all_valid(d):
     return 1 if fits else 0
 
 
-def words_of_all(d):
+def tangent_word_count(d):
     """Return the number of words of 8 bytes of all tangent instances."""
     return d.tangents * len(as_words(block(d, 0)))
 
@@ -111,6 +111,6 @@ HOOKS = {
     hooks.on_observe_trial: for_all(observe_trial_of_tangent),
     hooks.on_truncate: for_all(truncate_tangent),
     hooks.indices_valid: all_valid,
-    hooks.words_behind: words_of_all,
+    hooks.words_behind: tangent_word_count,
 }
 """Function of kernel/hooks.py → its replacement in a kernel that carries derivatives."""

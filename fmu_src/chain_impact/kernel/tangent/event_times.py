@@ -17,7 +17,7 @@ from chain_impact.kernel.events.segments import has_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
-from chain_impact.kernel.tangent.duals import carried, reciprocal, value
+from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
 # the time over which a rate is found by differences, relative to the length of the last step
 TIME_DIFFERENCE = 1e-3
@@ -25,7 +25,7 @@ TIME_DIFFERENCE = 1e-3
 NEWTON_ITERATIONS = 2
 
 
-def lasted(t):
+def step_length(t):
     """Return the length of the last step [s], without derivatives."""
     return value(t.step.end - t.step.start)
 
@@ -50,7 +50,7 @@ def along_motion(function):
         return function(t, c)
 
     def rate_at_end(t, c):
-        part, none = TIME_DIFFERENCE * lasted(t), carried(0.0, 0.0, t.step.end)
+        part, none = TIME_DIFFERENCE * step_length(t), dual_with_slope(0.0, 0.0, t.step.end)
         later, before = after(t, c, none + part), after(t, c, none - part)
         return (value(later) - value(before)) / (2.0 * part) if part > 0.0 else 0.0
 
@@ -65,16 +65,16 @@ def delay_along_motion(after):
     """
 
     def delay(t, c, rate):
-        time = carried(0.0, 0.0, t.step.end)
+        time = dual_with_slope(0.0, 0.0, t.step.end)
         for _ in range(NEWTON_ITERATIONS):
-            time += carried(0.0, -reciprocal(rate), after(t, c, time))
-        set_end(t)
+            time += dual_with_slope(0.0, -reciprocal(rate), after(t, c, time))
+        evaluate_end(t)
         return time
 
     return delay
 
 
-def set_end(t):
+def evaluate_end(t):
     """Evaluate points and forces at the end of the last step again."""
     locate_points(t, t.step.state_end)
     rate_from_points(t, t.step.state_end, t.scratch.rate)
@@ -97,10 +97,10 @@ def delay_of_crossing(t, c, kind):
         change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
-    return carried(0.0, -reciprocal(value(rate)), change)
+    return dual_with_slope(0.0, -reciprocal(value(rate)), change)
 
 
-def delay_of_bend(t, c, kind):
+def delay_without_force_jump(t, c, kind):
     """Return the delay [s] of a kink or a release of candidate c, where its force does not jump."""
     if kind == KINK:
         rate = _kink_rate(t, c)
@@ -119,5 +119,5 @@ def delay_of_segment(t):
     """Return the delay [s] of the end of a signal's segment at the end of the last step; 0 if none ends."""
     for j in range(t.signals):
         if has_ended(t, j):
-            return carried(0.0, 1.0, segment_end(t, j) - t.step.end)
-    return carried(0.0, 0.0, t.step.end)
+            return dual_with_slope(0.0, 1.0, segment_end(t, j) - t.step.end)
+    return dual_with_slope(0.0, 0.0, t.step.end)

@@ -10,30 +10,35 @@ Derivatives do not exist where a small change of the parameters changes the orde
 whether an event occurs, unless the effect is negligible. The effect is a small tangential speed, which
 friction stops at once or a little later. It changes a position by the speed times the time in which the chain
 settles. If the derivatives of this change are a small part of the largest derivative of a position, they are
-neglected: sticking sets the derivatives of the speed to zero. ``trust.share`` is the sum of these parts.
+neglected: sticking sets the derivatives of the speed to zero. ``trust.neglected`` is the sum of these parts.
 """
 
 import math
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, pending_changes
-from chain_impact.kernel.events.onset_modes import begins
+from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.forces.holding import RESISTANCE, solve_stopping_impulses, start_from_state
+from chain_impact.kernel.forces.holding import CONTACT_RESISTANCE, set_start_to_state, solve_stopping_impulses
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.constraints import activate_all
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
-from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, reciprocal, slope, value
-from chain_impact.kernel.tangent.event_times import along_motion, delay_along_motion, lasted, set_end
+from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, reciprocal, slope, value
+from chain_impact.kernel.tangent.event_times import (
+    along_motion,
+    delay_along_motion,
+    evaluate_end,
+    step_length,
+)
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,
     NO_LESS,
-    OPEN,
+    OPEN_DISTANCE,
     SLOW_CHANGE,
     TOGETHER,
     TRUSTED,
@@ -47,11 +52,11 @@ from chain_impact.kernel.tangent.trust import (
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. The derivatives
-# end at this event if the element is STOPPED and its limit is at most NEARLY_SLIPS times the excess.
-NEARLY_SLIPS = 1000.0
-# The largest ``trust.share``: the changes of a position that a run may neglect, relative to the largest
+# end at this event if the element is STOPPED and its limit is at most NEARLY_SLIPPING_RATIO times the excess.
+NEARLY_SLIPPING_RATIO = 1000.0
+# The largest ``trust.neglected``: the changes of a position that a run may neglect, relative to the largest
 # derivative of a position. A fit to a position at rest needs an accuracy of some percent.
-LEFT_OPEN = 1e-2
+MOST_NEGLECTED = 1e-2
 # value of ``element.undecided``: the element sticks since an onset at zero speed; sticking sets the
 # derivatives of the speed to zero, too
 STOPPED = 2
@@ -71,7 +76,7 @@ def delay_of_change(t):
         e = t.element.index[i]
         if t.element.event[e] == STICKING_ENDS:
             return delay_of_sliding(t, e)
-    return carried(0.0, 0.0, t.step.end)
+    return dual_with_slope(0.0, 0.0, t.step.end)
 
 
 def delay_of_rest(t, e):
@@ -81,20 +86,23 @@ def delay_of_rest(t, e):
     an error.
     """
     rate = value(tangential_acceleration(t, e))
-    return carried(0.0, 0.0 if stops_slowly(t, e) else -reciprocal(rate), tangential_rate(t, e))
+    return dual_with_slope(
+        0.0, 0.0 if acceleration_may_be_error(t, e) else -reciprocal(rate), tangential_rate(t, e)
+    )
 
 
-def stops_slowly(t, e):
+def acceleration_may_be_error(t, e):
     """Return whether the acceleration of element e, now at zero speed, may be an error of the solver."""
-    return abs(value(tangential_acceleration(t, e))) <= value(slow_acceleration(t, e))
+    return abs(value(tangential_acceleration(t, e))) <= value(largest_acceleration_error(t, e))
 
 
-def slow_acceleration(t, e):
+def largest_acceleration_error(t, e):
     """Return the acceleration [m/s²] of element e up to which the acceleration may be an error of the solver.
 
-    It is OPEN times the tolerance times the acceleration that the friction of the element could cause.
+    It is OPEN_DISTANCE times the tolerance times the acceleration that the friction of the element could
+    cause.
     """
-    return OPEN * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
+    return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
 
 
 # the margin φ = µ_s F_n − |F_t| of static friction as a function of time, and the rate of φ, for
@@ -106,16 +114,16 @@ delay_of_margin = delay_along_motion(margin_after)
 def delay_of_sliding(t, e):
     """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.longest_link)
-    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPS * value(friction_round_off(t, e)):
-        end_at(t, FROM_REST, e)
+    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
+        end_derivatives(t, FROM_REST, e)
     rate = margin_rate(t, e)
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
-        if force_drops(t, e) and lasted(t) > 0.0:
+        if friction_drops(t, e) and step_length(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
             # a drop of friction that is early or late by the delay changes the speed: negligibly, or the
             # derivatives end
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
-                end_at(t, SLOW_CHANGE, e)
+                end_derivatives(t, SLOW_CHANGE, e)
         rate = -math.inf
     return delay_of_margin(t, e, rate)
 
@@ -124,20 +132,20 @@ def negligible(t, speed):
     """Return whether the derivatives of a ``speed`` [m/s], now zero, may be neglected.
 
     Their product with the settling time, relative to the largest derivative of a position, is then added to
-    ``trust.share``. This sum must not exceed LEFT_OPEN.
+    ``trust.neglected``. This sum must not exceed MOST_NEGLECTED.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
         change = time * abs(slope(speed, k))
         if change != 0.0:
             largest_of_all = largest_slope(t.scratch.position, k)
-            if not change <= LEFT_OPEN * largest_of_all:
+            if not change <= MOST_NEGLECTED * largest_of_all:
                 return False
             most = max(most, change / largest_of_all)
-    if t.trust.share + most > LEFT_OPEN:
+    if t.trust.neglected + most > MOST_NEGLECTED:
         return False
     if most > 0.0:
-        t.trust.share += most
+        t.trust.neglected += most
         mark_split(t)
     return True
 
@@ -148,7 +156,7 @@ def settling_time(t):
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
 
-def force_drops(t, e):
+def friction_drops(t, e):
     """Return whether the friction of element e drops when the element begins to slide."""
     if e >= t.candidates:
         return False
@@ -171,10 +179,10 @@ def check_changes(t, time):
             speed = tangential_rate(t, e)
             stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
             stopped += stops
-            slowly = slowly or (stops and stops_slowly(t, e))
+            slowly = slowly or (stops and acceleration_may_be_error(t, e))
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
-                end_at(t, SLOW_CHANGE if stops_slowly(t, e) else TOGETHER, e)
+                end_derivatives(t, SLOW_CHANGE if acceleration_may_be_error(t, e) else TOGETHER, e)
     # the derivatives of the impulses of friction are then unknown: for example, the times at which the two
     # ends of a rod on a floor stop determine the friction of each end
     if stopped > 1 or slowly:
@@ -182,13 +190,13 @@ def check_changes(t, time):
     if pending_changes(t) > 1:
         for i in range(t.friction.count):
             e = t.element.index[i]
-            matters = t.element.event[e] == STICKING_ENDS and (force_drops(t, e) or any_halts(t))
-            if matters and not gives_way(t, e, time):
-                end_at(t, TOGETHER, e)
-        set_end(t)
+            matters = t.element.event[e] == STICKING_ENDS and (friction_drops(t, e) or any_stops_sliding(t))
+            if matters and not slips_for_nearby_parameters(t, e, time):
+                end_derivatives(t, TOGETHER, e)
+        evaluate_end(t)
 
 
-def gives_way(t, e, time):
+def slips_for_nearby_parameters(t, e, time):
     """Return whether the margin of element e, now zero, is zero a ``time`` [s] later for nearby parameters.
 
     All derivatives of the margin at that time must be small.
@@ -201,7 +209,7 @@ def gives_way(t, e, time):
     return True
 
 
-def any_halts(t):
+def any_stops_sliding(t):
     """Return whether an element stops sliding at the end of the last step."""
     for i in range(t.friction.count):
         if t.element.event[t.element.index[i]] == SLIDING_ENDS:
@@ -214,7 +222,7 @@ def stays_at_rest(t, after, time):
 
     ``after`` is its speed at that time; all derivatives of this speed must be small.
     """
-    most = value(largest(t, t.scratch.acceleration))
+    most = value(largest_component(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
         scale = largest_slope(t.scratch.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
         if abs(slope(after, k)) > SAME_TIME_SLOPE * (scale + most * abs(slope(time, k))):
@@ -246,18 +254,18 @@ def choose_modes(t):
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
     list_sticking(t)
-    if any_stops(t):
-        stop_speeds(t)
+    if any_begins_to_stick(t):
+        clear_sticking_speeds(t)
     check_onsets_at_rest(t)
     rate_from_points(t, t.step.state_end, t.scratch.rate)
     accelerate_points(t, t.step.state_end, t.scratch.rate)
     for i in range(t.friction.count):
         e = t.element.index[i]
-        if t.element.undecided[e] and is_open(t, e):
-            end_at(t, AT_LIMIT, e)
+        if t.element.undecided[e] and is_nearly_at_limit(t, e):
+            end_derivatives(t, AT_LIMIT, e)
 
 
-def any_stops(t):
+def any_begins_to_stick(t):
     """Return whether any element sticks now that slid before."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
@@ -266,36 +274,36 @@ def any_stops(t):
     return False
 
 
-def stop_speeds(t):
+def clear_sticking_speeds(t):
     """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
     The projection of the state would not do that: contacts resist it, so a part of the derivatives would stay
     as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
-    start_from_state(t, 1)
+    set_start_to_state(t, 1)
     solve_stopping_impulses(t)
     first = velocity_at(t.links)
     for j in range(coordinate_count(t.links)):
-        t.step.state_end[first + j] += carried(0.0, 1.0, t.constraints.change[j])
+        t.step.state_end[first + j] += dual_with_slope(0.0, 1.0, t.constraints.change[j])
     locate_points(t, t.step.state_end)
 
 
 def check_onsets_at_rest(t):
     """Check elements whose friction begins at a speed that is zero, but not for nearby parameters.
 
-    Sticking stops such a speed: the element is marked STOPPED. Sliding would keep the speed in one direction
+    Sticking stops such a speed: the element is marked STOPPED. Sliding would leave the speed in one direction
     and stop it in the other: the derivatives end.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.undecided[e] and t.element.before[e] == NO_FRICTION:
             speed = tangential_rate(t, e)
-            if not stays_at_rest(t, speed, carried(0.0, 0.0, speed)):
+            if not stays_at_rest(t, speed, dual_with_slope(0.0, 0.0, speed)):
                 if t.element.mode[e] == STICKS:
                     t.element.undecided[e] = STOPPED
                 else:
-                    end_at(t, FROM_REST, e)
+                    end_derivatives(t, FROM_REST, e)
 
 
 def contact_resistance(t):
@@ -306,9 +314,9 @@ def contact_resistance(t):
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
-        if t.element.undecided[e] == STOPPED and begins(t, e):
-            return carried(0.0, 0.0, t.step.end)
-    return RESISTANCE * mean_mass(t)
+        if t.element.undecided[e] == STOPPED and begins_now(t, e):
+            return dual_with_slope(0.0, 0.0, t.step.end)
+    return CONTACT_RESISTANCE * mean_mass(t)
 
 
 def check_coefficients(t):
@@ -320,30 +328,30 @@ def check_coefficients(t):
         return
     for c in range(t.candidates):
         if t.touch.active[c] and cannot_be_less(t.law.static_friction[c]):
-            end_at(t, NO_LESS, c)
+            end_derivatives(t, NO_LESS, c)
     for i in range(first_joint(t), drive_count(t)):
         if cannot_be_less(t.drive.friction[i]):
-            end_at(t, NO_LESS, t.candidates + i)
+            end_derivatives(t, NO_LESS, t.candidates + i)
 
 
-def is_open(t, e):
+def is_nearly_at_limit(t, e):
     """Return whether the force that would hold element e at rest nearly equals the limit of friction.
 
     If the effect of the choice is negligible, the result is false.
     """
-    limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
+    limit, errors = value(t.element.limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):
         return False
     mass, time = value(mean_mass(t)), settling_time(t)
     if t.element.mode[e] == STICKS:
         margin = t.element.limit[e] - abs(t.element.force[e])
         near = abs(value(margin)) <= errors * limit
-        return near and (force_drops(t, e) or not negligible(t, margin * (time / mass)))
-    slow = not force_drops(t, e) and stops_slowly(t, e)
+        return near and (friction_drops(t, e) or not negligible(t, margin * (time / mass)))
+    slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)
     return slow and not negligible(t, tangential_acceleration(t, e) * time)
 
 
-def end_at(t, reason, e):
+def end_derivatives(t, reason, e):
     """Record that derivatives do not exist from the end of the last step on, because of element e.
 
     Nothing changes if they have ended before. ``reason`` says why they end.

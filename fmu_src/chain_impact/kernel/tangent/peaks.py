@@ -9,9 +9,9 @@ import math
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces.active_contacts import contact_force, set_extremes, set_joint_square
 from chain_impact.kernel.loads import set_load_peak, square_of_force
-from chain_impact.kernel.ode.last_step import delay_start
+from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, sloped, value
+from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
 
 # The round-off of a contact's force at the end of a step, relative to the contact's peak force.
 FORCE_ROUND_OFF = 1e-9
@@ -22,15 +22,15 @@ def forget_peaks(t, delay):
 
     This applies to the directions in which the ``delay`` [s] of an event there has derivatives.
     """
-    delay_start(t, unknown(t.step.start_delay, delay))
+    set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
     for i in range(t.links if t.loads > 0 else 0):
         at_end, peak = value(square_of_force(t, i)), t.transmitted.peak[i]
         if at_end >= value(peak):
-            set_load_peak(t, i, unknown(peak, delay))
+            set_load_peak(t, i, with_unknown_slopes(peak, delay))
         for k in range(t.touch.active_count):
             c = t.touch.active_index[k]
             if at_end >= value(t.touch.joint_square[c]):
-                set_joint_square(t, c, unknown(t.touch.joint_square[c], delay), t.touch.joint[c])
+                set_joint_square(t, c, with_unknown_slopes(t.touch.joint_square[c], delay), t.touch.joint[c])
     if t.touch.compliant_count > 0:
         locate_points(t, t.step.state_end)
     for k in range(t.touch.active_count):
@@ -43,12 +43,12 @@ def forget_peaks(t, delay):
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):
-            set_extremes(t, c, unknown(peak, delay), t.touch.max_penetration[c])
+            set_extremes(t, c, with_unknown_slopes(peak, delay), t.touch.max_penetration[c])
 
 
-def unknown(number, delay):
+def with_unknown_slopes(number, delay):
     """Return a number with the derivative NaN where that of ``delay`` is not 0; its others stay."""
     for k in range(DIRECTIONS):
         if slope(delay, k) != 0.0:
-            number = sloped(number, k, math.nan)
+            number = with_slope(number, k, math.nan)
     return number

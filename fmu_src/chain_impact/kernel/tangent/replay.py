@@ -49,20 +49,20 @@ from chain_impact.kernel.ode.collocation import (
     solve,
 )
 from chain_impact.kernel.ode.control import IMPLICIT, begin_trial
-from chain_impact.kernel.ode.dense import settle_impulses
+from chain_impact.kernel.ode.dense import correct_falling_impulses
 from chain_impact.kernel.ode.extended import (
-    compliant,
+    clearance_count,
     extend_start,
     extended_size,
     factorize_real,
     project_clearances,
 )
 from chain_impact.kernel.ode.last_step import (
-    accept,
     choose_variable,
-    delay_start,
+    make_last_step,
     mark_jump,
     reset_step,
+    set_start_delay,
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import begin_explicit
@@ -72,13 +72,13 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import any_sticking
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
-    carried,
     copy_given,
     copy_values,
+    dual_with_slope,
+    has_slope,
     slope,
-    sloped,
     value,
-    varies,
+    with_slope,
 )
 from chain_impact.kernel.tangent.friction import check_coefficients
 from chain_impact.kernel.tangent.rises import check_rises, delay_jumps
@@ -95,19 +95,19 @@ from chain_impact.kernel.tangent.trust import (
     TRUSTED,
     begin_trust,
     check_turns,
+    mark_trusted,
     mark_untrusted,
-    trust,
 )
 
 
 def start_tangent(d, t):
-    """Initialize t from d, which is initialized; t already holds the derivatives of the parameters."""
+    """Initialize t from d, which is initialized; t already contains the derivatives of the parameters."""
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
     if d.signals > 0:
         derive_signals(t, d.step.time)
-    take_given(d, t)
+    copy_given_and_modes(d, t)
     apply_inputs(t)
     derive_drives(t)
     start_laws(t)
@@ -121,18 +121,18 @@ def start_tangent(d, t):
 def reinit_tangent(d, t):
     """Re-initialize t as d was, at the communication point, where ``truncate_tangent`` has ended its step."""
     reset_step(t, t.step.end, t.step.state_end)
-    delay_start(t, carried(0.0, 0.0, t.step.end))
+    set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
     # the part of the run after this point is dropped, so derivatives that ended only there go on
     if t.trust.time > value(t.step.end):
-        trust(t)
-    take_given(d, t)
+        mark_trusted(t)
+    copy_given_and_modes(d, t)
     apply_pending_inputs(t)
     check_coefficients(t)
     clear_loads(t)
 
 
-def take_given(d, t):
-    """Copy given values, prescribed motions and modes of d to t; t keeps the derivatives of given values.
+def copy_given_and_modes(d, t):
+    """Copy given values, prescribed motions and modes of d to t; the derivatives of t stay.
 
     The derivatives of a prescribed motion are with respect to constants that are added to its position,
     velocity and acceleration.
@@ -141,9 +141,9 @@ def take_given(d, t):
     if d.channels > 0:
         copy_values(d.moved, t.moved)
     for j in range(d.channels):
-        t.moved.added[j] = carried(0.0, 1.0, t.motion.position[j])
-        t.moved.added_rate[j] = carried(0.0, 1.0, t.motion.velocity[j])
-        t.moved.added_acceleration[j] = carried(0.0, 1.0, t.motion.acceleration[j])
+        t.moved.added[j] = dual_with_slope(0.0, 1.0, t.motion.position[j])
+        t.moved.added_rate[j] = dual_with_slope(0.0, 1.0, t.motion.velocity[j])
+        t.moved.added_acceleration[j] = dual_with_slope(0.0, 1.0, t.motion.acceleration[j])
     copy_modes(d, t)
 
 
@@ -159,11 +159,11 @@ def copy_modes(d, t):
 # The iteration ends if its last correction, relative to the derivatives, is at most this times the tolerance.
 CONVERGED_SLOPES = 0.01
 # The rule to stop an iteration of derivatives that does not converge. The least correction must fall by the
-# factor FALLS within STALLED iterations; it may rise in between, as the direction of the correction changes.
-# If it does not fall, a correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is round-off and accepted;
-# a larger one is a failure.
-FALLS, STALLED, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
-MOST = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
+# factor LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; it may rise in between, as the direction of
+# the correction changes. If it does not fall, a correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is
+# round-off and accepted; a larger one is a failure.
+LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
+MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
 # A correction is relative to the derivatives, but at least to this part of ``speed_by_friction``: smaller
 # derivatives may be round-off.
 LEAST_SLOPE = 1e-3
@@ -175,25 +175,25 @@ def make_implicit(d, t, h):
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
-    take_stages(d, t, size)
-    take_slopes(d, t)
+    copy_stages(d, t, size)
+    copy_jacobian_data(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
     # derivatives that cannot be trusted any more are not needed
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
-    if compliant(t) > 0:
+    if clearance_count(t) > 0:
         project_clearances(t, t.implicit.z, t.trial.state)
 
 
-def take_stages(d, t, size):
-    """Set the values of the stages of t to the stages of d, and keep their derivatives."""
+def copy_stages(d, t, size):
+    """Set the values of the stages of t to the stages of d; their derivatives stay."""
     for i in range(RADAU_STAGES):
         for j in range(size):
-            t.implicit.stages[i, j] = carried(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
+            t.implicit.stages[i, j] = dual_with_slope(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
 
 
-def take_slopes(d, t):
+def copy_jacobian_data(d, t):
     """Set the data of the Jacobian A in t: those of contacts and the link vectors are copied from d."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
@@ -205,18 +205,18 @@ def take_slopes(d, t):
 def iterate_slopes(d, t, h, size):
     """Iterate the derivatives of the stages; return whether the derivatives have converged."""
     least, stalled = math.inf, 0
-    for _ in range(MOST):
+    for _ in range(MOST_SLOPE_ITERATIONS):
         find_residuals(t, h, size)
         solve_slopes(d, t, h, size)
         correct_stages(t, h, size)
-        take_stages(d, t, size)
+        copy_stages(d, t, size)
         correction = last_correction(d, t, size)
         if correction <= CONVERGED_SLOPES * d.solver.tolerance:
             return True
         stalled += 1
-        if correction < FALLS * least:
+        if correction < LARGEST_FALL_FACTOR * least:
             least, stalled = correction, 0
-        if stalled == STALLED:
+        if stalled == STALLED_ITERATIONS:
             return correction <= SLOPE_ROUND_OFF
     return False
 
@@ -230,7 +230,7 @@ def solve_slopes(d, t, h, size):
         solve(d, h, size)
         for i in range(RADAU_STAGES):
             for j in range(size):
-                t.implicit.parts[i, j] = sloped(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
+                t.implicit.parts[i, j] = with_slope(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
 
 
 def last_correction(d, t, size):
@@ -271,10 +271,10 @@ def replay(d, t):
     copy_modes(d, t)
     limit_ends_step, segment_ends_step = ends_at_limit(t), ends_with_segment(t)
     apply_pending_events(t)
-    delay_start(t, carried(0.0, 0.0, t.step.end))
+    set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
     if limit_ends_step:
         fix_start(t)
-    # t keeps the derivatives of the inputs, which are with respect to constants added to the inputs
+    # the derivatives of the inputs stay, which are with respect to constants added to the inputs
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
@@ -282,38 +282,38 @@ def replay(d, t):
         if d.statistics.steps == 1:
             delay_jumps(t)
         begin_segments(t)
-    if segment_ends_step and varies(t.step.end):
+    if segment_ends_step and has_slope(t.step.end):
         fix_start(t)
     t.step.method = d.step.last_method
     choose_variable(t, True)
     set_first_stage(t)
     lands = ends_regularized(d)
-    make(d, t, d.step.size * d.step.kept if lands else d.step.size)
+    repeat_step(d, t, d.step.size * d.step.end_fraction if lands else d.step.size)
     check_turns(t)
     if lands:
-        take_values(d, t)
+        copy_end_values(d, t)
         mark_jump(t)
     else:
-        if d.step.kept != 1.0:
-            truncate_step(t, d.step.kept)
-        take_values(d, t)
-    settle_impulses(t)
+        if d.step.end_fraction != 1.0:
+            truncate_step(t, d.step.end_fraction)
+        copy_end_values(d, t)
+    correct_falling_impulses(t)
     copy_marks(d, t)
     move_end(t)
     if d.signals > 0:
         move_to_segment(t)
 
 
-def make(d, t, h):
+def repeat_step(d, t, h):
     """Make a step of size h as d did, but without error control."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
     else:
-        explicit.make(t, h)
+        explicit.make_step(t, h)
         if t.touch.active_count > 0 or any_sticking(t):
             locate_points(t, t.trial.state)
-    accept(t)
+    make_last_step(t)
 
 
 def ends_regularized(d):
@@ -325,13 +325,13 @@ def ends_regularized(d):
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
 
-def take_values(d, t):
+def copy_end_values(d, t):
     """Set the values of t at the end of the last step to the values of d; the two differ by round-off.
 
-    The rate there is the first stage of the next explicit step. If it kept the rate's own round-off, long
+    The rate there is the first stage of the next explicit step. With the rate's own round-off, long
     steps at rest would multiply this error from step to step, although the motion itself is stable.
     """
     for j in range(len(d.step.state_end)):
-        t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
-        t.scratch.rate_end[j] = carried(d.scratch.rate_end[j], 1.0, t.scratch.rate_end[j])
-    t.step.end = carried(d.step.end, 1.0, t.step.end)
+        t.step.state_end[j] = dual_with_slope(d.step.state_end[j], 1.0, t.step.state_end[j])
+        t.scratch.rate_end[j] = dual_with_slope(d.scratch.rate_end[j], 1.0, t.scratch.rate_end[j])
+    t.step.end = dual_with_slope(d.step.end, 1.0, t.step.end)

@@ -21,7 +21,7 @@ from chain_impact.kernel.events.segments import shift_start
 from chain_impact.kernel.mathematics.angles import direction
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.tangent.duals import DIRECTIONS, carried, slope, value, varies
+from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
 LACKING = 0.5  # ∫ (1 − r) dx over a rise, x from 0 to 1, with r = 10 x³ − 15 x⁴ + 6 x⁵
 # the largest sine or cosine of a phase that is round-off of 0
@@ -43,7 +43,7 @@ def check_rises(t):
 def is_sudden(t, j):
     """Return whether signal j is a sine whose rise is 0 and has derivatives."""
     rise = t.signal.rise[t.signal.source[j]]
-    return t.signal.form[j] == SINE and value(rise) == 0.0 and varies(rise)
+    return t.signal.form[j] == SINE and value(rise) == 0.0 and has_slope(rise)
 
 
 def is_differentiable(t, j):
@@ -95,7 +95,7 @@ def delay_jumps(t):
         i = t.signal.source[j]
         jump, _ = at_begin(t, j)
         if is_sudden(t, j) and value(t.signal.start[i]) == value(t.step.end) and jump != 0.0:
-            delay_jump(t, j, jump, carried(0.0, LACKING, t.signal.rise[i]))
+            delay_jump(t, j, jump, dual_with_slope(0.0, LACKING, t.signal.rise[i]))
 
 
 def delay_jump(t, j, jump, delay):
@@ -111,4 +111,4 @@ def delay_jump(t, j, jump, delay):
         t.knot.powers[k, m - 1] -= jump * delay
     evaluate_start(t)
     if t.signal.input[j] != CHANNEL or m == 2:
-        shift_start(t, carried(0.0, -1.0, delay))
+        shift_start(t, dual_with_slope(0.0, -1.0, delay))

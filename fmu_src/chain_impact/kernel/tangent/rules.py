@@ -12,7 +12,7 @@ from chain_impact.kernel.mathematics import angles, exponentials, logarithms, po
 from chain_impact.kernel.ode import dense
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows import constraints
-from chain_impact.kernel.tangent.duals import carried, reciprocal, value, varies
+from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, reciprocal, value
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
@@ -24,23 +24,23 @@ FORCE_ITERATIONS = 3  # number of iterations for the forces of constraints
 def exp(x):
     """Return e^x."""
     result = exponentials.exp(value(x))
-    return carried(result, result, x)
+    return dual_with_slope(result, result, x)
 
 
 def expm1(x):
     """Return e^x − 1."""
     result = exponentials.expm1(value(x))
-    return carried(result, result + 1.0, x)
+    return dual_with_slope(result, result + 1.0, x)
 
 
 def log(x):
     """Return ln x."""
-    return carried(logarithms.log(value(x)), 1.0 / value(x), x)
+    return dual_with_slope(logarithms.log(value(x)), 1.0 / value(x), x)
 
 
 def log1p(x):
     """Return ln(1 + x)."""
-    return carried(logarithms.log1p(value(x)), 1.0 / (1.0 + value(x)), x)
+    return dual_with_slope(logarithms.log1p(value(x)), 1.0 / (1.0 + value(x)), x)
 
 
 def power(x, y):
@@ -48,9 +48,9 @@ def power(x, y):
     a, b = value(x), value(y)
     result = powers.power(a, b)
     # (x^y)′ = y x^(y−1) x′ + x^y ln x y′
-    total = carried(result, b * powers.power(a, b - 1.0), x)
-    if varies(y):
-        total += carried(0.0, result * logarithms.log(a), y)
+    total = dual_with_slope(result, b * powers.power(a, b - 1.0), x)
+    if has_slope(y):
+        total += dual_with_slope(0.0, result * logarithms.log(a), y)
     return total
 
 
@@ -64,13 +64,13 @@ def power_of_depth(depth, exponent):
     result = force_formula.power_of_depth(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
     slope = n * result / base if base > 0.0 else (1.0 if n == 1.0 else 0.0)
-    total = carried(result, slope, depth)
-    if base > 0.0 and varies(exponent):
-        total += carried(0.0, result * logarithms.log(base), exponent)
+    total = dual_with_slope(result, slope, depth)
+    if base > 0.0 and has_slope(exponent):
+        total += dual_with_slope(0.0, result * logarithms.log(base), exponent)
     return total
 
 
-def polar(radius, y, first, horizontal, vertical):
+def set_polar(radius, y, first, horizontal, vertical):
     """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ.
 
     Dual numbers in the reduction of the angle would give wrong derivatives.
@@ -86,12 +86,12 @@ def direction(angle):
     Dual numbers in the reduction of the angle would give wrong derivatives.
     """
     cosine, sine = angles.direction(value(angle))
-    return carried(cosine, -sine, angle), carried(sine, cosine, angle)
+    return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)
 
 
-def resists(constant):
+def has_effect(constant):
     """Return whether a constant has an effect: its value or any of its derivatives is not 0."""
-    return value(constant) != 0.0 or varies(constant)
+    return value(constant) != 0.0 or has_slope(constant)
 
 
 def choose_saturation(t):
@@ -102,15 +102,15 @@ def choose_saturation(t):
 
 def shift_start(t, delay):
     """Move the start of the next step by the derivatives of the ``delay`` [s]."""
-    y, rate, time = t.step.state_end, t.scratch.rate_start, carried(0.0, 1.0, delay)
-    if varies(time):
+    y, rate, time = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
+    if has_slope(time):
         forget_peaks(t, time)
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
     quadrature = t.quadrature
     for k in range(quadrature.count):
         quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
-    if t.channels > 0 or varies(time):
+    if t.channels > 0 or has_slope(time):
         evaluate_start(t)
 
 
@@ -131,7 +131,7 @@ def fraction(t, time):
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with
     # ṫ = dt/dθ; where a contact begins or ends ṫ = 0, and the derivatives of θ are set to 0
-    return carried(theta, -reciprocal(max(0.0, rate)), error)
+    return dual_with_slope(theta, -reciprocal(max(0.0, rate)), error)
 
 
 def event_fraction(t):
@@ -140,7 +140,7 @@ def event_fraction(t):
     rate = value(step.size)
     if step.regularized >= 0:
         rate *= dense.time_rate(value(step.state[sundman_u_at(t.links)]))
-    return carried(0.0, reciprocal(max(0.0, rate)), step.start_delay)
+    return dual_with_slope(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 
 
 def iterated_enough(_t, iterations):
@@ -163,13 +163,13 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
         value(exponent),
         value(restitution),
     )
-    total = carried(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), depth)
-    total += carried(0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
-    total += carried(0.0, slope_along(2, ARGUMENT_DIFFERENCE * at[2], at), speed)
-    total += carried(0.0, slope_along(3, ARGUMENT_DIFFERENCE * at[3], at), mass)
-    total += carried(0.0, slope_along(4, ARGUMENT_DIFFERENCE * at[4], at), stiffness)
-    total += carried(0.0, slope_along(5, ARGUMENT_DIFFERENCE * at[5], at), exponent)
-    return total + carried(0.0, slope_along(6, ARGUMENT_DIFFERENCE * at[6], at), restitution)
+    total = dual_with_slope(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), depth)
+    total += dual_with_slope(0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
+    total += dual_with_slope(0.0, slope_along(2, ARGUMENT_DIFFERENCE * at[2], at), speed)
+    total += dual_with_slope(0.0, slope_along(3, ARGUMENT_DIFFERENCE * at[3], at), mass)
+    total += dual_with_slope(0.0, slope_along(4, ARGUMENT_DIFFERENCE * at[4], at), stiffness)
+    total += dual_with_slope(0.0, slope_along(5, ARGUMENT_DIFFERENCE * at[5], at), exponent)
+    return total + dual_with_slope(0.0, slope_along(6, ARGUMENT_DIFFERENCE * at[6], at), restitution)
 
 
 def slope_along(argument, h, at):
@@ -177,12 +177,12 @@ def slope_along(argument, h, at):
     if h == 0.0:
         return 0.0
     # central difference of the forces F_j at j times the increment h: (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
-    near = moved(argument, h, at) - moved(argument, -h, at)
-    far = moved(argument, 2.0 * h, at) - moved(argument, -2.0 * h, at)
+    near = force_after_change(argument, h, at) - force_after_change(argument, -h, at)
+    far = force_after_change(argument, 2.0 * h, at) - force_after_change(argument, -2.0 * h, at)
     return (8.0 * near - far) / (12.0 * h)
 
 
-def moved(argument, by, at):
+def force_after_change(argument, by, at):
     """Return the force of the user's law after a change of one argument."""
     return user_law.force(
         at[0] + by * (argument == 0),
@@ -211,7 +211,7 @@ RULES = {
     dense.event_fraction: event_fraction,
     segments.shift_start: shift_start,
     angles.direction: direction,
-    kinematics.polar: polar,
-    drives.resists: resists,
+    kinematics.set_polar: set_polar,
+    drives.has_effect: has_effect,
 }
 """Function of the kernel → its replacement, which gives value and derivatives."""

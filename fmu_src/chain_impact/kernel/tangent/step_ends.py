@@ -10,20 +10,20 @@ from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE,
 from chain_impact.kernel.events.segments import has_ended
 from chain_impact.kernel.ode.last_step import (
     SOLVER,
-    delay_start,
     ensure_dense,
     ensure_points,
     ensure_rate,
     evaluate_start,
     mark_jump,
+    set_start_delay,
 )
-from chain_impact.kernel.tangent.duals import carried, value, varies
+from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, value
 from chain_impact.kernel.tangent.event_times import (
-    delay_of_bend,
     delay_of_crossing,
     delay_of_saturation,
     delay_of_segment,
-    lasted,
+    delay_without_force_jump,
+    step_length,
 )
 from chain_impact.kernel.tangent.friction import check_changes, delay_of_change
 from chain_impact.kernel.tangent.trust import check_onsets
@@ -48,12 +48,12 @@ def move_end(t):
         move_along(t, time)
         return
     # a jump at the start of a step without length causes its event, so the event has no delay of its own
-    if not lasted(t) > 0.0:
+    if not step_length(t) > 0.0:
         return
     for c in range(t.candidates):
         if t.touch.event[c] in (KINK, RELEASE):
             prepare_end(t)
-            move_along(t, delay_of_bend(t, c, t.touch.event[c]))
+            move_along(t, delay_without_force_jump(t, c, t.touch.event[c]))
             return
     if t.drive.event:
         prepare_end(t)
@@ -63,7 +63,7 @@ def move_end(t):
 def move_to_segment(t):
     """Give the end of the last step the derivatives of the end of a signal's segment, if it ends the step."""
     delay = delay_of_segment(t)
-    if ends_with_segment(t) and varies(delay):
+    if ends_with_segment(t) and has_slope(delay):
         prepare_end(t)
         move_along(t, delay)
 
@@ -74,7 +74,7 @@ def is_crossing(t, c):
     # at the end of a regularized contact dt/ds = 0, so a delay in s, the step's variable, changes nothing
     if kind == END:
         return c != t.step.regularized
-    return kind == ONSET or (kind == RELATCH and lasted(t) > 0.0)
+    return kind == ONSET or (kind == RELATCH and step_length(t) > 0.0)
 
 
 def prepare_end(t):
@@ -127,9 +127,9 @@ def fix_start(t):
     interpolant's slope times the derivatives of the start time. The search for peaks in the next step begins
     at the event.
     """
-    delay = t.step.start_delay + carried(0.0, 1.0, t.step.end)
+    delay = t.step.start_delay + dual_with_slope(0.0, 1.0, t.step.end)
     mark_jump(t)
     ensure_rate(t)
-    move_along(t, carried(0.0, -1.0, t.step.end))
-    delay_start(t, delay)
+    move_along(t, dual_with_slope(0.0, -1.0, t.step.end))
+    set_start_delay(t, delay)
     evaluate_start(t)

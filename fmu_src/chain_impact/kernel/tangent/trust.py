@@ -14,15 +14,15 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.tangent.duals import value, varies
+from chain_impact.kernel.tangent.duals import has_slope, value
 
 TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
 JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint or of the slider
-# A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN times
-# the tolerance away, relative to the scale of the bound.
-OPEN = 100.0
+# A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN_DISTANCE
+# times the tolerance away, relative to the scale of the bound.
+OPEN_DISTANCE = 100.0
 # A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
 # RELATIVE_JUMP.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
@@ -63,13 +63,13 @@ def near_least_speed(t, c, speed):
 
     At a smaller speed the law uses the least v₀, at a larger one the speed.
     """
-    errors = OPEN * value(t.solver.tolerance) * fastest_speed(t)
+    errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
 
 
 def cannot_be_less(friction):
     """Return whether a parameter of dry friction is 0, its least possible value, and has derivatives."""
-    return value(friction) == 0.0 and varies(friction)
+    return value(friction) == 0.0 and has_slope(friction)
 
 
 def fastest_speed(t):
@@ -115,15 +115,15 @@ def mark_untrusted(t, reason, c, time):
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
 
-def trust(t):
+def mark_trusted(t):
     """Mark the derivatives as valid: forget the reason for which they have ended, if there is one."""
     t.trust.reason = TRUSTED
 
 
 def begin_trust(t):
     """Mark the derivatives as valid at the start of a run, where friction has left nothing open."""
-    t.trust.share, t.trust.split = 0.0, 0
-    trust(t)
+    t.trust.neglected, t.trust.split = 0.0, 0
+    mark_trusted(t)
 
 
 def mark_split(t):
@@ -135,13 +135,13 @@ def mark_split(t):
     t.trust.split = 1
 
 
-def share_reason(t, other):
+def copy_reason(t, other):
     """End the derivatives of t where those of tangent instance ``other`` end, if that time is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
 
 
-def trusted(t):
+def is_trusted(t):
     """Return whether the derivatives can be trusted at the communication point."""
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time

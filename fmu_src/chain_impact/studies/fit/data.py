@@ -213,8 +213,8 @@ class _Book:
         """Return all measurements that were collected."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
-        names, values, sigmas, places, kinds = zip(*self._found, strict=True)
-        of_impact, time_or_impact = np.array(kinds), np.array(places)
+        names, values, sigmas, where, kinds = zip(*self._found, strict=True)
+        of_impact, time_or_impact = np.array(kinds), np.array(where)
         times = np.unique(time_or_impact[~of_impact])
         outputs = tuple(dict.fromkeys(name for name, kind in zip(names, kinds, strict=True) if not kind))
         index = {name: k for group in (outputs, MEASURED_OF_IMPACT) for k, name in enumerate(group)}

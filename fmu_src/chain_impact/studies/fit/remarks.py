@@ -63,9 +63,9 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * IMPROBABLE / len(rows)))
     order = rows[far][np.argsort(-ratio[far], kind="stable")]
     if len(order):
-        places = [place for data_set in fit.data for place in places_of(data_set)]
+        labels = [label for data_set in fit.data for label in labels_of(data_set)]
         named = [
-            f"{places[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
+            f"{labels[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
             for row in order[:NAMED_VALUES]
         ]
         more = (
@@ -76,7 +76,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
         yield f"Far from what the other values tell: {'; '.join(named)}{more}. Are these rows wrong?"
 
 
-def places_of(data_set: Measurements) -> Iterator[str]:
+def labels_of(data_set: Measurements) -> Iterator[str]:
     """Yield words for each value: its column, and its impact or time."""
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:

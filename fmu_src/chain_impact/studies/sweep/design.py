@@ -59,8 +59,8 @@ class Design:
     def values(self, first: int, end: int) -> np.ndarray:
         """Return the values of the runs first … end − 1, shape (runs, K)."""
         if self.samples is None:
-            places = np.unravel_index(np.arange(first, end), self.shape)
-            columns = [v.values[at] for v, at in zip(self.variations, places, strict=True)]
+            indices = np.unravel_index(np.arange(first, end), self.shape)
+            columns = [v.values[at] for v, at in zip(self.variations, indices, strict=True)]
         else:
             parts = self._cubes(first, end) if self.sampling == "lhs" else self._sobol(first, end)
             columns = [v.at(part) for v, part in zip(self.variations, parts.T, strict=True)]

@@ -43,8 +43,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         low, middle, high = np.quantile(values, list(QUANTILES))
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         labels = ("_", f"median {with_unit(f'{middle:.3g}', quantity.unit)}", f"90 % of the runs: {between}")
-        places = (low, middle, high)
-        for quantile, line, label in zip(places, QUANTILES.values(), labels, strict=True):
+        positions = (low, middle, high)
+        for quantile, line, label in zip(positions, QUANTILES.values(), labels, strict=True):
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
         legend_above(axes)
         give_ticks(axes)

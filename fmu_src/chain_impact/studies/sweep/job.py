@@ -161,7 +161,7 @@ class Runner:
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
         if "latest" not in looked_at:
-            self._instance["latest"]["kept"] = 0
+            self._instance["latest"]["requested"] = 0
             self._instance["quadrature"]["computed"] = bool(looked_at & {"impulse", "friction", "load"})
         in_record = [k for k, path in enumerate(job.varied) if path]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]

@@ -42,11 +42,11 @@ def draw_maps(
     first, second = over
     x, y = axis_of(first), axis_of(second)
     grey: list[Patch] = []
-    places = [list(runs.varied).index(variation.name) for variation in (second, first)]
+    indices = [list(runs.varied).index(variation.name) for variation in (second, first)]
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(runs).reshape(runs.design.shape)
-        spare = tuple(k for k in range(shown.ndim) if k not in places)
-        shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
+        spare = tuple(k for k in range(shown.ndim) if k not in indices)
+        shown = shown.transpose(*indices, *spare).reshape(len(second.values), len(first.values))
         shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
         axes.set_facecolor(FAILED_COLOUR)
         if shown.count():

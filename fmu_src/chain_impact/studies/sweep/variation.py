@@ -167,6 +167,5 @@ def _check(variation: Variation, source: str) -> None:
         good &= True if limit is None else keeps(values, limit)
     if variable.items:
         good &= np.isin(values, np.arange(1, len(variable.items) + 1))
-    for wrong in values[~good].tolist():
-        text = repr(wrong).removesuffix(".0")
-        raise SceneError(f"{source}: {variable.name} = {text} must be {variable.allowed}")
+    for wrong in values[~good]:
+        raise SceneError(f"{source}: {variable.name} = {wrong:.17g} must be {variable.allowed}")
