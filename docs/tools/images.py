@@ -1,22 +1,40 @@
-"""Draw the images that no command of a page draws, with Chromium: ``python -m docs.tools.images``."""
+"""Draw all images of the docs, with Chromium: ``python -m docs.tools.images``.
+
+Words after the command are parts of names: then only programs, models and pages with one of them are drawn.
+"""
 
 from __future__ import annotations
 
+import re
 import shlex
+import shutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from chain_impact.scene.models import model_names
 from docs.tools import DOCS
 
+IMAGES = DOCS / "images"
+CLI = "-m chain_impact.cli"
 PROGRAMS = (
-    "-m chain_impact.cli animate four_link_box --set simulation.stop_time=1.25 --impact-time 0.4 "
+    f"{CLI} animate four_link_box --set simulation.stop_time=1.25 --impact-time 0.4 "
     "--size 800x450 -o docs/images/four_link_box.gif",
-    "-m chain_impact.cli compare four_link_box --plot docs/images/compare.png",
-    "-m chain_impact.cli simulate four_link_box --stop-time 1.1 --sensitivity "
+    f"{CLI} compare four_link_box --plot docs/images/compare.png",
+    f"{CLI} simulate four_link_box --stop-time 1.1 --sensitivity "
     'contact.restitution,contact.stiffness --sensitivity "link[2].mass" --plot docs/images/sensitivities.png',
-    "-m chain_impact.cli sweep four_link_box --set simulation.stop_time=0.6 "
+    f"{CLI} simulate pinned_arm --rank peak_force "
+    '--sensitivity "contact.*,link[*].mass,joint[*].torque" --plot docs/images/ranking.png',
+    f"{CLI} sweep four_link_box --set simulation.stop_time=0.6 "
     "--vary contact.restitution=0.05:0.95:46 --vary contact.stiffness=1e6:1e9:31:log -o build/map.csv "
     "--plot docs/images/sweep.png",
+    "models/carried_arm/co_simulation.py --plot docs/images/carried_arm.png",
+    "models/controlled_arm/co_simulation.py --plot docs/images/controlled_arm.png",
+    "models/cart_pole/co_simulation.py --plot docs/images/cart_pole_balanced.png",
     "-m docs.tools.screenshot",
     "-m tests.helpers.literature.beside_measurements",
     "-m docs.tools.sensitivity_chart",
@@ -24,16 +42,75 @@ PROGRAMS = (
     "-m docs.tools.charts",
     "-m benchmarks tables --charts",
 )
-"""The arguments of Python that draw the images."""
+"""The arguments of Python that draw images."""
+OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
+"""The models whose image is not the picture of their motion; a program of PROGRAMS draws it."""
+OF_PAGES = {
+    "fit.md": {"fit.png": "fit.png"},
+    "mount.md": {"joints.png": "joint_force.png"},
+    "robot_load.md": {"load.png": "robot_load.png"},
+    "models/triple_pendulum.md": {"pendulum.png": "fit_pendulum.png"},
+}
+"""Page → picture that its commands draw → name of the image."""
+BLOCK = re.compile(r'^```(\w+)(?: title="([^"]*)")?\n(.*?)^```$', re.M | re.S)
+COLOURS = 256  # the number of colours of an image, which keeps its file small
 
 
-def main() -> None:
-    """Run all programs, one after the other."""
+def main(wanted: list[str]) -> None:
+    """Run all programs, one after the other; then draw the models and the pictures of pages."""
     (DOCS.parent / "build").mkdir(exist_ok=True)
-    for program in PROGRAMS:
+    models = [
+        f"{CLI} simulate {name} --plot docs/images/{name}.png" for name in model_names() if name not in OTHERS
+    ]
+    before = {image: image.stat().st_mtime for image in IMAGES.glob("*.png")}
+    for program in chosen([*models, *PROGRAMS], wanted):
         print(program, flush=True)
-        subprocess.run([sys.executable, *shlex.split(program)], cwd=DOCS.parent, check=True)
+        run(*shlex.split(program))
+    for page in chosen(OF_PAGES, wanted):
+        print(page, flush=True)
+        draw_page(page)
+    for image in IMAGES.glob("*.png"):
+        if image.stat().st_mtime != before.get(image):
+            shrink(image)
+
+
+def chosen(names: list[str] | dict[str, dict[str, str]], wanted: list[str]) -> list[str]:
+    """Return the names that have a wanted part; all names if nothing is wanted."""
+    return [name for name in names if not wanted or any(part in name for part in wanted)]
+
+
+def run(*arguments: str, folder: Path = DOCS.parent) -> None:
+    """Run Python in a folder."""
+    subprocess.run([sys.executable, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+
+def draw_page(page: str) -> None:
+    """Run the files, programs and commands of a page in a new folder, and copy the pictures."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "models").symlink_to(DOCS.parent / "models")
+        for language, title, text in BLOCK.findall((DOCS / page).read_text(encoding="utf-8")):
+            if title and title != "printed":
+                (folder / title).write_text(text, encoding="utf-8")
+            elif language == "python":
+                run("-c", text, folder=folder)
+            elif language == "sh":
+                for line in text.splitlines():
+                    if line.startswith("chain-impact "):
+                        run(*CLI.split(), *shlex.split(line, comments=True)[1:], folder=folder)
+        for picture, image in OF_PAGES[page].items():
+            shutil.copyfile(folder / picture, IMAGES / image)
+
+
+def shrink(image: Path) -> None:
+    """Write an image again with COLOURS colours and the same texts."""
+    with Image.open(image) as picture:
+        words = PngInfo()
+        for key, text in getattr(picture, "text", {}).items():
+            words.add_itxt(key, text)
+        few = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    few.save(image, optimize=True, pnginfo=words)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -49,10 +49,11 @@ def draw(path, time, columns):
         figure = Figure(figsize=(8, 4.8), layout="constrained")
         headline(
             figure,
-            f"The carriage bears {peak:.0f} N at most when the arm hits the wall",
+            f"CarriedArm: peak force on the carriage {peak:.0f} N",
             f"two FMUs, carriage and arm  ·  communication step {time[1]:g} s",
         )
         place, impulse = figure.subplots(2, 1, sharex=True)
+        place.tick_params(labelbottom=True)
         place.plot(time, 1000 * columns["base.x"], color=BLUE)
         place.set_ylabel("place of the\ncarriage [mm]")
         impulse.plot(time, columns["joint[1].impulse.x"], color=VERMILLION)

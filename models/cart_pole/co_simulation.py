@@ -52,7 +52,7 @@ def draw(path, time, columns):
         figure = Figure(figsize=(8, 5.4), layout="constrained")
         headline(
             figure,
-            f"The pole leans by {max(map(abs, tilts)):.0f}° at most, and stands at the end",
+            f"CartPole: balanced, largest lean {max(map(abs, tilts)):.0f}°",
             "two FMUs, cart and controller  ·  line: the stop  ·  band: a push on the pole",
         )
         place, tilt, force = figure.subplots(3, 1, sharex=True)
@@ -65,6 +65,7 @@ def draw(path, time, columns):
         force.set(xlabel="time [s]", ylabel="force [N]")
         for panel in (place, tilt, force):
             panel.axvspan(pushed[0], pushed[-1], color=ORANGE, alpha=0.35, linewidth=0.0)
+            panel.tick_params(labelbottom=True)
         figure.align_ylabels()
         figure.savefig(path, dpi=DPI)
 

@@ -60,7 +60,7 @@ def draw(path, columns, parameters):
         figure = Figure(figsize=(10, 6), dpi=DPI, layout="constrained")
         headline(
             figure,
-            f"The wall stops the arm with {peak:.0f} N at most, then holds it with {force[-1]:.0f} N",
+            f"ControlledArm: peak force of the wall {peak:.0f} N, then {force[-1]:.0f} N",
             "two FMUs, arm and controller  ·  targets of the joints lie behind the wall  ·  restitution e = "
             f"{parameters['contact.restitution']:g}  ·  communication step {time[1]:g} s",
         )
@@ -90,8 +90,6 @@ def draw(path, columns, parameters):
         forces.set(xlabel="time [s]", ylabel="force of the wall [N]", yscale="symlog", ylim=(0, None))
         for axes in (motion, angles, torques):
             axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3 if axes is motion else 4)
-        for axes in (angles, torques):
-            axes.tick_params(labelbottom=False)
         figure.savefig(path, dpi="figure")
 
 

@@ -10,11 +10,10 @@ from PIL import Image
 
 from chain_impact.pictures.style import words_of
 from chain_impact.scene.scene import model_names
+from docs.tools.images import OTHERS
 from tests.pictures.pictures import drawn, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
-# drawn by separate scripts
-OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 LEFT_OUT = "Impacts without room for their numbers"
 NUMBERS = re.compile(r"[\d, +–]+( more)?")
 

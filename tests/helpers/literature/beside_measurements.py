@@ -28,6 +28,7 @@ def triple_pendulum(figure: Figure) -> None:
     columns, result = measured("triple_pendulum"), simulate("triple_pendulum")
     time = columns["time"]
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    above.tick_params(labelbottom=True)
     off = []
     for link, colour in zip((1, 2, 3), PALETTE, strict=False):
         angle = columns[f"link[{link}].angle"]
@@ -61,6 +62,7 @@ def golf_ball(figure: Figure) -> None:
     heard, result = heard_impacts(), simulate("golf_ball")
     late = 1000 * (heard - result.impacts["onset"])
     height, delay = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    height.tick_params(labelbottom=True)
     height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4)
     height.plot(heard, 0 * heard, "v", color=VERMILLION, markersize=6, clip_on=False, label="heard")
     height.set(ylabel="height [m]", ylim=(0, 0.85))
