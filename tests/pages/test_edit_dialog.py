@@ -226,7 +226,7 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]
     assert scene.chain.links[1].center_of_mass_offset == 0.03
     assert_same_motion(page, scene)
-    grip = page.get_by_role("button", name="Point 9: arrow keys move it on its link")
+    grip = page.get_by_role("button", name="Point 9 (heel): arrow keys move it on its link")
     grip.press("Shift+ArrowUp")
     moved = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
     assert moved != 0.08

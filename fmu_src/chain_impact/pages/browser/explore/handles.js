@@ -18,7 +18,7 @@ const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // [pixels] how far an arrow key moves a grip, alone and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SPOKEN = {
-  site: (index) => `Point ${index}: arrow keys move it on its link`,
+  site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
   joint: (index) => `Point ${index}: arrow keys move it`,
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
   wall: (name) => `Wall ${name}: arrow keys move it`,
@@ -161,9 +161,11 @@ export class Handles {
       group.circle(9).center(...to).addClass("velocity-tip");
       group.circle(GRIP).center(...to).addClass("grip").attr(gripFor("velocity", k));
     });
+    const names = new Map(this.player.recording.pointNames);
     this.#sites(positions).forEach(({ number, at }) => {
+      const label = names.has(number) ? ` (${names.get(number)})` : "";
       group.circle(13).center(...screen(at)).addClass("joint-ring");
-      group.circle(GRIP).center(...screen(at)).addClass("grip").attr(gripFor("site", number));
+      group.circle(GRIP).center(...screen(at)).addClass("grip").attr(gripFor("site", number, label));
     });
     positions.forEach((point, k) => {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
@@ -330,9 +332,9 @@ function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** Return the attributes that make an element a grip, for a pointer and for keys. */
-function gripFor(kind, index) {
-  return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index) };
+/** Return the attributes that make an element a grip, for a pointer and for keys; `label` is the name of a point, if any. */
+function gripFor(kind, index, label = "") {
+  return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index, label) };
 }
 
 /** Return the vector from one position to another. */
