@@ -198,6 +198,8 @@ class DifferentiatedInstance(Instance):
     def _one_sided(self) -> list[str]:
         """The parameters with one-sided derivatives: they move a bend of a signal at the start of the run."""
         driven = self.prepared.structure.signals
+        if not driven:
+            return []
         slopes = self._tangents["knot"]["time"]["slope"][:, bends_at_start(self.record, driven)]
         moves = (slopes != 0.0).any(axis=1).ravel()
         return [name for name, moved in zip(self.parameters, moves, strict=False) if moved]
