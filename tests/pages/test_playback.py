@@ -88,7 +88,7 @@ def test_positions_alone_make_a_page(show_recording):
 def test_energies_below_zero_have_as_many_digits_as_those_above(show_recording):
     time = np.linspace(0.0, 1.0, 20)
     columns = {f"point[{k}].{axis}": k + 0 * time for k in (0, 1) for axis in "xy"}
-    columns |= {"energy.potential": -1234.5 + time}
+    columns |= {"energy.supplied": -1234.5 + time}
     assert show_recording(Recording("Deep", time, columns)).inner_text("#energies dd") in ("-1234", "-1235")
 
 
