@@ -53,6 +53,14 @@ def points_of(link):
     return [(point.x, point.y, point.radius, point.name) for point in link.points]
 
 
+@pytest.mark.parametrize(("removed", "left"), [("ramp", "stop"), ("stop", "ramp")])
+def test_a_wall_whose_plane_is_removed_is_no_wall(tmp_path, removed, left):
+    found, done = converted(tmp_path, "ramp", extended(removed, ""))
+    assert [wall.name for wall in found.walls] == [left]
+    assert found.walls[0] == next(wall for wall in scene_of("ramp").walls if wall.name == left)
+    assert f"walls.{removed}" in done.notes[0]
+
+
 @pytest.mark.parametrize(
     ("change", "expected"),
     [

@@ -81,7 +81,7 @@ def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
     })()""")
     assert rows >= 3
     assert page.locator("#impacts tbody tr").count() > 3
-    assert left < 24 + 8, "one more row would not fit"
+    assert left < 24 + 8, "there is room for one more row"
 
 
 def test_the_map_is_whole_in_a_low_window(show):

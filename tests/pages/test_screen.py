@@ -61,6 +61,17 @@ def drag(page, grip, by, origin=None):
     return parameters(page)
 
 
+@pytest.mark.parametrize(("wall", "key", "sign"), [("y_max", "ArrowUp", 1), ("y_min", "ArrowDown", -1)])
+def test_an_arrow_key_moves_a_wall_whose_grip_is_beside_it(show, wall, key, sign):
+    """The grip of a wall at the edge of the view is inside the view, as a whole."""
+    page = show()
+    before = parameters(page)[f"box.{wall}"]
+    page.locator(f'[data-grip="wall {wall}"]').focus()
+    page.keyboard.press(key)
+    settle(page)
+    assert sign * (parameters(page)[f"box.{wall}"] - before) > 0.0
+
+
 @pytest.mark.parametrize(
     ("grip", "by", "signs"),
     [

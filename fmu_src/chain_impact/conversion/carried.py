@@ -102,6 +102,9 @@ class _Merger:
 
         Tables, and lists of equal length, are merged entry by entry.
         """
+        if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
+            self.changed.append(key)
+            return ABSENT
         if isinstance(found, dict) or isinstance(written, dict):
             tables = [table if isinstance(table, dict) else {} for table in (ours, written, found)]
             values = {

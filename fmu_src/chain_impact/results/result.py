@@ -227,20 +227,23 @@ class Result(Pictured):
 
         Fields kinetic, potential, elastic, dissipated, supplied, total = kinetic + potential + elastic, and
         friction, the part of dissipated that dry friction takes; total + dissipated − supplied is constant.
-        The field friction is NaN if no output of the scene needs the integrals over time.
+        The field friction is NaN if the run does not compute it: it needs an output that is an integral over
+        time.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
         known = self.prepared.structure.known
+        is_known = known["impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # without friction or a supply, a scene has no such output, and its energy is 0
-            if all(known[condition] for condition in kind.when if condition in FACTS):
-                path = kind.record_path
-                energy[name] = field_at(self.outputs, path) if self._has_all else self[kind.name]
-        if known["friction"] and not known["impulses"]:
-            energy["friction"] = np.nan
+            if not all(known[condition] for condition in kind.when if condition in FACTS):
+                continue
+            if name == "friction" and not is_known:
+                energy[name] = np.nan
+            else:
+                energy[name] = field_at(self.outputs, kind.record_path) if self._has_all else self[kind.name]
         return energy
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:

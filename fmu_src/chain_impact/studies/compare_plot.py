@@ -97,13 +97,15 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns) -> str:
-    """Return a sentence: how much the laws differ in the first impact."""
+    """Return a headline: how much the laws differ in the first impact."""
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not restitutions:
         return f"{name}: no law finished its first impact"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
-    return f"{name}: restitution {span} for e = {e:g}, {plural(len(restitutions), 'law')}"
+    return (
+        f"{name}: restitution {span} in the first impact, for e = {e:g}, {plural(len(restitutions), 'law')}"
+    )
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -129,8 +131,8 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each; "" for common laws.
 
     The law that differs most has the restitution in the first impact that is farthest from the restitution
-    with the reference law. The law without losses ignores the prescribed restitution, so it has a colour of
-    its own, and another law differs most.
+    with the reference law, among laws with losses. The law without losses ignores the prescribed restitution,
+    so it has a colour and a reason of its own.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -140,7 +142,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     if off.pop(LOSSLESS, math.nan) > 0.0:
         _add_reason(why, LOSSLESS, "no losses")
     for law in sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])[:1]:
-        _add_reason(why, law, "differs most")
+        _add_reason(why, law, "differs most with losses")
     for run in comparison.runs:
         if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
             why.setdefault(run.law, "")
@@ -165,9 +167,10 @@ def looks_of(comparison: LawRuns) -> Looks:
     looks: Looks = {}
     for first, laws in twins.items():
         reasons = [why[law] for law in laws if law in why]
+        first_reason = next(filter(None, reasons), "")
         restitution = comparison[first].restitution
         reached = f"e′ = {restitution:.2f}" if math.isfinite(restitution) else ""
-        told = ", ".join(filter(None, (*reasons[:1], reached)))
+        told = ", ".join(filter(None, (first_reason, reached)))
         label = ", ".join(laws) + (f" ({told})" if told else "")
         if comparison.reference in laws:
             look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": REFERENCE_LAYER}

@@ -333,7 +333,7 @@ export class ChainDrawing {
       // the text says so if it includes friction: the list of impacts has the force without it
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? [`${whole} with friction`, whole] : [whole]));
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", [rubs ? `${whole} with friction` : whole]));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));

@@ -64,7 +64,7 @@ export class Editor {
     this.#try(() => {
       edit(file);
       const signals = this.openScene.openEdited(file, before);
-      return signals.length ? `Without an input, and so removed, too: signal ${signals.join(", ")}.` : "";
+      return signals.length ? `Also removed, because its input is removed: signal ${signals.join(", ")}.` : "";
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 

@@ -226,7 +226,8 @@ export class Handles {
     const grip = gripOf(event);
     if (!grip || this.dragged || event.button !== 0) return;
     const [kind, index] = grip.split(" ");
-    this.dragged = { kind, index, pointer: event.pointerId, time: this.#arrowTime(this.#start.velocity) };
+    const apart = this.#apart(event.target.closest("[data-grip]"), kind, index);
+    this.dragged = { kind, index, apart, pointer: event.pointerId, time: this.#arrowTime(this.#start.velocity) };
     this.element.setPointerCapture(event.pointerId);
     event.preventDefault();
   }
@@ -251,10 +252,27 @@ export class Handles {
     const [kind, index] = grip.split(" ");
     const { x, y, width, height } = event.target.getBBox();
     const step = STEPS_OF_KEYS[Number(event.shiftKey)];
-    this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
+    this.dragged = { kind, index, apart: this.#apart(event.target, kind, index), time: this.#arrowTime(this.#start.velocity) };
     this.#move(x + width / 2 + step * direction[0], y + height / 2 + step * direction[1]);
     this.dragged = null;
     this.draw(); // so that the next key finds the grip at its new position
+  }
+
+  /** Return how far [m] the grip of a wall is from the wall, along its normal; 0 for a wall beyond the view, which comes to its grip. */
+  #apart(element, kind, name) {
+    if (kind !== "wall" || element.classList.contains("wall-beyond")) return 0;
+    const { x, y, width, height } = element.getBBox();
+    return this.#beyond(this.player.drawing.camera.toMetres(x + width / 2, y + height / 2), name);
+  }
+
+  /** Return how far [m] a position is from a wall, along the wall's normal. */
+  #beyond([x, y], name) {
+    const { normal: [nx, ny], offset } = this.#wall(name);
+    return nx * x + ny * y - offset;
+  }
+
+  #wall(name) {
+    return wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
   }
 
   /** Move the dragged handle to a position on the screen. */
@@ -315,10 +333,10 @@ export class Handles {
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes that move a wall along its normal to a position [m]. */
-  wall([x, y], name) {
-    const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
-    const distance = nx * x + ny * y - offset;
+  /** Return the changes that move a wall along its normal with its grip, which is at a position [m]. */
+  wall(position, name) {
+    const { normal: [nx, ny] } = this.#wall(name);
+    const distance = this.#beyond(position, name) - this.dragged.apart;
     if (this.changes.valueOf(`box.${name}`) !== undefined) {
       return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + distance * (nx + ny), this.#pixel) };
     }

@@ -187,7 +187,8 @@ export class GridMap {
       : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
-    this.#say(fault || (shown.rows === points ? done : `Stopped after ${shown.rows} of ${points} rows.`));
+    const stopped = `Stopped after ${shown.rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
+    this.#say(fault || (shown.rows === points ? done : stopped));
   }
 
   /** Return the preview of a request if it is shown; undefined if the shown map is another one. */
