@@ -93,7 +93,7 @@ def seen(request):
     return found
 
 
-def rate_from_resistance(quantity, y):
+def difference_rate(quantity, y):
     """Return the rate of a quantity of the coordinates, by a central difference along the motion."""
     along = np.zeros(len(y))
     along[:HALF] = y[HALF : 2 * HALF]
@@ -102,13 +102,13 @@ def rate_from_resistance(quantity, y):
 
 def force_of(seen):
     """Return the force of the contact inside its wall, and the rate of its penetration."""
-    rate = -rate_from_resistance(lambda y: gaps_of(seen.d, y), seen.y)[IN]
+    rate = -difference_rate(lambda y: gaps_of(seen.d, y), seen.y)[IN]
     return law_force(seen.d, IN, 1e-3, rate)[0], rate
 
 
 def test_positions_and_velocities_are_those_of_the_state(seen):
     out, y = seen.d.output, seen.y
-    velocities = rate_from_resistance(lambda y: points_of(seen.d, y), y)
+    velocities = difference_rate(lambda y: points_of(seen.d, y), y)
     np.testing.assert_allclose(out.point_position @ [1.0, 1j], points_of(seen.d, y), rtol=0, atol=1e-12)
     np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocities, rtol=0, atol=1e-8)
     np.testing.assert_allclose(out.angle, y[2:HALF], rtol=0, atol=1e-13)

@@ -124,8 +124,7 @@ def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
         assert balance(result) < 1e-6
 
 
-# --- all calculations count
-# ----------------------------------------------------------------------------------
+# --- all calculations count --------------------------------------------------------------------------------
 
 
 def test_the_search_for_events_counts_as_cost():

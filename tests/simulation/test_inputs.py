@@ -200,7 +200,7 @@ def test_a_scene_without_inputs_says_how_to_have_some():
         simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})
 
 
-def test_an_interpolation_is_one_of_three():
+def test_an_interpolation_is_one_of_those_there_are():
     with pytest.raises(SceneError, match="interpolation = 'cubic' must be follow, hold, linear or spline"):
         simulate(load_scene("pinned_arm"), inputs={ELBOW: 1.0}, interpolation="cubic")
 

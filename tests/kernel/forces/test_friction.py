@@ -19,7 +19,7 @@ def elements_of(d):
     return [int(e) for e in d.element.index[: d.friction.count]]
 
 
-def rate_from_resistance(d, y):
+def rate_at(d, y):
     """Return ẏ with the present modes; the points get their accelerations from ẏ."""
     rate = np.zeros(len(y))
     locate_points(d, y)
@@ -67,9 +67,9 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
     found = elements_of(d)
     d.element.mode[found] = sign
-    rate = rate_from_resistance(d, y)
+    rate = rate_at(d, y)
     d.friction.count = 0
-    free = rate_from_resistance(d, y)
+    free = rate_at(d, y)
     rows = tangents(scene, d, y, found)
     response, _ = mobility(scene, d, y, rows)
     normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
@@ -91,12 +91,12 @@ def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joint
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
     found = elements_of(d)
     d.friction.count = d.friction.contact_count = 0
-    free = rate_from_resistance(d, y)
+    free = rate_at(d, y)
     bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
     friction.list_friction(d)
     d.element.mode[found] = friction.STICKS
     friction.list_sticking(d)
-    rate = rate_from_resistance(d, y)
+    rate = rate_at(d, y)
     left = [geometry.tangential_acceleration(d, e) for e in found]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
     response, w = mobility(scene, d, y, tangents(scene, d, y, found))
