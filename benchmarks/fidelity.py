@@ -127,7 +127,7 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         known = next(row["tip"] for row in rows if row.get("what") == "restitution")
         axes.axhline(known, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %")
         axes.set(xlabel="CPU time [ms]", title=f"to {stop} s", ylim=(None, HOPELESS))
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.minorticks_off()
     panels[0].set_ylabel("error of the tip [mm]")
@@ -139,40 +139,49 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
     headline(
         figure,
         "Error of the tip [mm] by law, stiffness and tolerance, over CPU time [ms]",
-        f"{PROBLEM.title}  ·  right: zhang_sharf with the stiffness of steel  ·  to {PROBLEM.times[0]} s: "
+        f"four_link_box  ·  right: zhang_sharf with the stiffness of steel  ·  to {PROBLEM.times[0]} s: "
         f"another law or stiffness {number(wrong, 1)} mm or more, solver {number(right['tip'], 1)} mm in "
         f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
+    # the lines of stiffnesses, largest error first as in the panel, above the other marks
+    handles, _ = panels[0].get_legend_handles_labels()
+    lines = sorted(handles[: len(STIFFNESSES)], key=lambda line: -line.get_ydata()[-1])
+    keys = [*lines, *handles[len(STIFFNESSES) :]]
+    figure.legend(keys, [key.get_label() for key in keys], loc="outside right center")
 
 
 def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
-    """Draw a line over the tolerances for each stiffness, with names at the lines of steel."""
+    """Draw a line over the tolerances for each stiffness, with names at the points of steel."""
     shades = colormaps["viridis"](np.linspace(0.0, 0.9, len(STIFFNESSES)))
     for stiffness, shade in zip(STIFFNESSES, shades, strict=True):
         mine = [r for r in rows if (r["choice"], r["stiffness"]) == (GRID, stiffness)]
         look = {"color": OURS if stiffness == STEEL else shade, "marker": "o", "markersize": 4}
-        name = f"K = {stiffness:.4g}" + (" (steel)" if stiffness == STEEL else "")
+        name = f"K = {number(stiffness)} N/m$^{{1.5}}$" + (" (steel)" if stiffness == STEEL else "")
         axes.loglog([1e3 * r["seconds"] for r in mine], [r["tip"] for r in mine], label=name, **look)
         for row in mine[1::2] if stiffness == STEEL else ():
             name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", row, OURS)
 
 
 def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
-    """Draw the other laws, with the name of the nearest one."""
+    """Draw the other laws, with the names of those with the least and the largest error."""
     laws = [row for row in rows if row["choice"] == "law" and row["law"] != RIGID]
     label = f"other laws, K of steel, tolerance 1e{math.log10(TIGHT):.0f}"
     axes.loglog([1e3 * row["seconds"] for row in laws], [row["tip"] for row in laws], "kx", label=label)
-    nearest = min(laws, key=lambda row: row["tip"])
-    name_point(axes, nearest["law"], nearest, "black")
+    least, largest = (end(laws, key=lambda row: row["tip"]) for end in (min, max))
+    name_point(axes, least["law"], least, "black")
+    name_point(axes, largest["law"], largest, "black", above=max(row["tip"] for row in rows))
     for row in (row for row in rows if row.get("law") == RIGID):
         axes.loglog(1e3 * row["seconds"], row["tip"], "*", color=BLUE, markersize=11, label=RIGID)
 
 
-def name_point(axes: Any, text: str, row: dict[str, Any], colour: str) -> None:
-    """Write a name beside the point of a row."""
-    place = 1e3 * row["seconds"], row["tip"]
-    axes.annotate(text, place, xytext=(6, 1), textcoords="offset points", color=colour, fontsize=7)
+def name_point(axes: Any, text: str, row: dict[str, Any], colour: str, above: float | None = None) -> None:
+    """Write a name beside the point of a row, or above an error [mm], with a line to the point."""
+    point, look = (1e3 * row["seconds"], row["tip"]), {"color": colour, "fontsize": 7}
+    if above is None:
+        axes.annotate(text, point, xytext=(6, 1), textcoords="offset points", **look)
+    else:
+        line = {"arrowstyle": "-", "linewidth": 0.6, "shrinkB": 4}
+        axes.annotate(text, point, xytext=(point[0], 2.5 * above), ha="center", arrowprops=line, **look)
 
 
 def main() -> None:

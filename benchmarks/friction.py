@@ -26,7 +26,7 @@ from benchmarks.looks import OURS, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
-from chain_impact.pictures.dark import PLUM
+from chain_impact.pictures.dark import ORANGE, PLUM, SKY
 from chain_impact.pictures.style import BLUE, GREEN, INK, PURPLE, headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
@@ -251,10 +251,11 @@ LOOKS = {
     "MuJoCo Euler, defaults, noslip": (GREEN, "v"),
     "MuJoCo Euler, defaults, impratio 100": (PLUM, "^"),
     "MuJoCo Euler, stiffest, impratio 100": (INK, "D"),
-    "MuJoCo RK4, defaults": (PLUM, "s", "--"),
-    "MuJoCo Euler, duration of ours": (PURPLE, "v"),
-    "MuJoCo RK4, duration of ours": (INK, "D", "--"),
+    "MuJoCo Euler, duration of ours": (PURPLE, "P"),
+    "MuJoCo RK4, defaults": (SKY, "X", "--"),
+    "MuJoCo RK4, duration of ours": (ORANGE, "*", "--"),
 }
+"""Colour, mark and line of each setting: RK4 has dashes."""
 
 
 def draw(figure: Any, record: Any) -> None:
@@ -273,7 +274,9 @@ def draw(figure: Any, record: Any) -> None:
         axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod at rest on a slope, {STOP:g} s")
         axes.minorticks_off()
     panels[0].set_ylabel("drift [µm/s]")
-    panels[0].set_yticks([LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", "0.0001", "0.01", "1", "100", "10,000"])
+    panels[0].set_yticks(
+        [LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
+    )
     creep = next(row["drift"] for row in results["slope"] if row["name"] == CREEPS)
     factors = [
         row["times ours"]

@@ -10,11 +10,12 @@ those of CVODE, named ``cvode_``, have the dissipated energy, too.
     void  plain_rate(double t, const double* y, double* rate, instance*)
     void  plain_least(double t, const double* y, double* value, instance*)
     int32 plain_switch(instance*, double* clock, double* y, int32* found)
-    void  plain_look(double* y, double* found, instance*)
+    void  plain_look(double* y, double* seen, instance*)
     int32 plain_steps(instance*, double dt, int64 count, int32 euler, double* y, int32* found, double* limits)
     int32 cvode_rate(instance*, const double* y, double* rate)
     int32 cvode_roots(instance*, int32 careful, const double* y, double* value)
     int32 cvode_happen(instance*, double time, const double* y, const int32* found)
+    int32 cvode_look(instance*, const double* y, double* seen)
     int32 cvode_weights(instance*, int32 careful, const double* y, double* weight)
 """
 
@@ -204,9 +205,18 @@ def looked_at(d, y):
     return kinetic + potential + stored_energy(d, y), deepest, outside
 
 
-def look(y, found, d):
-    """Set the results of ``looked_at`` for a state."""
-    found[0], found[1], found[2] = looked_at(d, vector(y, len(d.step.state) - PLAIN))
+@compiled
+def raise_seen(d, y, seen):
+    """Raise the three numbers in ``seen`` to the results of ``looked_at`` for a state that are larger."""
+    energy, deepest, outside = looked_at(d, y)
+    # an energy that is no number makes ``seen`` infinite, because max() could hide it
+    seen[0] = max(seen[0], energy) if np.isfinite(energy) else np.inf
+    seen[1], seen[2] = max(seen[1], deepest), max(seen[2], outside)
+
+
+def look(y, seen, d):
+    """Raise the numbers in ``seen``."""
+    raise_seen(d, vector(y, len(d.step.state) - PLAIN), seen)
 
 
 def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compiled
@@ -302,6 +312,12 @@ def cvode_roots(d, careful, y, value):
     return 0
 
 
+def cvode_look(d, y, seen):
+    """Raise the numbers in ``seen``."""
+    raise_seen(d, vector(y, len(d.step.state) - CVODE), seen)
+    return 0
+
+
 def cvode_weights(d, careful, y, weight):
     """Set 1 divided by the allowed error of each component.
 
@@ -340,6 +356,7 @@ def entry_points() -> Entries:
         "cvode_rate": (int32(INSTANCE, REALS, REALS), cvode_rate),
         "cvode_roots": (roots, cvode_roots),
         "cvode_happen": (int32(INSTANCE, float64, REALS, COUNTS), cvode_happen),
+        "cvode_look": (int32(INSTANCE, REALS, REALS), cvode_look),
         "cvode_weights": (roots, cvode_weights),
     }
 

@@ -11,15 +11,20 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable
+from functools import cache
 from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
 from benchmarks import common
+from benchmarks.peers.cvode import OVER_BUDGET, Cvode
+from benchmarks.peers.numbalsoda import Dop853
 from benchmarks.peers.on_kernel import OnKernel
+from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
 from chain_impact.pictures.dark import ORANGE, SKY
 from chain_impact.pictures.style import BLUE, GREEN, PURPLE, VERMILLION, headline
@@ -28,9 +33,15 @@ from chain_impact.simulation.instance import Instance, SimulationError
 
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
-ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
-METHODS = ("explicit", "implicit", "auto")
-FIXED = {f"{name} {dt:g} s": (name, dt) for name in ("Euler", "RK4") for dt in (1e-3, 1e-4, 1e-5, 1e-6)}
+SCIPY = tuple(f"SciPy {method}" for method in ("DOP853", "Radau", "BDF", "LSODA"))
+CVODE, NUMBALSODA = "CVODE BDF", "numbalsoda DOP853"
+OURS = tuple(f"chain-impact {method}" for method in ("explicit", "implicit", "auto"))
+FIXED = {
+    f"{name} {dt:g} s": (name, dt)
+    for name, sizes in {"Euler": (1e-3, 1e-4, 1e-5), "RK4": (1e-3, 1e-4, 1e-5, 1e-6)}.items()
+    for dt in sizes
+}
+METHODS = (*OURS, CVODE, *SCIPY, NUMBALSODA, *FIXED)
 TOLERANCE = 1e-8
 STOP = 3.0  # s
 SAMPLE = 1e-4  # s, interval of the checks of our run
@@ -105,26 +116,24 @@ def alarm(budget: float) -> Callable[[], None]:
 def run_fixed(scene: Scene, name: str, dt: float) -> dict[str, Any]:
     """Return a cell of a fixed-step method; its steps are counted, and need no budget."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
+    steps = fixed_steps(peer, name, dt, limits)
+    seen = np.array([*limits, 0.0]) if np.isfinite(peer.y).all() else np.full(3, np.inf)
+    return found_by(peer, seen, steps, "completed")
+
+
+def fixed_steps(peer: OnKernel, name: str, dt: float, limits: np.ndarray) -> int:
+    """Take fixed steps from the start, with the ``limits`` of ``plain_steps``; return their number."""
     peer.start()
-    steps = peer.model.plain_steps(
+    steps: int = peer.model.plain_steps(
         peer.address, dt, round(STOP / dt), name == "Euler", peer.y.ctypes.data, peer.found.ctypes.data,
         limits.ctypes.data,
     )  # fmt: skip
-    energy, deepest = (float(value) for value in limits)
-    finite = bool(np.isfinite(peer.y).all())
-    return {
-        "outcome": judged(finite, energy, deepest, False, "completed"),
-        "steps": steps,
-        "deepest": deepest,
-        "onsets": int(peer.instance.record["impact"]["count"]),
-        "energy_left": left(peer),
-    }
+    return steps
 
 
 def run_scipy(scene: Scene, method: str) -> dict[str, Any]:
-    """Return a cell of one of solve_ivp's methods."""
+    """Return a cell of one of the methods of ``solve_ivp``."""
     otherwise, note = "completed", ""
-    Scipy(drop(1e4, 0.7), 0.2, "DOP853", watch=True).run()  # compiles all functions, with an onset
     peer = Scipy(scene, STOP, method, watch=True)
     peer.tick = alarm(BUDGET)
     try:
@@ -135,15 +144,40 @@ def run_scipy(scene: Scene, method: str) -> dict[str, Any]:
         otherwise = "over budget"
     except (ValueError, RuntimeError, FloatingPointError, np.linalg.LinAlgError) as problem:
         otherwise, note = "gave up", f"{type(problem).__name__}: {problem}"
-    finite, (energy, deepest, _) = bool(np.isfinite(peer.y).all()), peer.seen.tolist()
+    return found_by(peer, peer.seen, peer.steps, otherwise) | {"reached": peer.time, "note": note}
+
+
+def run_numbalsoda(scene: Scene) -> dict[str, Any]:
+    """Return a cell of numbalsoda's DOP853. The budget is checked at events, and at the end of the run."""
+    peer, tick, otherwise, steps = Dop853(scene, STOP), alarm(BUDGET), "completed", 0
+    try:
+        steps = peer.watched(tick)
+        otherwise = "gave up" if steps < 0 else otherwise
+    except OverBudgetError:
+        otherwise = "over budget"
+    return found_by(peer, peer.seen, steps, otherwise)
+
+
+def run_cvode(scene: Scene) -> dict[str, Any]:
+    """Return a cell of a careful CVODE with BDF formulas, checked at intervals of SAMPLE."""
+    times = np.arange(1, round(STOP / SAMPLE) + 1) * SAMPLE
+    peer, seen = Cvode(scene, times, adams=0, careful=1, budget=BUDGET), np.array([-np.inf, 0.0, 0.0])
+    done = peer.run(seen)
+    row = peer.rows[-1]
+    failed = "over budget" if row["flag"] == OVER_BUDGET else "gave up"
+    found = found_by(peer, seen, int(row["steps"]), "completed" if done == len(times) else failed)
+    return found | {"reached": float(times[done - 1]) if done else 0.0}
+
+
+def found_by(peer: OnInstance, seen: np.ndarray, steps: int, otherwise: str) -> dict[str, Any]:
+    """Return the cell of a peer at its end, from the highest energy and the largest depths ``seen``."""
+    energy, deepest, outside = seen.tolist()
     return {
-        "outcome": judged(finite, max(energy, 0.0), deepest, peer.missed, otherwise),
-        "steps": peer.steps,
-        "reached": peer.time,
+        "outcome": judged(math.isfinite(energy), energy, deepest, outside > OUTSIDE, otherwise),
+        "steps": steps,
         "deepest": deepest,
         "onsets": int(peer.instance.record["impact"]["count"]),
         "energy_left": left(peer),
-        "note": note,
     }
 
 
@@ -187,37 +221,79 @@ def run_ours(scene: Scene) -> dict[str, Any]:
     }
 
 
-def left(peer: OnKernel) -> float:
+def left(peer: OnInstance) -> float:
     """Return the energy at the end, without the contacts' energy, as a fraction of the initial energy."""
-    peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
+    if isinstance(peer, OnKernel):  # the driver of CVODE has set the last state itself
+        peer.model.plain_stop(peer.address, STOP, peer.y.ctypes.data)
     peer.kernel.observe_now(peer.address)
     output = peer.instance.record["output"]
     return float(output["kinetic"] + output["potential"]) / energies()[0]
 
 
 def cell(task: tuple[str, float, float]) -> dict[str, Any]:
-    """Return the cell for one run: method, stiffness, restitution, outcome and cost."""
+    """Return the cell for one run: method, stiffness, restitution, outcome and cost.
+
+    A run that completes is repeated without the checks, and the cost is the CPU time [s] of this repetition.
+    """
     method, stiffness, restitution = task
-    begin = time.process_time()
+    scene = drop(stiffness, restitution)
+    warm_up(method)
     if method in FIXED:
-        found = run_fixed(drop(stiffness, restitution), *FIXED[method])
-    elif method in ADAPTIVE:
-        found = run_scipy(drop(stiffness, restitution), method)
+        found = run_fixed(scene, *FIXED[method])
+    elif method in SCIPY:
+        found = run_scipy(scene, method.split()[1])
+    elif method == CVODE:
+        found = run_cvode(scene)
+    elif method == NUMBALSODA:
+        found = run_numbalsoda(scene)
     else:
-        found = run_ours(drop(stiffness, restitution, method.split()[1]))
-    found["cpu"] = time.process_time() - begin
+        scene = drop(stiffness, restitution, method.split()[1])
+        found = run_ours(scene)
+    if found["outcome"] == "completed":
+        found["cpu"] = cost_of(method, scene)
     numbers = {key: common.rounded(value) for key, value in found.items() if isinstance(value, float)}
     return {"method": method, "stiffness": stiffness, "restitution": restitution, **found, **numbers}
 
 
+def cost_of(method: str, scene: Scene) -> float:
+    """Return the CPU time [s] of a run from its start to its end, without preparations and checks."""
+    peer: Any
+    if method in FIXED:
+        name, dt = FIXED[method]
+        peer, limits = OnKernel(scene, STOP), np.full(2, math.inf)
+        peer.run = lambda: fixed_steps(peer, name, dt, limits)
+    elif method in SCIPY:
+        peer = Scipy(scene, STOP, method.split()[1])
+    elif method == CVODE:
+        peer = Cvode(scene, np.array([STOP]), adams=0, careful=1)
+    elif method == NUMBALSODA:
+        peer = Dop853(scene, STOP)
+    else:
+        peer = Kernel(scene, STOP)
+    begin = time.process_time()
+    peer.run()
+    return time.process_time() - begin
+
+
+@cache
+def warm_up(method: str) -> None:
+    """Let a process compile all functions of a method, in a run of 0.2 s with an onset."""
+    scene = drop(1e4, 0.7)
+    if method in SCIPY:
+        Scipy(scene, 0.2, "DOP853", watch=True).run()
+    elif method == NUMBALSODA:
+        peer = Dop853(scene, 0.2)
+        peer.watched(lambda: None)
+        peer.run()
+    elif method == CVODE:
+        Cvode(scene, np.array([0.2]), adams=0, careful=1).run()
+
+
 SIZE = (9.5, 8.2)  # inches, of the chart
-# COST_COLOURS: the colour map for the ratio of a cost to the cheapest one, up to DEAREST
-COST_COLOURS, DEAREST = "YlGn_r", 100.0
-
-
-def title_of(method: str) -> str:
-    """Return a method's name in the chart."""
-    return f"SciPy {method}" if method in ADAPTIVE else method.replace("ours", "chain-impact")
+# COST_COLOURS: the colour map for the ratio of a cost to the cheapest one, up to DEAREST; its last colour is
+# darker than the page, so that an expensive cell does not look empty
+COST_COLOURS = ListedColormap(colormaps["YlGn_r"](np.linspace(0.0, 0.88, 256)))
+DEAREST, EDGES = 100.0, "#f4f4f4"
 
 
 def draw(figure: Any, record: Any) -> None:
@@ -229,12 +305,11 @@ def draw(figure: Any, record: Any) -> None:
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
-    full = [title_of(method) for method in ("ours auto", *ADAPTIVE) if done[method] == cells]
     headline(
         figure,
         "Completed runs and their cost, by stiffness [N/m$^{1.5}$] and restitution",
-        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  counts: completed cells  ·  "
-        f"cost: CPU time  ·  all {cells} cells: {', '.join(full)}",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  in each title: completed runs, "
+        f"of {cells}  ·  cost: CPU time",
     )
     names, shades = list(OUTCOMES), ListedColormap(list(OUTCOMES.values()))
     norm, cost = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)), LogNorm(1.0, DEAREST)
@@ -250,16 +325,17 @@ def draw(figure: Any, record: Any) -> None:
             else:
                 found[place] = names.index(row["outcome"])
         edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
-        look = {"edgecolors": "white", "linewidth": 1.0}
+        look = {"edgecolors": EDGES, "linewidth": 0.8}
         axes.pcolormesh(*edges, found, cmap=shades, norm=norm, alpha=0.8, **look)
         mesh = axes.pcolormesh(*edges, costs, cmap=COST_COLOURS, norm=cost, **look)
-        axes.set_title(f"{title_of(method)}: {done[method]} of {cells}", fontsize=9)
-        axes.set_xticks(range(len(stiffnesses)), [f"{round(np.log10(k))}" for k in stiffnesses], fontsize=7.5)
+        axes.set_title(f"{method}: {done[method]}", fontsize=9)
+        decades = [f"$10^{{{round(np.log10(k))}}}$" for k in stiffnesses[::2]]
+        axes.set_xticks(range(0, len(stiffnesses), 2), decades, fontsize=7.5)
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=7.5)
         axes.grid(visible=False)
         axes.tick_params(length=0)
     for axes in panels[-4:]:
-        axes.set_xlabel("log₁₀ of K [N/m$^{1.5}$]")
+        axes.set_xlabel("stiffness K [N/m$^{1.5}$]")
     for axes in panels[::4]:
         axes.set_ylabel("restitution e")
     keys = [
@@ -267,8 +343,9 @@ def draw(figure: Any, record: Any) -> None:
         for name, shade in OUTCOMES.items()
         if name != "completed" and any(name in tally[m] for m in tally)
     ]
-    bar = {"label": "cost over the cheapest method that completes", "extend": "max", "aspect": 40}
-    figure.colorbar(mesh, ax=panels.tolist(), **bar)
+    label = "cost, as a multiple of that of the cheapest method that completes"
+    bar = figure.colorbar(mesh, ax=panels.tolist(), label=label, extend="max", aspect=40)
+    bar.set_ticks([1, 10, 100], labels=["1", "10", "100"])
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
 
 
@@ -285,16 +362,15 @@ def cheapest_of(cells: list[dict[str, Any]]) -> dict[tuple[float, float], float]
 def main() -> None:
     """Run all cells of the map and draw the map."""
     started, begin = common.environment(), time.time()
-    methods = [*(f"ours {method}" for method in METHODS), *ADAPTIVE, *FIXED]
-    tasks = [(m, k, e) for m in methods for k in STIFFNESSES for e in RESTITUTIONS]
+    tasks = [(m, k, e) for m in METHODS for k in STIFFNESSES for e in RESTITUTIONS]
     with get_context("spawn").Pool(2) as pool:
         cells = pool.map(cell, tasks, chunksize=len(RESTITUTIONS))
-    tally = {m: dict(Counter(c["outcome"] for c in cells if c["method"] == m)) for m in methods}
+    tally = {m: dict(Counter(c["outcome"] for c in cells if c["method"] == m)) for m in METHODS}
     for method, counts in tally.items():
-        print(f"{method:16} {counts}")
+        print(f"{method:22} {counts}")
     print(f"{len(tasks)} cells in {time.time() - begin:.0f} s")
     settings = {
-        "stiffnesses": STIFFNESSES, "restitutions": RESTITUTIONS, "methods": methods,
+        "stiffnesses": STIFFNESSES, "restitutions": RESTITUTIONS, "methods": METHODS,
         "budget [s CPU]": BUDGET, "stop [s]": STOP, "tolerance": TOLERANCE,
         "energy gain": GAIN, "deepest": DEEPEST,
     }  # fmt: skip

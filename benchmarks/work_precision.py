@@ -10,6 +10,7 @@ cache, which compiles a kernel, is not timed.
 
 from __future__ import annotations
 
+import math
 import os
 import resource
 import subprocess
@@ -36,6 +37,8 @@ from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (13.0, 7.6)  # inches, of the chart
+ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
+"""The look of the range of the times of all rounds."""
 
 
 def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, str]]:
@@ -104,7 +107,9 @@ def draw(figure: Any, record: Any) -> None:
     grid, labels = figure.add_gridspec(2, 4, width_ratios=(1, 1, 1, 0.8)), {}
     for column, name in enumerate(NAMES):
         rows = [row for row in results["rows"] if row["problem"] == name and "seconds" in row]
-        for line, (key, label) in enumerate((("tip", "error of the tip [mm]"), ("onset", "of onsets [µs]"))):
+        for line, (key, label) in enumerate(
+            (("tip", "error of the tip [mm]"), ("onset", "error of onsets [µs]"))
+        ):
             axes = figure.add_subplot(grid[line, column])
             labels[axes] = draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
@@ -115,13 +120,13 @@ def draw(figure: Any, record: Any) -> None:
     shown = [name for name in LOOKS if any(row["name"] == name for row in results["rows"])]
     keys = [Line2D([], [], label=name, **look(name)) for name in shown]
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
+    keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     headline(
         figure,
         "CPU time [ms] over errors of the tip [mm] and of onsets [µs]",
         f"{factors_told(results['at equal error'])}numbers: tolerances of simulate(), from "
-        f"{number(TOLERANCES[0])} to {number(TOLERANCES[-1])} in steps of 100, where there is room  ·  "
-        "bars: all rounds",
+        f"{decade(TOLERANCES[0])} to {decade(TOLERANCES[-1])} in steps of 100, where there is room",
     )
     ink = Ink(figure)
     figure.set_layout_engine("none")
@@ -141,26 +146,32 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
         axes.loglog([r[key] for r in right], [1e3 * r["seconds"]["median"] for r in right], **look(name))
         for row in mine:
             ends = (1e3 * row["seconds"][end] for end in ("least", "largest"))
-            axes.vlines(row[key], *ends, color=LOOKS[name][0], linewidth=3.0, alpha=0.3)
+            axes.vlines(row[key], *ends, color=LOOKS[name][0], **ALL_ROUNDS)
             if not row["right"]:
                 axes.loglog(row[key], 1e3 * row["seconds"]["median"], "x", color=LOOKS[name][0])
             elif name == PUBLIC:
-                text = number(row["setting"]) + (" (default)" if row["setting"] == DEFAULT else "")
-                labels.append(
-                    Label(text, (row[key], 1e3 * row["seconds"]["median"]), short=number(row["setting"]))
-                )
+                short = decade(row["setting"])
+                text = short + (" (default)" if row["setting"] == DEFAULT else "")
+                labels.append(Label(text, (row[key], 1e3 * row["seconds"]["median"]), short=short))
     axes.minorticks_off()
     return labels
 
 
 def draw_start_up(axes: Any, start: dict[str, float]) -> None:
-    """Draw a bar for each contender."""
-    names = list(start)[::-1]
-    axes.barh(names, [start[name] for name in names], color=[LOOKS[name][0] for name in names], alpha=0.4)
-    axes.set(title="new process to first result", xlabel="CPU time [s]", yticks=[])
-    for place, name in enumerate(names):
-        axes.text(0.03 * max(start.values()), place, f"{name}: {start[name]:.2g} s", va="center", fontsize=8)
+    """Draw a bar for each contender, with its name above the bar and its time [s] behind the bar's end."""
+    names, largest = list(start)[::-1], max(start.values())
+    colours = [LOOKS[name][0] for name in names]
+    axes.barh(range(len(names)), [start[name] for name in names], height=0.4, color=colours, alpha=0.4)
+    axes.set(title="new process to first result", xlabel="CPU time [s]", yticks=[], xlim=(0.0, 1.2 * largest))
+    for row, name in enumerate(names):
+        axes.text(0.01 * largest, row + 0.26, name, va="bottom", fontsize=8)
+        axes.text(start[name] + 0.02 * largest, row, f"{start[name]:.2g}", va="center", fontsize=8)
     axes.grid(visible=False)
+
+
+def decade(tolerance: float) -> str:
+    """Return a tolerance that is a power of ten as text, such as 1e-4."""
+    return f"1e{round(math.log10(tolerance))}"
 
 
 def main() -> None:

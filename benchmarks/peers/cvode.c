@@ -16,6 +16,7 @@ extern int cvode_rate(void *instance, const double *y, double *rate);
 extern int cvode_roots(void *instance, int careful, const double *y, double *value);
 extern int cvode_happen(void *instance, double time, const double *y, const int *found);
 extern int cvode_weights(void *instance, int careful, const double *y, double *weight);
+extern int cvode_look(void *instance, const double *y, double *seen);
 extern int cvode_stop(void *instance, double time, const double *y);
 
 enum { MOST_ROOTS = 256, OVER_BUDGET = -100 };
@@ -98,8 +99,9 @@ static int restart(void *cvode, Problem *problem, double t, N_Vector y) {
 }
 
 /* Solve up to each of the times [s] in turn, with one row of counts for each. Return the number of filled
-   rows. */
-long cvode_solve(void *instance, const Settings *settings, const double *times, long count, Counts *rows) {
+   rows. If `seen` is not NULL, its three numbers are raised to the energy and the depths at each of the times. */
+long cvode_solve(void *instance, const Settings *settings, const double *times, long count, Counts *rows,
+                 double *seen) {
     Counts sums = {0};
     Problem problem = {instance, settings, &sums};
     long row = 0, flag = 0;
@@ -135,7 +137,10 @@ long cvode_solve(void *instance, const Settings *settings, const double *times, 
         flag = CVode(cvode, times[row], y, &t, CV_NORMAL);
         if (flag == CV_TOO_MUCH_WORK) flag = 0;
         if (flag == CV_ROOT_RETURN) flag = restart(cvode, &problem, t, y);
-        else if (flag >= 0 && t == times[row]) rows[row++] = so_far(cvode, &sums, start);
+        else if (flag >= 0 && t == times[row]) {
+            rows[row++] = so_far(cvode, &sums, start);
+            if (seen) cvode_look(instance, NV_DATA_S(y), seen);
+        }
         if (flag >= 0 && now() - start > settings->budget) flag = OVER_BUDGET;
     }
     if (flag < 0) {

@@ -21,7 +21,7 @@ from chain_impact.scene.scene import Scene
 
 DRIVER = Path(__file__).with_suffix(".c")
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
-BUDGET = 20.0  # s of CPU time for a run
+BUDGET, OVER_BUDGET = 20.0, -100  # s of CPU time for a run; the flag of a run that needs more
 COUNTS = np.dtype(
     [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
     + [("seconds", np.float64)]
@@ -41,7 +41,9 @@ class Settings(ctypes.Structure):
 class Cvode(OnInstance):
     """CVODE with Adams or BDF formulas; ``rows`` has the counts at each of the times."""
 
-    def __init__(self, scene: Scene, times: np.ndarray, adams: int, careful: int) -> None:
+    def __init__(
+        self, scene: Scene, times: np.ndarray, adams: int, careful: int, budget: float = BUDGET
+    ) -> None:
         super().__init__(scene, float(times[-1]))
         self.driver, self.times, self.rows = (
             driver(len(scene.chain.links)),
@@ -50,13 +52,21 @@ class Cvode(OnInstance):
         )
         record = self.instance.record
         states = len(record["step"]["state"]) - CVODE
-        self.settings = Settings(states, int(record["candidates"]), adams, careful, BUDGET)
+        self.settings = Settings(states, int(record["candidates"]), adams, careful, budget)
 
-    def run(self) -> int:
-        """Run once; return how many of the times are reached."""
+    def run(self, seen: np.ndarray | None = None) -> int:
+        """Run once; return how many of the times are reached.
+
+        Args:
+            seen: its numbers are raised to the energy [J], the penetration [m] and the depth without a
+                contact [m] at the times.
+        """
         self.block[:] = self.fresh
-        pointers = ctypes.byref(self.settings), self.times.ctypes.data, len(self.times), self.rows.ctypes.data
-        done: int = self.driver.cvode_solve(self.address, *pointers)
+        times, rows = self.times.ctypes.data, self.rows.ctypes.data
+        look = None if seen is None else seen.ctypes.data
+        done: int = self.driver.cvode_solve(
+            self.address, ctypes.byref(self.settings), times, len(self.times), rows, look
+        )
         self.rows[done + 1 :] = self.rows[min(done, len(self.rows) - 1)]
         return done
 
@@ -77,7 +87,7 @@ def driver(links: int) -> ctypes.CDLL:
     model = built(links)
     name = f"cvode-{digest(DRIVER, Path(__file__))}-{model.name}"
     library = ctypes.CDLL(str(get_or_make(name, lambda file: link_driver(file, model))))
-    library.cvode_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
+    library.cvode_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long] + [ctypes.c_void_p] * 2
     library.cvode_solve.restype = ctypes.c_long
     return library
 

@@ -5,6 +5,9 @@ The solver locates events within 1e-8 s; kernel_model.switch corrects the remain
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numbalsoda import solve_ivp
@@ -15,26 +18,35 @@ from benchmarks.problems import Problem
 
 
 @njit
-def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):  # noqa: PLR0917
+def run_segment(rate, least, address, y, found, stop, tolerance, grid, clock):  # noqa: PLR0917
+    """Integrate from y at clock[0] [s], with a first step clock[1] [s], to the next event or to ``stop``.
+
+    Returns:
+        Whether it succeeds, whether it ends with an event, and the states at the ends of the steps, or at the
+        times of ``grid`` if it has any.
+    """
+    done = solve_ivp(
+        rate, np.array([clock[0], stop]), y, grid, "DOP853", 0 if len(found) == 0 else 1, least, address,
+        min(clock[1], stop - clock[0]), 0.0, tolerance, tolerance,
+    )  # fmt: skip
+    if done.success:
+        y[:] = done.y_event if done.event_found else done.y[-1]
+        clock[0] = done.t_event if done.event_found else stop
+    return done.success, done.event_found, done.y
+
+
+@njit
+def run_dop853(switch, rate, least, address, y, found, stop, tolerance, grid):  # noqa: PLR0917
     """Integrate from y at 0 s to ``stop``; return the number of steps, −1 on failure."""
-    t, first, steps = 0.0, 0.0, 0
-    clock = np.zeros(2)
-    while t < stop:
-        done = solve_ivp(
-            rate, np.array([t, stop]), y, grid, "DOP853", 0 if len(found) == 0 else 1, least, address,
-            min(first, stop - t), 0.0, tolerance, tolerance,
-        )  # fmt: skip
-        if not done.success:
+    clock, steps = np.zeros(2), 0
+    while clock[0] < stop:
+        succeeds, event, states = run_segment(rate, least, address, y, found, stop, tolerance, grid, clock)
+        if not succeeds:
             return -1
-        steps += len(done.t) - 1
-        if not done.event_found:
-            y[:] = done.y[-1]
-            return steps
-        t = done.t_event
-        y[:] = done.y_event
-        clock[0], clock[1] = t, 1.0
-        switch(address, clock.ctypes.data, y.ctypes.data, found.ctypes.data)
-        t, first = clock[0], clock[1]
+        steps += len(states) - 1
+        if event:
+            clock[1] = 1.0
+            switch(address, clock.ctypes.data, y.ctypes.data, found.ctypes.data)
     return steps
 
 
@@ -47,11 +59,28 @@ class Dop853(OnKernel):
         The number is right only with ``keep_steps``, which costs time.
         """
         self.start()
-        grid = np.array([] if keep_steps else [self.stop], np.float64)
-        steps: int = run_dop853(
-            self.rate, self.least, self.model.plain_switch, self.address, self.y, self.found, self.stop,
-            self.tolerance, grid,
-        )  # fmt: skip
+        arguments = self.arguments([] if keep_steps else [self.stop])
+        steps: int = run_dop853(self.model.plain_switch, *arguments)
+        return steps
+
+    def arguments(self, times: list[float]) -> tuple[Any, ...]:
+        """Return arguments of ``run_segment``, with times [s] of results, or [] for those of all steps."""
+        state = self.address, self.y, self.found, self.stop, self.tolerance
+        return self.rate, self.least, *state, np.array(times, np.float64)
+
+    def watched(self, tick: Callable[[], None]) -> int:
+        """Run once, look at all states, and call ``tick`` at each event; return the steps, −1 on failure."""
+        self.start()
+        arguments, clock, steps = self.arguments([]), np.zeros(2), 0
+        while clock[0] < self.stop:
+            succeeds, event, states = run_segment(*arguments, clock)
+            if not succeeds:
+                return -1
+            steps += len(states) - 1
+            self.look(states)
+            tick()
+            if event:
+                clock[:] = self.switch(clock[0], self.y)
         return steps
 
     def outcome(self) -> Outcome:

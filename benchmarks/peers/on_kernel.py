@@ -25,11 +25,19 @@ class OnKernel(OnInstance):
         self.rate, self.least = (
             ctypes.cast(f, ctypes.c_void_p).value for f in (self.model.plain_rate, self.model.plain_least)
         )
+        # highest energy [J], largest penetration [m] and largest depth without a contact [m] of the run
+        self.seen = np.zeros(3)
 
     def start(self) -> None:
         """Reset to the start."""
         self.block[:] = self.fresh
+        self.seen[:] = -np.inf, 0.0, 0.0
         self.model.plain_start(self.address, self.y.ctypes.data)
+
+    def look(self, states: np.ndarray) -> None:
+        """Raise ``seen`` to the values of states, one in each row."""
+        for y in np.ascontiguousarray(states):
+            self.model.plain_look(y.ctypes.data, self.seen.ctypes.data, self.address)
 
     def switch(self, time: float, y: np.ndarray, flight: float = 1.0) -> tuple[float, float]:
         """Let the event at a time [s] take effect; return its time [s], and a first step [s] from there.

@@ -14,8 +14,6 @@ from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.problems import Problem
 from chain_impact.scene.scene import Scene
 
-BEYOND = 1e-9  # m, depth without a contact at which an onset was missed
-
 
 @njit
 def call(function, t, y, address, count):
@@ -31,9 +29,7 @@ class Scipy(OnKernel):
     Attributes:
         time: up to where it has come, in whole segments between events [s].
         steps: steps.
-        watch: whether to look at energy, depth and missed onsets after each step.
-        seen: highest energy [J], largest penetration [m], and largest depth without a contact [m].
-        missed: whether a point was found beyond a wall without a contact.
+        watch: whether to look at energy and depth after each step (``seen``).
         message: of an integrator that gave up.
         tick: is called at each right-hand side, to stop a run that takes too long.
     """
@@ -59,8 +55,8 @@ class Scipy(OnKernel):
         event: Any = least
         event.terminal, event.direction = True, -1
         self.start()
-        self.time, self.steps, self.missed, self.message = 0.0, 0, False, ""
-        self.seen, first, flight = np.array([-np.inf, 0.0, 0.0]), None, 1.0
+        self.time, self.steps, self.message = 0.0, 0, ""
+        first, flight = None, 1.0
         while self.time < self.stop:
             sol = solve_ivp(
                 self.derivative, (self.time, self.stop), self.y, self.method, rtol=self.tolerance,
@@ -68,7 +64,7 @@ class Scipy(OnKernel):
             )  # fmt: skip
             self.steps += len(sol.t) - 1
             if self.watch:
-                self.look(sol.y)
+                self.look(sol.y.T)
             self.time, self.y[:] = float(sol.t[-1]), sol.y[:, -1]
             if sol.status != 1:
                 self.message = "" if sol.status == 0 else sol.message
@@ -77,14 +73,6 @@ class Scipy(OnKernel):
                 flight = sol.t[-2] - sol.t[-3]
             self.time, first = self.switch(self.time, self.y, flight)
             first = min(first, max(self.stop - self.time, 1e-15))
-
-    def look(self, states: np.ndarray) -> None:
-        """Store energy, depth and missed onsets at the ends of the steps of a segment."""
-        for y in np.ascontiguousarray(states.T):
-            found = np.zeros(3)
-            self.model.plain_look(y.ctypes.data, found.ctypes.data, self.address)
-            self.seen = np.maximum(self.seen, found)
-            self.missed = self.missed or found[2] > BEYOND
 
     def outcome(self) -> Outcome:
         """Run once more, and return the outcome."""
