@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from chain_impact.conversion.differences import LINE_NAMES
 from chain_impact.conversion.mjcf import read_mjcf_text
@@ -28,20 +28,31 @@ BODY = ("shape", "height", "points")
 """The keys of a link for its outline and points."""
 
 
-def with_carried(found: Converted, carried: Mapping[str, Any], choices: Choices, source: str) -> Converted:
-    """Return the conversion of a file of this package, completed by the scene in the file.
+class Carried(NamedTuple):
+    """The scene in a file of this package.
 
-    Args:
-        found: the conversion of the file's elements.
-        carried: the data of the scene.
-        choices: the choices for the conversion.
-        source: the file's name for messages.
+    Attributes:
+        scene: the scene.
+        written: the conversion of the elements that it gives.
+    """
+
+    scene: Scene
+    written: Converted
+
+
+def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
+    """Return the scene with some data and a name; ``source`` is the file's name for messages.
 
     Raises:
         SceneError: when the data are not a scene.
     """
-    scene = scene_from_dict({**carried, "name": identifier(found.data["name"], "model")}, source)
-    written = planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source)
+    scene = scene_from_dict({**data, "name": identifier(name, "model")}, source)
+    return Carried(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source))
+
+
+def with_carried(found: Converted, carried: Carried, choices: Choices) -> Converted:
+    """Return the conversion of a file's elements, ``found`` with some choices, completed by its scene."""
+    scene, written = carried
     merger = _Merger(scene, written.data, found.data, choices)
     data = merger.data()
     warnings, differs, left_out, notes = (
@@ -123,7 +134,7 @@ class _Merger:
         return found
 
     def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
-        """Return the table of contacts without points; planes with another friction have it as a material."""
+        """Return the table of contacts; planes with another friction have it as a material."""
         before, now = _frictions(self.written), _frictions(self.found)
         removed = before.keys() - now.keys()
         walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}

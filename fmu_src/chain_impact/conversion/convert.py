@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from functools import cache
 from pathlib import Path
 
 import tomlkit
 
-from chain_impact.conversion.carried import with_carried
+from chain_impact.conversion.carried import Carried, read_carried, with_carried
 from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.planar import Choices, Converted
@@ -36,9 +37,14 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         warnings.simplefilter("ignore", SceneWarning)
         robot = read_robot(path, choices.keyframe)
 
+        @cache
+        def carried() -> Carried | None:
+            data = robot.carried
+            return None if data is None else read_carried(data, robot.name, str(path))
+
         def completed(found: Converted) -> Converted:
-            ours = robot.carried
-            return found if ours is None else with_carried(found, ours, choices, str(path))
+            ours = carried()
+            return found if ours is None else with_carried(found, ours, choices)
 
         done = completed(chain_of(robot, choices, str(path), lambda found: _scene(completed(found), path)))
         return _scene(done, path), done

@@ -194,16 +194,13 @@ class Plane:
         name: the name in the file.
         point: a point on the plane [m].
         normal: unit vector.
-        friction: coefficient of friction with all bodies.
-        touching: indices of the bodies that can touch the plane, with the friction of each; None for all
-            bodies.
+        touching: indices of the bodies that can touch the plane, with the friction of each.
     """
 
     name: str
     point: np.ndarray
     normal: np.ndarray
-    friction: float = 0.0
-    touching: Sequence[tuple[int, float]] | None = None
+    touching: Sequence[tuple[int, float]]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -110,14 +110,10 @@ class Walls:
 
     def _links(self, plane: Plane) -> set[int]:
         """Return the indices of the links that can touch a plane."""
-        if plane.touching is None:
-            return set(range(len(self.parts)))
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
         """Return the friction of a plane with the bodies that can touch it; if it varies, the largest."""
-        if plane.touching is None:
-            return plane.friction
         coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
         if len(coefficients) > 1:
             text = (

@@ -13,8 +13,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
@@ -42,6 +44,8 @@ LIMIT_ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relat
 # if a figure is too low, larger heights are tried: multiples of STEP [inch], fewer than HIGHER
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
+COARSE_STEPS = (1, 2, 4, 5, 10)  # the allowed distances between few numbers along x, times any power of ten
+
 # a label is broken into two lines if its length, relative to the length of its axis, exceeds this
 LONGER = 1.1
 Fill = Callable[[Figure], None]
@@ -221,12 +225,17 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
     yield from (legend.get_window_extent() for legend in legends)
     for axes in figure.axes:
         texts += [axes.xaxis.label, axes.yaxis.label]
-        for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
-            low, high = sorted(axis.get_view_interval())
-            slack = LIMIT_ROUND_OFF * (high - low)
-            ticks = axis.get_majorticklabels()
-            texts += [tick for tick in ticks if low - slack <= tick.get_position()[along] <= high + slack]
+        texts += [*numbers_in_view(axes.xaxis), *numbers_in_view(axes.yaxis)]
     yield from (text.get_window_extent() for text in texts if text.get_text())
+
+
+def numbers_in_view(axis: Axis) -> list[Text]:
+    """Return the numbers at an axis; matplotlib keeps more of them, beyond the ends of the axis."""
+    along = int(isinstance(axis, YAxis))
+    low, high = sorted(axis.get_view_interval())
+    slack = LIMIT_ROUND_OFF * (high - low)
+    texts = filter(Text.get_text, axis.get_majorticklabels())
+    return [text for text in texts if low - slack <= text.get_position()[along] <= high + slack]
 
 
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
@@ -278,12 +287,12 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 def thin_ticks(axes: Axes) -> None:
     """Give axes fewer numbers along x while these would overlap."""
     for most in (LEAST_TICKS, LEAST_TICKS - 1):
-        numbers = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
+        numbers = [text.get_window_extent() for text in numbers_in_view(axes.xaxis)]
         if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not any(
             map(meet, numbers, numbers[1:])
         ):
             return
-        axes.locator_params(axis="x", nbins=most, min_n_ticks=most)
+        axes.locator_params(axis="x", nbins=most, min_n_ticks=most, steps=COARSE_STEPS)
 
 
 def labels_of(figure: Figure) -> list[str]:

@@ -51,9 +51,11 @@ class View(NamedTuple):
 
 def is_flat(recording: Recording) -> bool:
     """Return whether a motion is so flat that it is a line in a picture with equal scales along x and y."""
-    reach = np.ptp(drawn_places(recording), axis=(0, 1))
-    is_line = len(drawn_places(recording)) == 1 or not 0.0 < reach[1] < FLATTEST * reach[0]
-    return not (is_line or recording.pinned or recording.rail or recording.outlines)
+    if recording.pinned or recording.rail or recording.outlines:
+        return False
+    places = drawn_places(recording)
+    width, height = np.ptp(places, axis=(0, 1))
+    return bool(len(places) > 1 and 0.0 < height < FLATTEST * width)
 
 
 def seen_size(recording: Recording) -> float:

@@ -13,7 +13,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
-from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.names import INPUTS_OF
 from chain_impact.scene.rules import holds, members_in, number_in, of_members, value_at, value_within
@@ -177,20 +177,13 @@ def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
 
 
 def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
-    scene, names = facts.scene, facts.scene.wall_names
-    at_walls = [
-        {"n": point, "wall": wall, "stop": AT_WALL, "at_joint": False, "name": names[wall]}
-        for point, wall in point_wall_pairs(scene)
-    ]
-    at_joints = [
-        {"n": joint, "wall": stop, "stop": STOP_CODES[names[stop]], "at_joint": True}
-        for joint, stop in stop_pairs(scene)
-    ]
-    of_slider = [
-        {"n": 0, "wall": names.index(stop), "stop": STOP_CODES[stop], "at_joint": False, "name": stop}
-        for stop in scene.slider_stops
-    ]
-    return [*at_walls, *at_joints, *of_slider]
+    names, found = facts.scene.wall_names, list[dict[str, Any]]()
+    for n, wall in candidates(facts.scene):
+        stop = STOP_CODES.get(names[wall], AT_WALL)
+        at_joint = stop != AT_WALL and n > 0
+        label = {} if at_joint else {"name": names[wall]}
+        found.append({"n": n, "wall": wall, "stop": stop, "at_joint": at_joint, **label})
+    return found
 
 
 def _walls(facts: SceneFacts) -> list[dict[str, Any]]:

@@ -138,10 +138,11 @@ def as_function(
         return lambda times: values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)], at
     from scipy.interpolate import CubicSpline, PPoly
 
-    spline, breaks = CubicSpline(at, values), at
     if is_position(name):
         breaks, powers = spline_of_position(at, values, stop)
         spline = PPoly(powers.T[::-1], breaks)
+    else:
+        spline, breaks = CubicSpline(at, values), at
     return lambda times: spline(np.clip(times, at[0], at[-1])), breaks
 
 

@@ -17,7 +17,7 @@ VALUE, RATE, SECOND = range(3)  # the results of ``signal_at``
 
 
 def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
-    """Return the knots at the time 0 where a signal bends, so that it has different accelerations there.
+    """Return the knots at the time 0 where a signal bends so that the accelerations of the chain jump.
 
     A later time then lets the accelerations before the knot act in the run, an earlier time does not.
 

@@ -121,9 +121,8 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if had_forces:
-            control.propose_flight_size(
-                d
-            )  # the proposed size suits the contact with a force that has just ended
+            # the proposed size suits the contact with a force that has just ended
+            control.propose_flight_size(d)
         begin_flight(d)
     else:
         choose_next_size(d, onset, goes_on)

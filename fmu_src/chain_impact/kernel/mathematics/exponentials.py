@@ -25,9 +25,8 @@ EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.00833333
 STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
-COMMON = (
-    650.0  # the largest |x| for ``exp_of_common``: e^x is finite, and not so small that it would lose digits
-)
+# the largest |x| for ``exp_of_common``: e^x is finite, and not so small that it would lose digits
+COMMON = 650.0
 # Half of the range of exponents. For |x| > COMMON, e^x is e^(x ∓ 512 ln 2) times 2^±512, which rounds once.
 HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE

@@ -85,9 +85,8 @@ SLIGHT_GAIN = 1e-8
 # like STEP_CHANGE. LOSS_TIME: the time [s] in which as much again may be lost. In 3360 random scenes this
 # limit shortens steps in 3 % of the runs, most of them with stiff springs.
 ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
-NOTABLE_LOSS = (
-    0.1  # the least loss that affects the size of the next step, relative to the allowed loss of a step
-)
+# the least loss that affects the size of the next step, relative to the allowed loss of a step
+NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE_TOLERANCE = 1e-4
@@ -261,7 +260,7 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Return whether the dense output conserves the energy balance in the middle of the last step."""
+    """Return whether the dense output conserves the energy balance in mid-step, and dissipates evenly."""
     y = d.scratch.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)

@@ -189,9 +189,9 @@ def contact_time_scale(d, c):
 # hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
 # The round-off of a position, relative to the largest coordinate, or angle times the longest link: its usual
-# size, and a bound for contacts older than OLD reciprocals of their frequency. There a single step with
-# more round-off than usual excites a motion that short steps keep alive.
-POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, OLD = 1e-15, 4e-15, 1e3
+# size, and a bound for contacts older than AGE_AT_REST reciprocals of their frequency. There a single step
+# with more round-off than usual excites a motion that short steps keep alive.
+POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
@@ -234,7 +234,7 @@ def raise_scales(d, y, scale, contacts):
     for k in range(contacts):
         c = d.touch.active_index[k]
         frequency = d.touch.impact_speed[c] / d.touch.depth_scale[c]
-        lasts = frequency * (d.step.end - d.touch.onset[c]) > OLD
+        lasts = frequency * (d.step.end - d.touch.onset[c]) > AGE_AT_REST
         least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
         fastest = max(fastest, frequency * least)

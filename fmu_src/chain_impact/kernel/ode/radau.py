@@ -86,9 +86,8 @@ LEFT_Q = tuple(
 MOST_ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 DIVERGENCE_RATE = 0.95  # the convergence rate θ above which the iteration is given up
-FAILED_CORRECTION = (
-    1e20  # the largest correction, relative to the tolerance; beyond this the iteration has failed
-)
+# the largest correction, relative to the tolerance; beyond this the iteration has failed
+FAILED_CORRECTION = 1e20
 
 
 def shift_of(pair, h):

@@ -52,7 +52,7 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return the mobility W′ [1/kg] for a single constraint: m/W′ is the impulse of STICKING_PASSES.
+    """Return the mobility W′ [1/kg] of one constraint: m/W′ is the impulse of STICKING_PASSES iterations.
 
     With n = STICKING_PASSES, the mobility W and the impedance D, the iterations reduce a residual m to
     m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be

@@ -105,7 +105,7 @@ def set_impedance(d, amount):
 
 
 def scale_sticking_impedances(d):
-    """Scale the impedances of sticking elements by limit over largest limit, within a bound."""
+    """Scale the impedances of sticking elements by limit over largest limit, or by a least ratio."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -115,7 +115,7 @@ def scale_sticking_impedances(d):
 
 
 def set_single_solution_impedances(d):
-    """Set the impedances with which one solution acts on the motion about as STICKING_PASSES do."""
+    """Set the impedances with which one solution acts about as STICKING_PASSES iterations do."""
     for k in range(d.touch.compliant_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
@@ -167,7 +167,7 @@ def iterate_impulses(d, scale, impedance):
 
     The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual, makes
     D grow, or follows one in which D has grown; D grows at most twice. The first pass with a larger D adds
-    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_PASSES.
+    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_PASSES iterations.
 
     Returns:
         The largest residual.

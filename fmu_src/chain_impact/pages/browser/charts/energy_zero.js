@@ -1,6 +1,7 @@
 // The zero of the potential energy in a chart, as `over_time.py` chooses it for pictures.
 
 import { digits } from "../base/format.js";
+import { endsOf } from "../base/range.js";
 
 // the zero is moved if the range of all energies then is smaller than this, relative to the range with the usual zero
 const CLOSER = 0.8;
@@ -27,15 +28,6 @@ export function movedBy(energies, offset) {
 /** Return the name of an energy with its offset [J], such as "total + 22 J". */
 export function energyText(name, offset) {
   return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
-}
-
-function endsOf(values) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  }
-  return [low, high];
 }
 
 /** Return the range of all energies and 0 [J]. */

@@ -141,12 +141,13 @@ export class ForceChart extends Chart {
       // uPlot does not apply `range` to limits that are set
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
-    // an impact between two rows of the recording, or at a rigid wall, has no curve
-    const isKnown = inside.some((force) => force > 0) || this.curves.length > 0;
+    // without a curve, as at a rigid wall or between two rows of the recording, there is no chart
+    const hasCurve = inside.some((force) => force > 0);
+    const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
     this.quantity.textContent = unitsOf(contact).force === "N" ? "Contact force" : "Moment of the stop";
-    const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
+    const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
     const text = `${contactTitle(contact)}, ${length}${legend}`;
     Object.assign(this.title, { textContent: text, title: text }); // it may be cut

@@ -1,19 +1,10 @@
 // The view of a motion: the space that the motion needs, and the walls near it. `view.py` does the same for pictures and
 // films, and has the constants.
 
+import { endsOf } from "../base/range.js";
 import { freeRegionWithin } from "./free_region.js";
 
 export const VIEW = SHARED.view;
-
-/** Return the least and the largest of some numbers. */
-function ends(numbers) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const number of numbers) {
-    low = Math.min(low, number);
-    high = Math.max(high, number);
-  }
-  return [low, high];
-}
 
 /**
  * Return the lines of the mark of a pinned base, for its position at the start: above it if the chain is on average below it; `x`
@@ -39,7 +30,7 @@ function enclosureOf(walls, [low, high], width) {
 
 /** Return the larger of width and height of a motion [m], whose points are at `x` and `y`. */
 export function sizeOf(x, y) {
-  return Math.max(...[x, y].map((all) => ends(all)).map(([low, high]) => high - low));
+  return Math.max(...[x, y].map((all) => endsOf(all)).map(([low, high]) => high - low));
 }
 
 /**
@@ -47,9 +38,9 @@ export function sizeOf(x, y) {
  * `points` in a row. `carriage`: the corners of a carriage around the base.
  */
 export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
-  const bases = [x, y].map((all) => ends(all.filter((_, k) => k % points === 0)));
+  const bases = [x, y].map((all) => endsOf(all.filter((_, k) => k % points === 0)));
   const spaces = [x, y].map((all, axis) =>
-    ends([...ends(all), ...carriage.flatMap((corner) => bases[axis].map((end) => end + corner[axis]))]));
+    endsOf([...endsOf(all), ...carriage.flatMap((corner) => bases[axis].map((end) => end + corner[axis]))]));
   const reach = [spaces.map(([low]) => low - radius), spaces.map(([, high]) => high + radius)];
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];
@@ -70,7 +61,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
       if (part < -VIEW.UPRIGHT) open[1][axis] = 0;
     });
   }
-  const spans = [0, 1].map((axis) => ends(corners.map((corner) => corner[axis])));
+  const spans = [0, 1].map((axis) => endsOf(corners.map((corner) => corner[axis])));
   const margin = VIEW.MARGIN * Math.max(...spans.map(([low, high]) => high - low), VIEW.LEAST);
   return {
     view: [spans.map(([low]) => low - margin), spans.map(([, high]) => high + margin)],
