@@ -27,6 +27,14 @@ def test_the_shaken_pendulum_agrees_with_an_independent_integration():
     np.testing.assert_allclose(result["point[0].y"], heights, rtol=0, atol=1e-12)
 
 
+def test_a_fast_shake_needs_few_steps_for_the_tolerance():
+    scene = PENDULUM.with_values({"signal.shake.amplitude": 1e-3, "signal.shake.frequency": 500.0})
+    exact = simulate(scene, 0.5, tolerance=1e-12, output_step=0.01).angles
+    fast = simulate(scene, 0.5, tolerance=1e-8, output_step=0.01)
+    assert fast.statistics["steps"] < 15 * 500 * 0.5
+    np.testing.assert_allclose(fast.angles, exact, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize(("share", "stands"), [(0.97, False), (1.03, True)])
 def test_the_pendulum_stands_above_the_published_threshold(share, stands):
     """a²ω² > 2 g l (Kapitza 1951; Stephenson 1908), and Floquet's multipliers of the exact equation agree."""

@@ -141,6 +141,20 @@ def rate_of_drives(d):
     return most
 
 
+def rate_of_base(d):
+    """Return the result of ``rate_of_signals`` for the sines that move the base."""
+    most = 0.0
+    for j in range(d.signals):
+        if is_sine(d, j) and moves_base(d, j):
+            most = max(most, largest_frequency(d, j))
+    return most
+
+
+def moves_base(d, j):
+    """Return whether signal j moves the base."""
+    return d.model.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
+
+
 def acts_in_limited_drive(d, j):
     """Return whether signal j is a motor's torque or force, or a target, of a drive with a limit."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
@@ -229,7 +243,7 @@ def derive_signals(d, time):
             for _ in range(signal.order[j]):
                 integrate(d, j, time)
         begin_signal(d, j, time)
-        if signal.order[j] > 0 and d.model.base_moves and signal.index[j] < 2:
+        if signal.order[j] > 0 and moves_base(d, j):
             signal.begin[j] = d.initial.position[signal.index[j]]
 
 

@@ -12,6 +12,7 @@ Each row of coefficients maps the number of a stage to the coefficient of this s
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.signals import rate_of_base
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.functions import called_in_turn, inlined
@@ -110,6 +111,8 @@ UNRESOLVED_PART = 1e-6
 # The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
 # rest, held points have practically no speed, and such small errors occur.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
+# The turn [rad] of a sine of the base in a step above which the sine determines the size of the step.
+FAST_SINE = 0.25
 # number of new right-hand sides in a step, without the one at the end of the step
 STEP_EVALUATIONS = END_STAGE - 1
 DENSE_EVALUATIONS = STAGES - END_STAGE  # number of right-hand sides for the dense output
@@ -265,16 +268,20 @@ def error_estimate(d, h):
     # the error e₅²/√(e₅² + e₃²/100), from the estimates e₅ and e₃ of orders 5 and 3, is of order 8, because
     # e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
-    return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d) else 1.0)
+    return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d, h) else 1.0)
 
 
-def is_smooth(d):
-    """Return whether the error of a step is estimated with order 9, as in a regularized contact.
+def is_smooth(d, h):
+    """Return whether the error of a step of size h is estimated with order 9, as in a regularized contact.
 
-    In flight the estimate of order 8 remains, as a margin. It also remains if the damping has an exponent
-    between 0 and 1/2: at the onset the force then rises more steeply than u, and the step loses its order.
+    In flight the estimate of order 8 remains, as a margin, except for a fast sine of the base: the errors of
+    steps within a period have both signs, and nearly cancel. The estimate of order 8 also remains if the
+    damping has an exponent between 0 and 1/2: at the onset the force then rises more steeply than u, and the
+    step loses its order.
     """
     c = d.step.regularized
+    if d.touch.active_count == 0 and d.model.base_moves:
+        return h * rate_of_base(d) > FAST_SINE
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
 
 

@@ -15,7 +15,7 @@ import math
 
 from chain_impact.kernel.chain.inputs import CHANNEL, TARGET
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import SINE
+from chain_impact.kernel.chain.signals import SINE, moves_base
 from chain_impact.kernel.chain.sines import TAU
 from chain_impact.kernel.events.segments import shift_start
 from chain_impact.kernel.mathematics.angles import direction
@@ -58,7 +58,7 @@ def is_differentiable(t, j):
         return True
     if begins > 0.0 or signal.input[j] == TARGET:
         return False
-    if signal.input[j] == CHANNEL and t.model.base_moves and signal.index[j] < 2:
+    if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
     # a wall that goes to its place at once, back by −J, must not meet a point on its way
     return is_linear(t) and (not moves or nearest(t) > -jump)
