@@ -89,7 +89,7 @@ from chain_impact.kernel.status import (
 
 # [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
 LONGEST_STEP = 1.0
-# [s] The shortest step, far below the resolution of time except near t = 0. A shorter one is a fault.
+# [s] The shortest step, far below the resolution of time except near t = 0; the run fails if it is rejected.
 SHORTEST_STEP = 1e-18
 
 
@@ -98,8 +98,8 @@ def advance(d, time, log_capacity, cost_limit):
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
-        finished contacts are not collected, or the log of dry friction has no room for another step; the run
-        can continue after the caller has collected them. PAUSED: the cost since the start of the run exceeds
+        ended contacts wait for the caller, or the log of dry friction has no room for another step; the run
+        can continue after the caller has collected them. PAUSED: the cost since the start exceeds
         ``cost_limit`` evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
@@ -115,7 +115,7 @@ def advance(d, time, log_capacity, cost_limit):
 
 
 def log_is_full(d, capacity):
-    """Return whether ≥ ``capacity`` ended contacts wait, or a step could overfill a limited `changes`."""
+    """Return whether ``capacity`` ended contacts wait, or a step could overfill the log of friction."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
@@ -145,7 +145,7 @@ def advance_to_onset(d, time):
 def event_update(d):
     """Apply the onsets at the communication point, with the present parameters, and return a status.
 
-    The next step starts in the state right after the onsets.
+    The next step starts in the state after the onsets.
     """
     status = reinit_if_changed(d, d.step.time)
     while status == OK and onset_due(d):
@@ -176,7 +176,7 @@ def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
     A value that was set and then set back has not changed. A new piece of the inputs is no change if it
-    continues the present piece at the end of the last step without a jump: the next step then applies it.
+    continues the present piece without a jump: the next step then applies it.
     """
     if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -184,7 +184,7 @@ def must_reinit(d):
 
 
 def advance_one_step(d):
-    """Take a step; after a fault, return to the last time that was reached. Return a status."""
+    """Take a step, and return a status; after a fault, first return to the last time that was reached."""
     set_status(d, take_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
@@ -203,7 +203,7 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # converts the next size to seconds
+    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # convert the next size to seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
@@ -239,7 +239,7 @@ def latch_again(d):
 
 
 def apply_laws(d):
-    """Set again what depends on the laws: values fixed at onsets, held contacts, modes, sides of kinks."""
+    """Set data again that depend on the laws: values of onsets, held contacts, modes, sides of kinks."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 
@@ -319,7 +319,7 @@ def try_step(d, h):
 
 
 def must_land(d, theta):
-    """Return whether the last step must be repeated to end at its event at the fraction θ; −1: no event.
+    """Return whether the last step must be repeated to end at its event at the fraction θ (−1: none).
 
     The force of a contact is not smooth at its end and at its kink, so the interpolant of a step across this
     point is less accurate than the step. The interpolant of an implicit step is less accurate everywhere
@@ -331,9 +331,9 @@ def must_land(d, theta):
 
 
 def land(d, theta):
-    """Repeat the last step so that it ends at its fraction θ.
+    """Repeat the last step so that it ends at its fraction θ; return the fraction at which contacts begin.
 
-    Returns the fraction of the repeated step at which contacts begin; −1: its end, or the step is rejected.
+    The result is −1 if contacts begin at the end of the repeated step, or if the step is rejected.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
@@ -348,7 +348,7 @@ def land(d, theta):
 
 
 def begin_step(d):
-    """Apply events and inputs at the end of the last step, set up the next; return the number of events."""
+    """Apply events and inputs at the end of the last step, and set up the next; return the event count."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         apply_next_piece(d)
@@ -362,7 +362,7 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         restart_balance(d)
     if not kinked:
-        choose_method(d)  # not after a kink, where the size of the last step does not show the stiffness
+        choose_method(d)  # a kink of a force would hide the stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events

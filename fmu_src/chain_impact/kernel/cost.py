@@ -1,4 +1,4 @@
-"""The cost of a run and the count of its events, and their bounds, which end every run.
+"""The cost of a run, the count of its events, and the limits on both that end a run with a fault.
 
 The unit of cost is an evaluation of the right-hand side. One location of the points in the search for events
 costs about as much, and so does one solution for the response of the chain to impulses.
@@ -6,21 +6,25 @@ costs about as much, and so does one solution for the response of the chain to i
 
 from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
 
-UNLIMITED = 1 << 62  # a number of evaluations that means: no limit
+UNLIMITED = 1 << 62  # value of a limit on the number of evaluations that means: no limit
 COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
-# [s] A communication step, even a short one, may cost what is allowed for this simulated time.
+# [s] A communication step, even a short one, may cost as much as `solver.work_limit` allows for this
+# simulated time.
 LONGEST_CALL = 20.0
-# The number of evaluations times links after which a long call returns, so that its caller can stop the run.
+# The product of evaluations and links after which a long call returns, so that its caller can stop the run.
 # An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
 # The number of events in EVENT_WINDOW [s], on average for each candidate, and for each drive if there is
-# friction or a drive with a limit. More events count as chattering without end: in a bounce of a microsecond
-# the point rises only 1e-12 m.
+# friction or a drive with a limit. More events count as endless chattering, and end the run: in a bounce of a
+# microsecond the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
 def begin_windows(d, time):
-    """Begin the first time windows for the limits on events and cost at ``time`` [s], the start of a run."""
+    """Begin the first time windows of events and cost at ``time`` [s], the start of a run.
+
+    The numbers of events and evaluations within a window are limited.
+    """
     d.limits.event_start, d.limits.cost_start = time, time
 
 
@@ -51,25 +55,31 @@ def count_other_cost(d, number):
 
 
 def counted_cost(d):
-    """Return the counts of evaluations and of the other cost, for a later ``uncount_cost``."""
+    """Return the counts of evaluations and of the other cost, for a later ``uncount_cost``.
+
+    That function resets the counts to these values.
+    """
     return d.statistics.rhs_evaluations, d.limits.other_cost
 
 
 def uncount_cost(d, counted):
-    """Reset the counts to ``counted``, from ``counted_cost``: the cost since then is that of outputs."""
+    """Reset the counts to ``counted``, the result of ``counted_cost``.
+
+    The cost since then is that of outputs, which does not count.
+    """
     d.statistics.rhs_evaluations, d.limits.other_cost = counted
 
 
 def cost_exceeded(d):
     """Return whether the cost exceeds the limit for a second of simulated time.
 
-    Every long loop calls this.
+    Every long loop calls this function.
     """
     return cost_so_far(d) - d.limits.cost_count > d.solver.work_limit * COST_WINDOW
 
 
 def cost_of_a_call(d):
-    """Return the cost, in evaluations, after which a call returns so that its caller can stop the run."""
+    """Return the cost [evaluations] after which a call returns, so that the caller can stop the run."""
     return CALL_COST // (d.links + 1)
 
 
@@ -84,7 +94,10 @@ def allow_any_length(d):
 
 
 def check_cost(d):
-    """Return TOO_MUCH_WORK or STEP_TOO_LONG if a second or a call costs too much, else OK."""
+    """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK.
+
+    The first means that a second of simulated time costs too much, the second that a call does.
+    """
     limits = d.limits
     if cost_exceeded(d):
         return TOO_MUCH_WORK

@@ -34,7 +34,7 @@ from chain_impact.kernel.status import (
 
 
 def is_sound(d):
-    """Return 1 if all indices in the record, and in the data of the hooks, are within bounds, else 0.
+    """Return 1 if all indices in the record, and in the hooks' data after it, are within bounds, else 0.
 
     The caller must check the sizes at the start of the record, such as the number of links.
     """
@@ -71,14 +71,15 @@ def relations_hold(d):
 
 
 def signals_fit(d):
-    """Return whether the indices of all signals, of knots and of driven values, are within the record."""
+    """Return whether the indices of all signals, knots and driven values are within the record."""
     signal = d.signal
     for j in range(d.signals):
         driven, first, last = signal.input[j], signal.first[j], signal.last[j]
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
-        given = signal.first[signal.source[j]]  # the first of as many given knots as from first to last
+        # index of the first of the given knots; the signal has as many of these as knots of its own
+        given = signal.first[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
             return False
@@ -86,7 +87,7 @@ def signals_fit(d):
 
 
 def friction_counts_fit(d):
-    """Return whether each count of elements with dry friction is at most the count that contains it."""
+    """Return whether no count of a group of elements with friction exceeds the count of a larger group."""
     friction = d.friction
     fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
     fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
@@ -108,13 +109,16 @@ def is_within(number, least, most):
 def advance_to(d, time):
     """Advance the instance to ``time`` [s], and return a status.
 
-    New finished contacts overwrite the oldest ones that the caller has not collected.
+    If the log is full, newly ended contacts overwrite the oldest contacts that the caller has not collected.
     """
     return advance(d, time, UNLIMITED, UNLIMITED)
 
 
 def advance_awhile(d, time):
-    """Advance as ``advance_to`` does, but return PAUSED after about a second, so that the caller can stop."""
+    """Advance as ``advance_to`` does, but return PAUSED after about a second of computing.
+
+    So the caller can stop the run.
+    """
     return advance(d, time, UNLIMITED, cost_so_far(d) + cost_of_a_call(d))
 
 
@@ -134,7 +138,7 @@ def observe_now(d):
 
 
 def observe_trial(d):
-    """Apply the new values, and fill the outputs that change at once. Return a status.
+    """Apply new values of inputs and parameters, and fill the outputs that change at once. Return a status.
 
     No run can continue from the instance afterwards. After a fault all outputs stay unchanged.
     """
@@ -142,7 +146,8 @@ def observe_trial(d):
     store_output_state(d)
     status = reinit(d)
     if status == OK:
-        # rigid walls correct the state at the start of a step; the outputs show the state before that
+        # rigid walls correct the state at the start of a step; the outputs show the state before this
+        # correction
         return_to_stored_state(d)
         refill_motion(d)
         hooks.on_observe_trial(d)
@@ -164,8 +169,8 @@ def trajectory(d, words, times, spans, rows, of_state):
             derivatives: then the other outputs, and all derivatives, are not computed.
 
     Returns:
-        The number of rows filled. It is smaller than the number of times after a fault, when the log of
-        finished contacts is full, or when a second of computing is over.
+        The number of rows that are filled. This number is smaller than the number of times after a fault,
+        when the log of ended contacts is full, or when a second of computing is over.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     cost_limit = cost_so_far(d) + cost_of_a_call(d)
@@ -195,7 +200,7 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
     Args:
         d: the instance.
         words: all numbers of the record (8 bytes each), shape (W,).
-        indices: indices of the words that vary, shape (K,).
+        indices: indices of the words that hold the varied parameters, shape (K,).
         values: the values of these words in each run, shape (R, K).
         end_times: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
@@ -204,8 +209,8 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         continuing: 1 if an earlier call has begun the first run, which this call continues.
 
     Returns:
-        The number of complete runs. If the number is smaller than requested, a second of computing was over,
-        and the next run has begun.
+        The number of complete runs. If the number is smaller than R, a second of computing was over, and the
+        next run has begun.
     """
     cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):
@@ -224,7 +229,8 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
 def finish_run(d, end_time, cost_limit):
     """Advance to ``end_time`` [s], and return a status.
 
-    Contacts that still last at the end are logged, because the outputs of peaks come from the log.
+    Contacts that still last at the end are logged, because the outputs of peak forces and penetrations come
+    from the log.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     status = LOG_FULL

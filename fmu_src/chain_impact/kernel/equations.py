@@ -1,7 +1,7 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
-chain/state.py describes y. Six functions set ẏ. They need y and what their names end with; a "free" rate is
-without the forces of constraints:
+chain/state.py describes y. Six functions set ẏ. Each needs y and, as its name says, data that earlier calls
+have set. A "free" rate lacks the forces of constraints:
 
     rate_from_state             y alone; locates the points only if forces act on them
     rate_and_points_from_state  y alone; locates the points
@@ -70,7 +70,10 @@ def stored_energy(d, y):
 
 
 def mechanical_energy(d, y):
-    """Return kinetic and potential energy [J] of chain, armatures and carriage, for the located points."""
+    """Return the kinetic and the potential energy [J] of chain, armatures and carriage.
+
+    The points must be located.
+    """
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
@@ -128,7 +131,10 @@ def true_rate_from_inputs(d, y, rate):
 
 
 def add_constraints(d, y, rate):
-    """Add to a rate ẏ accelerations and power of constraints, and power of moving base, walls and belts."""
+    """Add the effects of constraints and of given motions to the rate ẏ.
+
+    These are the accelerations and the power of constraints, and the power of moving base, walls and belts.
+    """
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
         rate[dissipated_at(d.links)] += static_power(d)
@@ -142,7 +148,7 @@ def free_rate_from_inputs(d, y, rate):
 
 
 def free_rate_from_loads(d, y, dissipated, rate):
-    """Set rate = f(y) for the loads in the record, without the forces of constraints.
+    """Set rate = f(y), with the loads in the record, and without the forces of constraints.
 
     ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
     """
@@ -170,7 +176,10 @@ def free_rate_from_loads(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Clear what the stages of a step record: failed solutions, crossed kinks, least forces, margins."""
+    """Clear the data that the stages of a step record.
+
+    These are failed solutions, crossed kinks, least forces, and margins of modes.
+    """
     clear_unsolved(d)
     clear_crossings(d)
     clear_least_forces(d)
@@ -179,13 +188,14 @@ def clear_stage_notes(d):
 
 
 def joint_moments(d, y):
-    """Set the net joint moment on each link; return the dissipated and the supplied power [W].
+    """Set the sum of the joint moments on each link; return the dissipated power and the supplied power [W].
 
     The proximal joint of link i carries the torque τ_i of its drive: +τ_i on link i, −τ_i on link i − 1. A
     free base has no joint to carry τ_1.
     """
     dissipated, supplied = 0.0, 0.0
-    # without inputs the tip has no force, and its velocity, which is unknown in flight, is not read
+    # without inputs no force acts at the tip, and the velocity of the tip, which is unknown in flight, is not
+    # read
     if d.model.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
@@ -207,7 +217,10 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add to both links of each joint the moments of stops and dry friction, from the loads at its place."""
+    """Add the moments of stops and dry friction to both links of each joint.
+
+    The moments follow from the loads at the joint's place.
+    """
     for i in range(d.links):
         add_joint_moment(d, i, d.model.longest_link * d.scratch.load.x[joint_place(d, i)])
 

@@ -7,14 +7,14 @@ def clear_numbers(part):
 
 
 def copy_row(table, source, row):
-    """Copy all columns of row ``source`` of a table of the record to another row."""
+    """Copy all columns of row ``source`` of a table of the record to another row of the table."""
     table[row] = table[source]
 
 
 def inlined(function):
     """Mark a function that is always inlined into its callers.
 
-    So the compiler can use what it knows about the arguments of each call.
+    So the compiler can use its knowledge about the arguments of each call.
     """
     function.inlined = True
     return function
@@ -42,7 +42,10 @@ def dispatch(functions):
 
 
 def called_in_turn(first, *others):
-    """Return a function that calls several functions in turn with its arguments, and returns nothing."""
+    """Return a function that calls several functions in turn, with its own arguments.
+
+    It returns nothing.
+    """
     if not others:
         return first
     following = called_in_turn(*others)

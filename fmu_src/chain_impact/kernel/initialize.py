@@ -110,7 +110,7 @@ def set_initial_state(d, y):
     """Set y to the state that the initial values describe."""
     n = d.links
     for j in range(2):
-        # the state does not contain the motion of a moving base
+        # the state does not contain the motion of a moving base: the base's entries are 0
         y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
@@ -155,7 +155,7 @@ def derive_chain(d):
     """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``."""
     model = d.model
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
-    # the same choice of the middle joint as in `accelerations`
+    # choose the middle joint as `accelerations` (chain/elimination.py) does
     model.meeting_joint = 0 if model.has_base_joint else len(model.length) // 2
     model.longest_link, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
@@ -164,7 +164,7 @@ def derive_chain(d):
         inertia = inertia_of_box(model.mass[i], model.length[i], model.height[i])
         model.inertia[i] = given_or_derived(model.given_inertia[i], inertia)
         model.center_of_mass_ratio[i] = c / model.length[i]
-        # the inertia I + m c² about the proximal joint
+        # the inertia I + m c² of the link about its proximal joint
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
         to_distal = model.length[i] - c
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * to_distal * to_distal
@@ -222,7 +222,7 @@ def derive_drives(d):
 def check_parameters(d):
     """Check ranges, signals, limits of joints and slider, the mass matrix and the method; return a status.
 
-    An importer may set any value.
+    The check is needed in each run, because an importer may set any value.
     """
     status = check_ranges(d)
     if status != OK:
@@ -253,7 +253,10 @@ def check_ranges(d):
 
 
 def refuse_value(d, k, i):
-    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED; store its link or slider as reason."""
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED.
+
+    The function stores the link or slider to which the entry belongs, as the reason of the fault.
+    """
     if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
     if d.slides and (RANGE_OWNERS[k] == OF_LINKS or RANGE_OWNERS[k] == OF_CARRIAGE):

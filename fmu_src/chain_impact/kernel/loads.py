@@ -10,10 +10,10 @@ a site on the site's link. Integrated over time, with p the momentum of these li
 
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
-which includes the impulses of rigid walls. So the impulses in joints need no quadratures. The peaks of |f_i|
-are found in the dense output of each step. A peak does not include impulses of rigid walls. The largest force
-during a contact comes from the steps in which the contact is active, because a contact begins and ends at
-ends of steps.
+which includes the impulses of rigid walls. So the impulses in joints follow from momenta, without an
+integration over time. The peaks of |f_i| are found in the dense output of each step. A peak does not include
+impulses of rigid walls. The largest force during a contact comes from the steps in which the contact is
+active, because a contact begins and ends at ends of steps.
 
 The record has a row for each joint, beginning with row 0 for the joint at the base, and then a row for each
 wall. The record of a scene that does not request loads has no such rows.
@@ -68,7 +68,7 @@ def store_tip_impulse(d, j, impulse):
 
 
 def set_load_peak(d, i, square):
-    """Set the largest |f|² [N²] so far of the joint in row i."""
+    """Set the largest squared force |f|² [N²] so far of the joint in row i."""
     d.transmitted.peak[i] = square
 
 
@@ -80,7 +80,10 @@ def link_momenta(d, x, y):
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
-    """Set x and y to f_i [N] for the accelerated points, from the forces of each candidate."""
+    """Set x and y to the force f_i [N] in each joint, for the accelerated points.
+
+    The forces of the contacts are those stored for each candidate.
+    """
     for i in range(d.links):
         ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
         x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
@@ -91,7 +94,10 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c from the entry of x and y of the link on which it acts."""
+    """Subtract the force or impulse of candidate c from the entry of x and y of its link.
+
+    This is the link on which the candidate's wall acts.
+    """
     if at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
         i = link_of(d, c)
@@ -191,8 +197,8 @@ def fill_load_impulses(d):
 def fill_load_peaks(d):
     """Fill the outputs of the largest forces so far; afterwards the points are located at another time.
 
-    The whole step is searched only once. Only if it raises a peak, an output within it
-    needs a second search, up to its time.
+    The whole step is searched only once. Only if the step raises a peak, an output at a time within the step
+    needs a second search, up to this time.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
@@ -210,7 +216,7 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Update the largest forces in the joints, since the start and during each contact, for the last step.
+    """Update, for the last step, the largest forces in the joints since the start and during each contact.
 
     The evaluations do not count as cost, because loads are outputs.
     """
@@ -233,8 +239,8 @@ def update_load_peaks(d):
 def search_step(d):
     """Set ``transmitted.largest_square`` to the largest |f|² [N²] in the last step.
 
-    If that raises neither the largest |f|² so far nor that of an active contact, the result is the least of
-    these.
+    If |f|² stays below the largest |f|² so far and below the largest |f|² of every active contact, the result
+    is the least of these earlier values.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -245,7 +251,7 @@ def search_step(d):
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] of the last step up to a ``time`` [s]."""
+    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step up to a ``time`` [s]."""
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
@@ -283,7 +289,7 @@ def load_joints_at(d, theta):
 
 
 def square_of_force(d, i):
-    """Return |f|² [N²] of the joint in row i, for the forces that were computed most recently."""
+    """Return |f|² [N²] of the joint in row i, for the joint forces that were computed most recently."""
     return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
 
 

@@ -55,8 +55,8 @@ def observe_state(d):
 def fill_outputs(d):
     """Fill the outputs with the values at ``step.time``.
 
-    The active contacts are those of the step that contains this time: an event at its end, which the solver
-    has already found, is not visible yet.
+    The active contacts are those of the step that contains this time: an event at the end of this step, which
+    the solver has already found, is not visible yet.
     """
     counted, theta = counted_cost(d), fraction(d, d.step.time)
     fill_motion(d, theta)
@@ -110,13 +110,17 @@ def fill_points(d, vectors, out):
 
 
 def fill_state(d, theta):
-    """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step, and leave the points located."""
+    """Fill the outputs of STATE_OUTPUTS at the fraction θ of the last step.
+
+    Afterwards the points are located there.
+    """
     n, out, y = d.links, d.output, d.scratch.y
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # The interpolant satisfies constraints and prescribed motions only up to its error. In the projection
-        # sticking elements carry the load in proportion to the limits of friction in this state.
+        # The interpolant satisfies constraints and prescribed motions only up to its error. The state is
+        # therefore projected. In the projection, sticking elements carry the load in proportion to their
+        # limits of friction in this state.
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
@@ -192,7 +196,10 @@ def fill_quadratures(d, theta):
 
 
 def fill_quadrature(d, i, value):
-    """Fill the output of the quadrature with index i; store the impulse of the tip's force."""
+    """Fill the output of the quadrature with index i.
+
+    The impulse of the force at the tip is also stored.
+    """
     e = i - d.candidates
     if e < 0:
         d.output.impulse[i] = value
@@ -205,9 +212,10 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Convert forces and depths of stops to moments [N·m] and angles [rad], in the entry of each first stop.
+    """Convert forces and depths of joints' stops to moments [N·m] and angles [rad].
 
-    A joint can touch only one of its two stops at a time; moments at joint_max are negative.
+    Each result stands in the entry of the joint's first stop. A joint can touch only one of its two stops at
+    a time; moments at joint_max are negative.
     """
     out = d.output
     for c in range(d.candidates):
@@ -223,7 +231,7 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Convert impulses of stops to angular impulses [N·m·s], in the entry of each joint's first stop."""
+    """Convert impulses of joints' stops to angular impulses [N·m·s], in the entry of a joint's first stop."""
     out = d.output
     for c in range(d.candidates):
         if at_joint_stop(d, c):

@@ -1,8 +1,8 @@
 """Drives: a motor, a damper, a spring and a rotor along a coordinate q, an angle or the slider's position.
 
-Drive i acts in the proximal joint of link i, counted from 0. If the chain has a slider, drive N acts along
-the slider's line. Drive N has lengths, forces and masses in place of angles, torques and moments of inertia.
-The force or torque of a drive is
+Drive i acts in the proximal joint of link i, with i counted from 0. If the chain has a slider, drive N acts
+along the slider's line. Drive N has lengths, forces and masses in place of angles, torques and moments of
+inertia. The force or torque of a drive is
 
     F = u − c (q̇ − q̇_t) − k (q − q_t)
 
@@ -16,7 +16,7 @@ Only this module has the formulas of motor, damper, spring and rotor. Other modu
 power, energy, inertia, the slopes of the force, and ``set_effect_flags`` for what the drives of a scene have.
 Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
 
-The angles of links include full turns, and so do those of joints. The base of a pinned chain has the angle 0.
+The angles of links and joints include full turns. The base of a pinned chain has the angle 0.
 A free base has no joint and no drive.
 """
 
@@ -26,7 +26,7 @@ from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule
 
-# the largest excess of the force F above the limit of a drive that counts as round-off, relative to the limit
+# the largest excess of a drive's force F over its limit that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
 # the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
 # position and target, k (|q| + |q_t|)
@@ -39,19 +39,20 @@ def first_joint(d):
 
 
 def drive_count(d):
-    """Return the number of rows of drives: one for each link, and one for the slider, if there is one."""
+    """Return the number of rows of drives: one for each link, and one more if there is a slider."""
     return d.links + d.slides
 
 
 def is_slider(d, i):
-    """Return whether drive i is that of the slider; the others are those of joints."""
+    """Return whether drive i belongs to the slider; the other drives belong to joints."""
     return i == d.links
 
 
 def along_drive(d, values, first, i):
     """Return the component of ``values``, a state or changes of coordinates, along the coordinate of drive i.
 
-    The values of the base begin at index ``first``: 0 for coordinates, and velocity_at(N) for their rates.
+    The entries of the base begin at index ``first`` of ``values``: 0 for coordinates, and velocity_at(N) for
+    their rates.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -59,26 +60,32 @@ def along_drive(d, values, first, i):
 
 
 def spring_stretch(d, y, i):
-    """Return q − q_t [rad or m], how far drive i is from the rest or target position of its spring."""
+    """Return the stretch q − q_t [rad or m] of the spring of drive i.
+
+    The rest or target position of the spring is q_t.
+    """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
     return relative(y, ANGLES, i) - d.inputs.target[i]
 
 
 def coordinates_of_drive(d, y, i):
-    """Return the sum [rad or m] of the sizes of the coordinates whose round-off enters q of drive i."""
+    """Return the sum [rad or m] of the absolute coordinates whose round-off enters q of drive i."""
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
     return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
 
 
 def lever_of_drive(d, i):
-    """Return the lever arm [m] of a force that stands for the torque of a joint; 1 for the slider."""
+    """Return the lever arm [m] at which a force stands for the torque of a joint; 1 for the slider."""
     return 1.0 if is_slider(d, i) else d.model.longest_link
 
 
 def moment_factor(d, i):
-    """Return the factor that makes a moment of the force of drive i: the longest link [m]; 1 for a joint."""
+    """Return the factor that turns the force of drive i into a moment.
+
+    The factor is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
+    """
     return d.model.longest_link if is_slider(d, i) else 1.0
 
 
@@ -89,7 +96,10 @@ def has_effect(constant):
 
 
 def set_effect_flags(d):
-    """Set the flags of the effects of all drives, for the values in use; ``has_joint_stops`` must be set."""
+    """Set the flags for the effects that drives have, for the values in use.
+
+    ``has_joint_stops`` must be set.
+    """
     model = d.model
     model.has_springs, model.has_springs_or_dampers, model.has_armatures = 0, 0, 0
     model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_joint_stops, 0, 0
@@ -109,13 +119,16 @@ def set_effect_flags(d):
 
 
 def joints_resist(d):
-    """Return whether some joint has an impedance: of its drive or, at its place, of stop or dry friction."""
+    """Return whether some joint has an impedance, at its place or from its drive.
+
+    Stops and dry friction give an impedance at the joint's place.
+    """
     model = d.model
     return model.has_joint_places or model.has_springs_or_dampers or model.has_armatures
 
 
 def drive_inertia(d, i):
-    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 without a joint."""
+    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 if there is no such joint."""
     return d.model.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
@@ -129,14 +142,15 @@ def rotor_energy(d, y):
 
 
 def is_below_limit(d, i):
-    """Return whether the force of drive i follows its motion: there is a joint, and no limit is reached."""
+    """Return whether the force of drive i follows from its motion: drive i exists and is not at its limit."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
 def drive_slopes(d, i):
-    """Return the slopes −∂F/∂q̇ [N·m·s/rad or N·s/m] and −∂F/∂q [N·m/rad or N/m] of drive i in its mode.
+    """Return the slopes −∂F/∂q̇ and −∂F/∂q of drive i in its mode.
 
-    They are c and k; at a limit, and without a joint, they are 0.
+    Their units are N·m·s/rad and N·m/rad at a joint, N·s/m and N/m at the slider. The slopes are c and k; at
+    a limit, and without a joint, they are 0.
     """
     return slopes_below_limit(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
@@ -147,7 +161,7 @@ def slopes_below_limit(d, i):
 
 
 def is_powered(d, i):
-    """Return whether drive i is active: a servo, or with a limit; the others are passive.
+    """Return whether drive i is active: a servo, or a drive with a limit; other drives are passive.
 
     The whole work of an active drive counts as supplied energy. The spring of a passive drive stores energy,
     the damper dissipates, and only the motor supplies.
@@ -156,7 +170,7 @@ def is_powered(d, i):
 
 
 def unlimited_spring_force(d, y, i):
-    """Return the force k (q − q_t) [N·m or N] of the spring of drive i, without a limit of the drive."""
+    """Return the force k (q − q_t) [N·m or N] of the spring of drive i, not reduced by the drive's limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
@@ -166,7 +180,10 @@ def spring_force(d, y, i):
 
 
 def passive_spring_force(d, y, i):
-    """Return ``spring_force`` of drive i [N·m or N] if its spring stores energy; 0 if it is active."""
+    """Return ``spring_force`` [N·m or N] of a passive drive i, whose spring stores energy.
+
+    For an active drive the result is 0.
+    """
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
 
@@ -191,8 +208,8 @@ def unlimited_force(d, y, i):
 def drive_force(d, y, i):
     """Return the force F of drive i [N·m or N]: ``unlimited_force`` in mode 0, ± the limit in mode ±1.
 
-    The mode stays the same until an event ends the step. So a force in mode 0 may exceed the limit within a
-    step, and F is smooth in every step.
+    The mode stays the same until an event ends the step. So the force in mode 0 may exceed the limit within a
+    step, and F is smooth within every step.
     """
     mode = d.drive.mode[i]
     return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
@@ -204,7 +221,7 @@ def transmitted_moment(d, y, rate, i):
 
 
 def drive_power(d, y, i):
-    """Return the force or torque [N·m or N] of drive i, the power [W] it dissipates, and that it supplies.
+    """Return the force or torque [N·m or N] of drive i, and the powers [W] that it dissipates and supplies.
 
     The force of a passive drive is returned without the force of its spring.
     """
@@ -217,7 +234,10 @@ def drive_power(d, y, i):
 
 
 def drive_mode(unlimited, limit):
-    """Return the mode of a drive, from the force without a limit; with the limit 0 the mode is never 0."""
+    """Return the mode of a drive that follows from its force without a limit.
+
+    With the limit 0, the mode is 1 or −1.
+    """
     if abs(unlimited) > limit or limit == 0.0:
         return 1 if unlimited > 0.0 else -1
     return 0
@@ -226,8 +246,9 @@ def drive_mode(unlimited, limit):
 def mode_margin(d, y):
     """Return the least distance [N·m] of a drive with a limit > 0 from the end of its mode.
 
-    Round-off is added, so the result is negative only where a mode has surely ended. It is ∞ if there is no
-    such drive. The forces of a slider are multiplied by the longest link, to compare them with torques.
+    Round-off is added, so the result is negative only where a mode has surely ended. The result is ∞ if no
+    drive has such a limit. The forces of a slider are multiplied by the longest link, to compare them with
+    torques.
     """
     least = math.inf
     for i in range(drive_count(d)):

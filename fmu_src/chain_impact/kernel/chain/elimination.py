@@ -35,7 +35,7 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 def arm_of_link(d, link, i, outward):
     """Return data of link i, relative to its joint that is nearer to the middle of the chain.
 
-    ``outward``: whether that joint is the proximal one.
+    ``outward``: whether that joint is the proximal joint.
 
     Returns:
         L [m], x and y; m c [kg·m], x and y; and I + m c² [kg·m²].
@@ -62,7 +62,7 @@ def arm_of_link(d, link, i, outward):
 def hinge_inertia(link, axx, axy, ayy):
     """Return the coupling h and the inertia H of a link's rotation about its inner joint.
 
-    They follow from the articulated inertia A' at its outer joint and the data that ``arm_of_link`` returns.
+    H and h follow from the articulated inertia A' at the link's outer joint and the data of ``arm_of_link``.
     """
     lx, ly, sx, sy, inertia = link
     # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
@@ -71,9 +71,9 @@ def hinge_inertia(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate α_i of a link between two joints.
+    """Eliminate the angular acceleration α_i of a link between two joints.
 
-    Returns A and b at its inner joint from A' and b' at its outer joint.
+    Returns A and b at the link's inner joint, from A' and b' at its outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
@@ -86,7 +86,7 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """Eliminate α_i of the link at a free end, beyond which A' = 0 and b' = 0.
+    """Eliminate the angular acceleration α_i of a link at a free end of the chain, where A' = 0 and b' = 0.
 
     The inertia H of this link is a constant.
     """
@@ -149,7 +149,7 @@ def accelerations(d, y, rate):
             links [rad/s²]. The function also stores the factors that ``copy_factors`` needs for the response
             to other loads.
     """
-    # The first of these calls has a constant middle joint, for which the compiler makes faster code.
+    # The first of these two calls has a constant middle joint, so the compiler makes faster code for it.
     if d.model.has_base_joint:
         arms(d, y, rate, 0)
     else:
@@ -191,9 +191,10 @@ def arms(d, y, rate, middle):
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
 
-    # accelerations from the middle outward: a toward the last link, c toward the base, which gets c. A base
-    # that inputs move is itself the middle: the links get its given acceleration, but the rate of the base is
-    # 0, because the solver does not integrate its motion.
+    # accelerations from the middle outward: a is the acceleration of a joint toward the last link, c of a
+    # joint toward the base; the base gets the last c. A base that inputs move is itself the middle joint: the
+    # links get its given acceleration, but the rate of the base is 0, because the solver does not integrate
+    # its motion.
     cx, cy = ax, ay
     if d.channels > 0 and d.model.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]

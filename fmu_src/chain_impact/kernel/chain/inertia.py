@@ -1,23 +1,23 @@
 """The inertia of a link without a given inertia, and a check that the mass matrix is always regular.
 
-When a scene is read, it derives some values from others, such as the inertia, and these values stay derived:
-a change of a length changes the centre of mass and the inertia with it. So the record has a field for the
-given value, which is DERIVED if no value is given, and a field for the value in use. The kernel sets the
-field in use at initialization. If the value can be set at any time, the kernel also sets the field in use
-when new values are applied. ``Chain.set`` and FMUs write a value into both fields, for example into
-``given_inertia`` and ``inertia``, so that the new value can be read at once. Sweeps and the page write only
-the field of the given value, because they read nothing before the run. So a changed parameter gives the same
-results as an edited scene file, and a tangent instance has the derivatives of derived values.
+A scene derives some values, such as the inertia, from others, and these values stay derived: a change of a
+length also changes the centre of mass and the inertia. So the record has a field for the given value, which
+is DERIVED if no value is given, and a field for the value in use. The kernel sets the field in use at
+initialization. If the value can be set at any time, the kernel also sets the field in use when new values are
+applied. ``Chain.set`` and FMUs write a value into both fields, for example into ``given_inertia`` and
+``inertia``, so that the new value can be read at once. Sweeps and the page write only the field of the given
+value, because they read nothing before the run. So a changed parameter gives the same results as an edited
+scene file, and a tangent instance has the derivatives of derived values.
 
 The recursion never divides by zero if the mass matrix is regular. The mass matrix is singular if the chain
 can move without kinetic energy: no centre of mass moves, and no link with an inertia turns. A link without
-inertia can turn about its centre of mass. This turn moves each joint of the link that does not coincide with
-the centre of mass. A moving joint turns the next link, which must also be without inertia, and turn about its
-own centre of mass. Both turns are possible while both links are on one line. So the motion continues along a
-sequence of links without inertia. It begins at a link whose proximal joint is the free base or coincides with
-the centre of mass, and it ends at a link whose distal joint is the tip or coincides with the centre of mass.
-If no sequence has such a beginning and such an end, every pivot of the recursion is positive, as in the
-elimination of a positive definite matrix.
+inertia can turn about its centre of mass. This rotation moves each joint of the link that does not coincide
+with the centre of mass. A moving joint turns the next link, which must also be without inertia and rotate
+about its own centre of mass. Both rotations are possible while both links are on one line. So the motion
+continues along a sequence of links without inertia. It begins at a link whose proximal joint is the free base
+or coincides with the centre of mass, and it ends at a link whose distal joint is the tip or coincides with
+the centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion is
+positive, as in the elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308
@@ -65,7 +65,7 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# The largest distance between a joint and a centre of mass, relative to the link's length, at which both
+# The largest distance between a joint and a centre of mass, relative to the link's length, up to which both
 # count as one point. The inertia about the joint, which is proportional to the square of this distance, is
 # then only round-off.
 SAME_POINT = 1e-8
@@ -74,7 +74,7 @@ SAME_POINT = 1e-8
 def loose_links(chain, free_base):
     """Return the first and last link of a sequence that can move without kinetic energy in some position.
 
-    The links are counted from 0. Returns −1, −1 if no such sequence exists.
+    The links are counted from 0. The result is −1, −1 if no such sequence exists.
 
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and

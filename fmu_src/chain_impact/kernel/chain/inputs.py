@@ -4,10 +4,11 @@
 polynomials, one column for each value. The prescribed motions of base and walls are in motion.py.
 """
 
-EACH_DRIVE = 0  # in place of a number of values: one value for each drive (drives.py)
-# field of the record → number of values
+EACH_DRIVE = 0  # value in place of a number of values: the input has one value for each drive (drives.py)
+# table of the inputs: the field of the record → the number of its values
 FIELDS = {
-    "motor": EACH_DRIVE,  # N·m, torque of the motor in a joint; N, force on the carriage of a slider
+    # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
+    "motor": EACH_DRIVE,
     # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
     "target": EACH_DRIVE,
     "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
@@ -15,9 +16,9 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
+# Numbers of inputs: the number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
-CHANNEL = len(NAMES)  # in place of the number of an input: a prescribed motion
+CHANNEL = len(NAMES)  # value in place of the number of an input: a prescribed motion of base, wall or belt
 
 
 def input_field(part, k):
@@ -29,7 +30,7 @@ def input_field(part, k):
 
 
 def is_of_drive(k):
-    """Return whether input k acts in a drive."""
+    """Return whether input k belongs to drives: the torque of a motor, a target, or its velocity."""
     return k in OF_DRIVES
 
 

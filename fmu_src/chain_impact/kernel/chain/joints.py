@@ -34,7 +34,7 @@ from chain_impact.kernel.chain.sites import clear_link_moments
 
 
 def joint_rate_bound(d):
-    """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause."""
+    """Return an upper bound [1/s] on the rates of all motions that springs and dampers of drives cause."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = slopes_below_limit(d, i)
@@ -60,8 +60,8 @@ def rate_from_resistance(resistance, inertia):
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    The docstring of this module defines ρ_i and ω_i. The function stores the link vectors in
-    ``scratch.link``.
+    ρ_i = c_i g_iᵀ M⁻¹ g_i and ω_i² = k_i g_iᵀ M⁻¹ g_i are defined at the head of this module. The function
+    stores the link vectors in ``scratch.link``.
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0

@@ -2,9 +2,9 @@
 
 Vectors of all places are records with ``x, y``, shape (2N+1+P,), for N links and P sites. The first N + 1
 places are the points 0…N. The next N places belong to the joints 1…N and are used in scenes with stops or dry
-friction in joints: x is the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of the longest
-link, and y is 0. So all other modules treat a stop like a wall at a point. The last P places are the sites
-(chain/sites.py).
+friction in joints. At such a place x is the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of
+the longest link, and y is 0. So all other modules treat a stop like a wall at a point. The last P places are
+the sites (chain/sites.py).
 """
 
 from chain_impact.kernel.chain.motion import move_channels_to_state
@@ -23,7 +23,9 @@ from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sin
 
 @has_dual_rule
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set r cos φ and r sin φ for each radius r; the angles φ are in y from index ``first`` on.
+    """Set x = r cos φ and y = r sin φ of vectors, for radii r and the angles φ in the state.
+
+    The angles begin at index ``first`` of the state y.
 
     All arrays are as long as ``radius``, shape (N,), or longer.
     """
@@ -34,9 +36,9 @@ def set_polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # The copy shows the compiler that the results do not overwrite the angles.
+    # The copy of the angles shows the compiler that the results do not overwrite the angles.
     copy_entries(y, first, count, vertical)
-    # With the copy, the compiler uses vector instructions in this loop.
+    # With this copy, the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -63,9 +65,10 @@ def copy_entries(y, first, count, out):
 
 
 def in_sine_range(y, first, count):
-    """Return whether the angles in y from index ``first`` on are surely in the range of ``cosine_and_sine``.
+    """Return whether all angles of the state are surely in the range of ``cosine_and_sine``.
 
-    The sum of their sizes must be below LARGEST_ANGLE. The result is False if an angle is NaN.
+    The angles begin at index ``first`` of y. The sum of their absolute values must be below LARGEST_ANGLE.
+    The result is False if an angle is NaN.
     """
     total = 0.0
     for i in range(count):
@@ -84,13 +87,13 @@ def locate_points(d, y):
 
 
 def locate_points_now(d, y):
-    """Locate the points as ``locate_points`` does, without moving base and walls to the time of y."""
+    """Locate the points as ``locate_points`` does, with the base and the walls where they are."""
     set_link_vectors(d, y)
     locate_from_link_vectors(d, y)
 
 
 def locate_from_link_vectors(d, y):
-    """Locate the points as ``locate_points`` does, but with the present link vectors, base and walls."""
+    """Locate the points for the link vectors in the record, with the base and the walls where they are."""
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -100,8 +103,8 @@ def locate_from_link_vectors(d, y):
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[omega_at(n) + i]
-        # position p and velocity v of the next joint, with the link vector L and the angular velocity ω:
-        # p_{i+1} = p_i + L_i, v_{i+1} = v_i + ω L⊥
+        # position p and velocity v of the next joint i + 1, with the link vector L and the angular velocity
+        # ω: p_{i+1} = p_i + L_i, v_{i+1} = v_i + ω L⊥
         x += link.x[i]
         y_ += link.y[i]
         vx -= omega * link.y[i]
@@ -114,9 +117,10 @@ def locate_from_link_vectors(d, y):
 
 
 def set_joint_places(d, values, first, vectors):
-    """Set x of the joints' places to the lever arm times the joints' own angles, their rates or changes.
+    """Set x of the joints' places to the lever arm times the joints' own angles.
 
-    The angles of the N links, or their rates or changes, begin at index ``first`` of ``values``.
+    In place of angles, ``values`` may have their rates or changes. The values of the N links begin at index
+    ``first``.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.model.longest_link * relative(values, first, i)
@@ -143,7 +147,7 @@ def accelerate_points(d, y, rate):
 
 def clear_vectors(d, vectors):
     """Set the vectors of all places to zero."""
-    # The numbers of links and points are constants for the compiler, which unrolls this loop.
+    # The numbers of links and points are constants for the compiler, so it unrolls this loop.
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.model.has_joint_places:
@@ -153,7 +157,7 @@ def clear_vectors(d, vectors):
 
 
 def clear_joints(values):
-    """Set to zero the moments in all joints, or the impedances of all joints."""
+    """Set to zero the moments, or the impedances, of all joints."""
     for i in range(len(values.joint)):
         values.joint[i] = 0.0
 
@@ -177,8 +181,8 @@ def note_points_elsewhere(d):
 def move_points(d, link_vectors, change, response):
     """Set ``response`` to the motions of all places that a change of the coordinates causes.
 
-    The motion Δp of a joint follows from the joint before and the turn Δθ of the link vector L between them:
-    Δp_{i+1} = Δp_i + Δθ_i L⊥.
+    The motion Δp of a joint follows from the motion of the joint before and from the rotation Δθ of the link
+    vector L between both: Δp_{i+1} = Δp_i + Δθ_i L⊥.
     """
     n = d.links
     x, y = change[0], change[1]
@@ -206,7 +210,7 @@ def largest_component(d, vectors):
 
 
 def at_center_of_mass(d, vectors, i):
-    """Return the vector at link i's centre of mass, such as the velocity, from the vectors at points."""
+    """Return a vector at link i's centre of mass, such as the velocity, from the vectors at the points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it
     ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]

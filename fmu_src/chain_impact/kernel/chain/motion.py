@@ -17,12 +17,15 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_channels_to_state(d, y):
-    """Move base and walls to their positions at the time of the state y."""
+    """Move base and walls to their positions at the time that the state y contains."""
     move_channels(d, d.step.clock + y[time_at(d.links)])
 
 
 def move_channels(d, time):
-    """Set position [m], velocity [m/s], acceleration [m/s²] of all channels at a time [s], and move walls."""
+    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels at a time [s].
+
+    The function also moves the walls.
+    """
     moved, piece = d.moved, d.inputs.piece
     x, since = (time - piece.middle) * piece.scale, time - moved.began
     for m in range(d.channels):
@@ -31,7 +34,7 @@ def move_channels(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0; a tangent instance has their derivatives
+        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
@@ -57,7 +60,7 @@ def move_wall(d, c, m):
 
 
 def motion_bounds(d, m):
-    """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m over the last step."""
+    """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m within the last step."""
     piece, moved = d.inputs.piece, d.moved
     scale = piece.scale
     most = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
@@ -76,7 +79,7 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """Return the largest speed [m/s] and acceleration [m/s²] of walls and belts, as last moved."""
+    """Return the largest speed [m/s] and the largest acceleration [m/s²] of walls and belts at present."""
     speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
@@ -86,7 +89,10 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate how far [m] a channel moves in the present piece of the inputs, plus ``travel_of_sines``."""
+    """Estimate how far [m] channels move in the present piece of the inputs.
+
+    The result includes ``travel_of_sines``.
+    """
     most = 0.0
     for m in range(d.channels):
         total = 0.0

@@ -51,14 +51,14 @@ ROWS = 3
 
 @has_complex_rule
 def reciprocal(number):
-    """Return the reciprocal of a number that is not zero and far from overflow."""
+    """Return the reciprocal of a number that is not zero and whose reciprocal does not overflow."""
     return 1.0 / number
 
 
 def complex_reciprocal(number):
     """Return the reciprocal of a complex number.
 
-    The quotient of numba may raise an error, and has branches, which cost time.
+    A complex division of numba may raise an error, and has branches, which cost time.
     """
     size = 1.0 / (number.real * number.real + number.imag * number.imag)
     return complex(number.real * size, -number.imag * size)
@@ -71,14 +71,15 @@ def cross(lx, ly, bx, by):
 
 
 def complex_cross(lx, ly, bx, by):
-    """Return L⊥·b for a complex b and a real L; numba would convert L in ``cross`` to complex numbers."""
+    """Return L⊥·b for a complex b and a real L; in ``cross`` numba would convert L to complex numbers."""
     return complex(cross(lx, ly, bx.real, by.real), cross(lx, ly, bx.imag, by.imag))
 
 
 def complex_hinge_inertia(link, axx, axy, ayy):
     """Return the coupling h and the inertia H as ``hinge_inertia`` does, for a complex articulated inertia.
 
-    The link's data are real; numba would convert them to complex numbers, which costs time.
+    The link's data are real. With ``hinge_inertia`` numba would convert these data to complex numbers, which
+    costs time.
     """
     hx, hy, about_joint = hinge_inertia(link, axx.real, axy.real, ayy.real)
     gx, gy, part = hinge_inertia((link[0], link[1], 0.0, 0.0, 0.0), axx.imag, axy.imag, ayy.imag)
@@ -130,7 +131,7 @@ def factorize(d, link_vectors, space, row, coupled):
                 # The vector e couples the motion a of the middle joint, which is the link's inner joint, with
                 # the link's rotation α. `eliminate` takes an e for the motion a' of the outer joint: e·a α =
                 # e·(a' − α L⊥) α. So −2 e·L⊥ adds to p, the inertia of the rotation. The link vector L begins
-                # at the middle joint, and its entry in ``link_vectors`` ends there: L is minus this entry.
+                # at the middle joint, but the entry in ``link_vectors`` ends there: L is minus this entry.
                 q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
@@ -177,9 +178,10 @@ def set_middle_mobility(d, factors, row, axx, axy, ayy):
 
 @inlined
 def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i. Return its articulated inertia at the inner joint, from that at the outer joint.
+    """Eliminate link i: return the articulated inertia at its inner joint, from that at its outer joint.
 
-    The inertia has the parts A, e and p of the module's docstring. ``resistance`` is κ of the inner joint.
+    The articulated inertia has the parts A, e and p, as at the head of this module. ``resistance`` is κ of
+    the inner joint.
     """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
@@ -221,9 +223,9 @@ def solve(d, link_vectors, space, row, change):
         d: the instance.
         link_vectors: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
-            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is read in a scene
-            with sites or centres of mass beside the lines. The load may also consist of forces instead of
-            impulses.
+            [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is only read in a
+            scene with sites or centres of mass beside the lines. The load may also consist of forces instead
+            of impulses.
         row: the row of ``factors`` that ``factorize`` has set.
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s]; for forces, the accelerations. Later entries of the array are not changed.
@@ -263,7 +265,7 @@ def solve(d, link_vectors, space, row, change):
 
 @inlined
 def gather_loads(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, change):
-    """Set the change α of ω_i that the loads cause while the inner joint and the inner link are at rest.
+    """Set the change α of ω_i that the loads cause while the link's inner joint and inner link are at rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
     impulse t at the inner joint, from b' and t' at the outer joint.
@@ -286,9 +288,9 @@ def gather_loads(d, link_vectors, space, row, coupled, i, outward, moment, bx, b
 
 @inlined
 def spread_motion(link_vectors, space, row, coupled, i, outward, x, y, before, change):
-    """Add to the change of ω_i the effect of the inner joint's motion a and of the inner link's rotation β.
+    """Add to the change of ω_i the effects of the inner joint's motion and of the inner link's rotation.
 
-    ``x`` and ``y`` are the components of a, and ``before`` is β.
+    ``x`` and ``y`` are the components of the motion a, and ``before`` is the rotation β.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the change of ω_i.

@@ -7,8 +7,8 @@ a sine is added:
 
 with the amplitude a, the phase ψ, the frequency f and its rate of change ḟ; r rises from 0 to 1.
 `signal.segment` is the knot in use. A segment is the part of a signal from one knot to the next. A step ends
-where a segment ends, and the next segment begins with the next step (events/segments.py), so a jump has a
-value before and a value after it.
+where a segment ends, and the next segment begins with the next step (events/segments.py). So the signal has
+two values at a jump: one before and one after the jump.
 
 This module integrates a signal that drives the velocity or the acceleration of a base or a wall, so that
 position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
@@ -20,18 +20,20 @@ from chain_impact.kernel.chain.inputs import CHANNEL, is_of_drive
 from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
-CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of function
-SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, for a ramp
-SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5  # number of knots; steps and tables have any number
+CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of the signal
+SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, which give the shape of a ramp
+# number of knots of signals of these forms; signals of steps and tables may have any number of knots
+SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-# largest degree of the polynomials: a ramp that drives an acceleration is integrated twice
+# the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it drives an
+# acceleration
 SIGNAL_DEGREE = RAMP_DEGREE + 2
 # the largest sizes of the first and the second derivative of ``smooth`` for x from 0 to 1
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Return value, rate and second derivative of signal j at a ``time`` [s], in the segment in use."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], from the segment in use."""
     signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = time_since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -55,12 +57,15 @@ def is_driven(d, m):
 
 
 def time_since_knot(d, j, time):
-    """Return x [s], the time since the knot in use of signal j, at a ``time`` [s]."""
+    """Return x [s], the time from the knot in use of signal j to a ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
 
 def sine_at(d, j, time):
-    """Return value, rate and second derivative of the sine of signal j, or of its integral, at a time [s]."""
+    """Return value, rate and second derivative of the sine of signal j at a time [s].
+
+    If the signal is integrated, the result belongs to the integral of the sine.
+    """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
     rise = signal.rise[i] if signal.segment[j] == signal.first[j] + 1 else 0.0
@@ -78,13 +83,13 @@ def sine_at(d, j, time):
 
 
 def signal_bounds(d, j):
-    """Return bounds on the rate and on the second derivative of signal j over the last step."""
+    """Return bounds on the rate and on the second derivative of signal j within the last step."""
     signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = time_since_knot(d, j, d.step.start + half)
     rate, bend, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
-        # c: coefficient n of the Taylor series at the middle of the step, the n-th derivative divided by n!
+        # c is coefficient n of the Taylor series at the middle of the step: the n-th derivative divided by n!
         c, weight = knot.powers[k, n] + 0.0 * x, 1.0 + 0.0 * x
         for p in range(n + 1, signal.degree[j] + 1):
             weight *= x * (p / (p - n))
@@ -133,7 +138,7 @@ def rate_of_signals(d):
 
 
 def rate_of_drives(d):
-    """Return the result of ``rate_of_signals`` for the sines that act in drives with limits."""
+    """Return the largest angular frequency [rad/s] of the sines that act in drives with limits."""
     most = 0.0
     for j in range(d.signals):
         if is_sine(d, j) and acts_in_limited_drive(d, j):
@@ -156,7 +161,7 @@ def moves_base(d, j):
 
 
 def acts_in_limited_drive(d, j):
-    """Return whether signal j is a motor's torque or force, or a target, of a drive with a limit."""
+    """Return whether signal j acts in a drive with a limit, as a motor's torque or force, or as a target."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
@@ -194,7 +199,10 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j; after the last one, the table of the signal repeats."""
+    """Begin the next segment of signal j.
+
+    After the last segment, the table of the signal repeats.
+    """
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1
@@ -209,7 +217,10 @@ def set_segment(d, j, k, lap):
 
 
 def knot_count(form, shape):
-    """Return the number of knots of a signal of a form and a shape; for steps and tables the least one, 1."""
+    """Return the number of knots of a signal of a form and a shape.
+
+    For steps and tables the result is the least number, 1.
+    """
     if form == SINE:
         return SINE_KNOTS
     if form == RAMP:
@@ -221,7 +232,10 @@ def knot_count(form, shape):
 
 
 def derive_signals(d, time):
-    """Derive the polynomials of all signals from the given numbers, and begin all at a ``time`` [s]."""
+    """Derive the polynomials of all signals from the given numbers, and begin the signals.
+
+    They begin at a ``time`` [s].
+    """
     signal = d.signal
     for j in range(d.signals):
         i, k = signal.source[j], signal.first[j]
@@ -248,7 +262,7 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Set the segment of signal j that is in use at a ``time`` [s]."""
+    """Let signal j begin at a ``time`` [s]: set the segment that is in use then."""
     signal = d.signal
     signal.segment[j], signal.lap[j] = signal.first[j], 0
     while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:
@@ -266,7 +280,7 @@ def set_constant_knot(d, k, time, level):
 
 
 def derive_sine(d, i, k):
-    """Set the knots of a sine, from knot k on, from row i of the given numbers."""
+    """Set the knots of a sine, from index k on, from row i of the given numbers."""
     signal = d.signal
     rises = signal.rise[i] > 0.0
     _, sine = direction(signal.phase[i])
@@ -277,7 +291,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """Set the knots of a ramp, from knot k on, from row i of the given numbers."""
+    """Set the knots of a ramp, from index k on, from row i of the given numbers."""
     signal, powers = d.signal, d.knot.powers
     way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
     set_constant_knot(d, k, start, signal.initial[i])
@@ -302,7 +316,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace signal j by its integral over time; the integral is 0 at a ``time`` [s]."""
+    """Replace signal j by its integral over time, which is 0 at a ``time`` [s]."""
     signal, knot = d.signal, d.knot
     signal.integrals[j] += 1
     for k in range(signal.first[j], signal.last[j] + 1):
@@ -322,7 +336,7 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Return whether the knots of all signals are finite and in order, and all required integrals exist."""
+    """Return whether all signals are valid: their knots are finite and in order, their integrals exist."""
     signal = d.signal
     for j in range(d.signals):
         i, total = signal.source[j], 0.0

@@ -10,8 +10,8 @@ the smooth ramp from 0 to 1, or it is 1. E_n is the n-fold integral of e^{iΦ}. 
 
 with the binomial coefficient (m+k−1 over k) and the derivatives r⁽ᵏ⁾ of r.
 
-E_n = e^{iΦ} K_n/(iω)ⁿ is the solution of this recurrence that falls with n. So its ratios are those of a
-continued fraction, which is exact for g = 0 and loses no digits for small g:
+E_n = e^{iΦ} K_n/(iω)ⁿ is the solution of this recurrence that falls with n. So the ratios of successive K_n
+are those of a continued fraction, which is exact for g = 0 and loses no digits for small g:
 
     K_n/K_{n−1} = 1/(1 + i n y K_{n+1}/K_n),   y = g/ω²
 
@@ -21,7 +21,7 @@ The frequency is zero at a time s*, ω = 0, and near s* the fraction is not accu
 integral: its value C at s*, plus a quadrature from s* on. As long as ω has the sign that it has at the start,
 the fraction gives the function with this value C. On the other side of s* the fraction gives another
 function, with the value −C at s*. The solution of the recurrence that begins with E_0 = 0, E_1 = 2C is the
-difference, and is added there, so that the integral does not jump.
+difference, and is added on the other side, so that the integral does not jump.
 
 In a rise during which Φ turns little, E_n has large terms that cancel; I_m is then found by quadrature.
 """
@@ -31,7 +31,7 @@ import math
 from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
-RISING = 5  # degree of the smooth ramp
+RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth``
 # largest |y| = |g|/ω² for the continued fraction; where |y| is larger, the phase is within 4 rad, 1/(2
 # NEAR_TURNING_POINT), of its value at the time of frequency 0
 NEAR_TURNING_POINT = 0.125
@@ -39,12 +39,12 @@ NEAR_TURNING_POINT = 0.125
 # DEEPER |y| more, with y = g/ω². With fewer levels the integral E_2 would lose digits, and in a rise also
 # E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-FRACTION_ERROR = 1e-17  # the relative error at which the fraction has enough levels
-# LARGEST_TURN: the largest turn [rad] of the phase in a rise that is integrated by quadrature; in a larger
-# turn the terms of the integrals E_n hardly cancel. PANEL: the largest turn [rad] in one panel of a
-# quadrature.
+FRACTION_ERROR = 1e-17  # the relative error at which the continued fraction has enough levels
+# LARGEST_TURN: the largest turn [rad] of the phase in a rise that is integrated by quadrature; if the phase
+# turns more, the terms of the integrals E_n hardly cancel, and need no quadrature. PANEL: the largest turn
+# [rad] in one panel of a quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
-# Gauss and Legendre's nodes and weights on [0, 1]
+# the nodes and weights of Gauss–Legendre quadrature on [0, 1]
 # fmt: off
 GAUSS_NODES = (0.009219682876640375, 0.04794137181476257, 0.11504866290284765, 0.2063410228566913,
     0.3160842505009099, 0.43738329574426554, 0.5626167042557345, 0.6839157494990901,
@@ -56,19 +56,19 @@ GAUSS_WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311,
 
 
 def smooth(x):
-    """Return 10 x³ − 15 x⁴ + 6 x⁵, which rises from 0 to 1, and its first two derivatives."""
+    """Return the smooth ramp 10 x³ − 15 x⁴ + 6 x⁵ from 0 to 1, and its first two derivatives."""
     y = 1.0 - x
     return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
 
 
 def sine_phase(d, i, s):
-    """Return the phase Φ [rad] of the sine with the numbers in row i, a time s [s] after its start."""
+    """Return the phase Φ [rad] of the sine in row i of the given numbers, a time s [s] after its start."""
     signal = d.signal
     return signal.phase[i] + TAU * s * (signal.frequency[i] + 0.5 * signal.frequency_rate[i] * s)
 
 
 def sine_integral(d, i, m, s, rise):
-    """Return the m-fold integral I_m of the sine with the numbers in row i, a time s [s] after its start.
+    """Return the m-fold integral I_m of the sine in row i of the given numbers, a time s [s] after its start.
 
     ``rise`` is the time [s] in which the amplitude rises, and 0 if it does not rise.
     """
@@ -91,7 +91,7 @@ def sine_integral(d, i, m, s, rise):
 
 
 def integral_by_fraction(m, rates, s, rise):
-    """Return real and imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k}, from continued fractions.
+    """Return the real and the imaginary part of Σ_k c_k K_{m+k}/(iω)^{m+k}, from continued fractions.
 
     The imaginary part of this sum times e^{iΦ} is the m-fold integral of a sine. ``rates`` are ω, the angular
     frequency, and g, the rate at which ω changes. The docstring of this module defines the functions K and
@@ -160,7 +160,9 @@ def rise_coefficient(m, k, s, rise):
 
 
 def integral_at_standstill(d, i, begins_up):
-    """Return Φ(s*) [rad], and real and imaginary part of the integral C, at the time s* of frequency zero.
+    """Return the phase Φ(s*) [rad], and both parts of the integral C, at the time s* of frequency zero.
+
+    The parts are the real and the imaginary part.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
     start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up``: whether ω > 0 at the
@@ -189,9 +191,13 @@ def fresnel(middle, since, g, u, v):
 
 
 def integral_by_quadrature(d, i, m, s, rise):
-    """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt from 0 to s in a rise, m ≤ 2."""
+    """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt, by quadrature, for m ≤ 2.
+
+    The integral extends from 0 to s, within a rise.
+    """
     begin = TAU * d.signal.frequency[i]
-    # `sine_integral` calls this function only for a turn up to LARGEST_TURN: the limit bounds the loop
+    # `sine_integral` calls this function only for a turn up to LARGEST_TURN, which bounds the number of
+    # panels
     turn = min(LARGEST_TURN, max(abs(begin), abs(begin + TAU * d.signal.frequency_rate[i] * s)) * abs(s))
     panels = 1
     while panels * PANEL < turn:

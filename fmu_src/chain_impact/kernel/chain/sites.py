@@ -33,7 +33,7 @@ def point_of_site(d, s):
 
 @inlined
 def site_of_point(d, point):
-    """Return the index of the site with the number ``point``, which is > N."""
+    """Return the index s of the site whose number as a point is ``point``, which is > N."""
     return point - d.links - 1
 
 
@@ -46,7 +46,10 @@ def site_arm(d, link_vectors, s):
 
 
 def locate_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites; ω of the links begins at index ``first`` of the state y."""
+    """Set positions and velocities of the sites.
+
+    The angular velocities ω of the links begin at index ``first`` of the state y.
+    """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.scratch.link, s)
@@ -55,9 +58,9 @@ def locate_sites(d, y, first, position, velocity):
 
 
 def set_site_motions(d, link_vectors, turns, first, vectors):
-    """Set the motions of the sites from the motions of joints and the turns of links.
+    """Set the motions of the sites from the motions of the joints and the rotations of the links.
 
-    The turns of the links begin at index ``first`` of ``turns``.
+    The rotations of the links begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -67,7 +70,10 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites; ω and α of links begin at index ``first`` of y and of its rate."""
+    """Set the accelerations of the sites.
+
+    ω and α of the links begin at index ``first`` of the state y and of its rate.
+    """
     set_site_motions(d, d.scratch.link, rate, first, acceleration)
     for s in range(d.sites):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
@@ -83,7 +89,10 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may include moments on links: from sites or offset centres of mass."""
+    """Return whether loads may include moments on links.
+
+    Sites, and centres of mass beside the lines of links, cause such moments.
+    """
     return d.sites > 0 or d.skewed != 0
 
 
@@ -101,6 +110,6 @@ def move_site_loads(d, link_vectors, load):
         rx, ry = site_arm(d, link_vectors, s)
         load.x[i] += load.x[k]
         load.y[i] += load.y[k]
-        # r⊥·F
+        # the moment r⊥·F of the force F at the arm r
         load.link[i] += rx * load.y[k] - ry * load.x[k]
         load.x[k], load.y[k] = 0.0, 0.0

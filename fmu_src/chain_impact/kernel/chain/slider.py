@@ -19,12 +19,12 @@ def along_slider(d, vector_x, vector_y):
 
 
 def slider_position(d, y):
-    """Return the coordinate s [m] of the slider in the state y."""
+    """Return the coordinate s [m] of the slider along its line, in the state y."""
     return along_slider(d, y[0] - d.initial.position[0], y[1] - d.initial.position[1])
 
 
 def carriage_energy(d, y):
-    """Return kinetic and potential energy [J] of the carriage."""
+    """Return the kinetic and the potential energy [J] of the carriage."""
     first, gravity = velocity_at(d.links), d.model.gravity
     rate = along_slider(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

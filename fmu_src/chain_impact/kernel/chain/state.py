@@ -10,7 +10,8 @@ expected penetration δ* (ode/sundman.py), and the time t since the start of the
 
 from chain_impact.kernel.functions import inlined
 
-# index of the first angle in y, and in any change of all coordinates; the base's two coordinates come first
+# index of the first angle in y, and in any change of all coordinates; the two coordinates of the base come
+# first
 ANGLES = 2
 
 
@@ -20,7 +21,7 @@ def coordinate_count(n):
 
 
 def velocity_at(n):
-    """Return the index of the base's velocity, the first of the rates of all coordinates."""
+    """Return the index in y of the base's velocity, which is the first of the rates of all coordinates."""
     return n + 2
 
 
@@ -30,7 +31,7 @@ def omega_at(n):
 
 
 def dissipated_at(n):
-    """Return the index of the dissipated energy, which comes after all coordinates and their rates."""
+    """Return the index in y of the dissipated energy, which follows all coordinates and their rates."""
     return 2 * n + 4
 
 
@@ -40,7 +41,7 @@ def supplied_at(n):
 
 
 def sundman_u_at(n):
-    """Return the index in y of u, the root of the penetration, after all entries that belong to the chain."""
+    """Return the index in y of u, the root of the relative penetration, after all entries of the chain."""
     return 2 * n + 6
 
 
@@ -56,7 +57,9 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle or the rate of a link relative to the link before; for i = 0, link 1, its own value.
+    """Return the angle or the rate of link i relative to the link before.
+
+    For i = 0, the first link, the result is the link's own value.
 
     The values of the links begin at index ``first``.
     """

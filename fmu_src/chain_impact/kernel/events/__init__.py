@@ -1,1 +1,1 @@
-"""Events: how a step is searched for them, how they change the state, and the log of contacts."""
+"""Events: the search of a step for events, their effects on the state, and the log of contacts."""

@@ -17,7 +17,10 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
 
 def end_at_base(d):
-    """End the last step where a wall reaches the base, if one does; ``check_base`` refuses the next step."""
+    """End the last step where a wall reaches the pinned base, if one does.
+
+    Then ``check_base`` ends the run.
+    """
     reached = d.step.end
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
@@ -30,31 +33,35 @@ def end_at_base(d):
 
 
 def check_base(d):
-    """Return BASE_BEYOND_WALL if a pinned base is beyond a wall at the end of the last step, else OK."""
+    """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK."""
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
-        # at the end that ``end_at_base`` gives a step, the clearance is −OVERLAP up to round-off
+        # at the end of a step that ``end_at_base`` has ended, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
 
 def overlap_margin(d, c, time):
-    """Return how far [m] the base is from −OVERLAP in the wall of candidate c, at a time [s]."""
+    """Return the clearance of the base from the wall of candidate c plus OVERLAP [m], at a time [s]."""
     move_channels(d, time)
     count_other_cost(d, 1)
     return base_clearance(d, c) + OVERLAP
 
 
 def time_of_meeting(d, c, until):
-    """Return the time [s] at which the wall of candidate c meets the base, ``until`` if not before."""
+    """Return the time [s] at which the wall of candidate c meets the base.
+
+    ``until`` if they do not meet before.
+    """
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
     at_a, at_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
     while at_a >= 0.0 and not cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
-        # in so short an interval the clearance g falls through −OVERLAP at most once, up to round-off
+        # in an interval as short as this one the clearance g falls through −OVERLAP at most once, up to
+        # round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:
             return time_of_passage(d, c, a, b)
@@ -69,7 +76,7 @@ def time_of_meeting(d, c, until):
 
 
 def time_of_passage(d, c, a, b):
-    """Return the time [s] between a and b at which the base's clearance falls to −OVERLAP, by bisection."""
+    """Return, by bisection, the time [s] between a and b at which the base's clearance falls to −OVERLAP."""
     for _ in range(MOST_GUESSES):
         middle = 0.5 * (a + b)
         if not a < middle < b:

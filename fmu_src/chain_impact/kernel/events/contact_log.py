@@ -34,7 +34,8 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import at_joint_stop, clearance, gap_acceleration, lever_of_candidate
 
-HELD_SAMPLES = 5  # number of samples of a constraint force over a step, including its ends
+# number of samples of a constraint force over a step; the two ends of the step are among the samples
+HELD_SAMPLES = 5
 
 
 def update_peaks(d):
@@ -54,7 +55,7 @@ def update_extremes(d):
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
-        # the search for the peaks of another contact may have located the points at another time
+        # the search for the peaks of another contact may have located the points at a time before the end
         ensure_points(d)
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
@@ -68,15 +69,15 @@ def update_extremes(d):
 def find_peaks(d, c, force_rate, time, reader):
     """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
 
-    The points must be located and accelerated at ``time``. The third result is true if they are located
-    elsewhere afterwards. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is the user of the peaks,
-    OUTPUTS or SOLVER.
+    The points must be located and accelerated at ``time``. The third result is true if the points are located
+    at another time afterwards. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is the user of the
+    peaks, OUTPUTS or SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
     force = contact_force(d, c, gap, gap_rate)
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
-    # force and penetration have a maximum inside the step if their rate falls through zero
+    # force and penetration have a maximum inside the step if their rates fall through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
@@ -97,7 +98,7 @@ def turns_at_end(d, c):
 
 
 def update_held_extremes(d):
-    """Update the peak forces at rigid walls for the last step, by parabolas through samples."""
+    """Update the peak forces at rigid walls for the last step, by parabolas through samples of the forces."""
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)
@@ -138,8 +139,8 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """End the last step at the communication point, and drop its events; the next step finds these again.
 
-    If the step ends at the communication point anyway, onsets and changes of modes stay: a point that is
-    already at the wall would not be found to arrive in the next step.
+    If the step ends at the communication point anyway, its onsets and changes of modes stay: the next step
+    would not find the arrival of a point that is already at the wall.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -187,7 +188,7 @@ def list_latest(d):
 def rate_of_force(d, c):
     """Return dF/dt [N/s] of candidate c, for the located and accelerated points.
 
-    Callers use only the sign.
+    Callers use only the sign of the result.
     """
     stiffness, damping = contact_slopes(d, c)
     # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
@@ -208,7 +209,7 @@ def penetration_at(d, c, theta):
 
 
 def clearance_at(d, c, theta):
-    """Return the clearance [m] of candidate c and its rate [m/s] at the fraction θ of the last step."""
+    """Return the clearance [m] of candidate c, and its rate [m/s], at the fraction θ of the last step."""
     interpolate(d.step, theta, d.scratch.y)
     locate_points(d, d.scratch.y)
     return clearance(d, c)
@@ -229,15 +230,15 @@ def clear_log(d):
 
 
 def collect(d):
-    """Record that the caller has collected all contacts that have ended."""
+    """Record that the caller has collected all contacts that have ended so far."""
     d.contact_log.collected = d.contact_log.count
 
 
 def end_contact(d, c, was_rigid):
     """End the contact of candidate c, and log it. In a full log the entry overwrites the oldest one.
 
-    ``was_rigid``: whether a rigid wall held the point until now; the present law of the wall may already be
-    another one, with a force.
+    ``was_rigid``: whether a rigid wall held the point until now. The wall may already have another law, with
+    a force.
     """
     _, gap_rate = clearance(d, c)
     # a point that a rigid wall held has no speed, so a negative rate is round-off
@@ -272,14 +273,14 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log; a joint's stop gets moments and angles there.
+    """Write the contact of candidate c to a row of the log; at a joint's stop the row has moments and angles.
 
     Args:
         d: the instance.
         c: the candidate.
         row: the number of the row; beyond the end of the log it continues from the log's beginning.
-        end: the time at which the contact ends [s]; NaN if it has not ended.
-        separation_speed: rate ġ of the clearance at that time [m/s], or NaN.
+        end: the time at which the contact ends [s]; NaN if the contact has not ended.
+        separation_speed: rate ġ of the clearance at ``end`` [m/s], or NaN.
         peak_force: the largest force so far [N].
         max_penetration: the largest penetration so far [m].
         impulse: ∫F dt of the candidate since the start of the run [N·s].

@@ -1,13 +1,13 @@
-"""The first point in a step where a function of the motion falls through zero, by bounds or by samples.
+"""The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
-The zero of a clearance or a penetration φ is located on the dense output, with bounds. φ′ is its rate in the
-integration variable of the step. A suspect is a candidate that the search examines, because the test in
-exclusion.py does not exclude its events. θ is a fraction of the step, g a clearance.
+The zero of a function φ, a clearance or a penetration, is located on the dense output, with bounds. φ′ is the
+rate of φ in the integration variable of the step. A suspect is a candidate that the search examines, because
+the test in exclusion.py does not exclude its events. θ is a fraction of the step, g a clearance.
 
-A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns. A
-bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8, and φ̇
-has no change of sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
-neither condition decides is halved.
+A check for a change of sign between the ends of a step alone misses a point that dips into a wall and
+returns. A bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus
+A w²/8, and φ̇ has no change of sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An
+interval for which neither condition decides is halved.
 """
 
 import math
@@ -32,7 +32,7 @@ from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.ode.sundman import NO_CONTACT
 from chain_impact.kernel.rows.geometry import at_joint_stop, at_wall, normal_row
 
-FINEST_RESOLUTION = 1e-15  # finest resolution of the search, as a fraction of a step
+FINEST_RESOLUTION = 1e-15  # the finest resolution of the search for events, as a fraction of a step
 
 
 def first_passage(function, samples, resolution):
@@ -40,7 +40,7 @@ def first_passage(function, samples, resolution):
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of samples of the step.
+        samples: function of d that returns the number of samples in the step.
         resolution: accuracy of the location [s of the step's variable].
 
     Returns:
@@ -95,14 +95,16 @@ def locate_at(d, theta):
 
 
 # The largest deviation of a clearance φ from its chord that counts as round-off, relative to a link length;
-# an interval with a smaller deviation is not halved.
+# an interval in which the deviation is smaller is not halved.
 CROSSING_RESOLUTION = 1e-15
-# A point skims a wall if its clearance φ, and the change of φ in the interval, are less than this, relative
-# to a link length. Example: a link lies along a wall that holds another point of it.
+# The limit, relative to a link length, below which the clearance φ of a point, and the change of φ in an
+# interval, mean that the point skims a wall: it moves along the wall. Example: a link lies along a wall that
+# holds another point of it.
 SKIMMING_CLEARANCE = 1e-13
-# An interval up to this fraction of the step is not halved for a point that skims a wall in it.
+# The fraction of a step up to which an interval is not halved for a point that skims a wall in this interval.
 FINE_INTERVAL = 2.0**-8
-# The largest time [s] between events that count as one: symmetric chains touch at several points at once.
+# The largest time [s] between events that count as simultaneous: symmetric chains touch at several points at
+# once, up to round-off.
 SIMULTANEOUS_TIME = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
@@ -110,8 +112,8 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 def find_crossing(d):
     """Return θ of the first onset or end of a contact of a suspect in the last step, or −1 if there is none.
 
-    The function marks the candidates with this event. The clearances φ and their rates φ′ at the start of the
-    step must be set, and no candidate may be marked.
+    The function marks the candidates that have an event at this θ. The clearances φ and their rates φ′ at the
+    start of the step must be set, and no candidate may be marked.
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):
@@ -125,7 +127,8 @@ def find_crossing(d):
             return -1.0
         else:
             begin_next_interval(d)
-            # the next interval begins at b, and is the widest one there that halving of the step can give
+            # the next interval begins at b, and is the widest interval there that halving of the step can
+            # give
             a, width = b, b - a
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
@@ -152,28 +155,29 @@ def check_candidate(d, c, a, b):
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
-        # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would
-        # have to change its sign twice
+        # u = √(δ/δ*) does not fall to zero and rise again in a step, because the rate δ̇ of the penetration
+        # would have to change its sign twice
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # at the end of the step, and for a point in contact, only φ < −`harmless` is a fall: a point that is
-    # beyond zero by less may turn back
+    # at the end of the step, and for a point in contact, only φ < −`harmless` counts as a fall below zero: a
+    # point beyond zero by a smaller distance may turn back
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # `not sag >= …`, because `sag < …` is false for a NaN, and the interval would be halved without end
+    # the condition is `not sag >= …`: for a NaN, `sag < …` is false, and the interval would be halved without
+    # end
     if (
         settled
         or not sag >= CROSSING_RESOLUTION * d.model.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # An onset: at a loose tolerance the interpolant can put a point deep inside a wall although the
-        # point does not move inward. No end: a point in contact that moves inward has not left, even where
-        # the interpolant of a stiff step puts it outside.
+        # Here is an onset: at a loose tolerance the interpolant can put a point deep inside a wall although
+        # the point does not move inward. But a contact does not end here: a point in contact that moves
+        # inward has not left, even where the interpolant of a stiff step puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
@@ -195,7 +199,10 @@ def nearly_linear(d, c, part):
 
 
 def locate_crossing(d, a, b):
-    """Return θ of the earliest event in (a, b], and mark its candidates; no suspect may be SPLIT there."""
+    """Return θ of the earliest event in (a, b], and mark its candidates.
+
+    No suspect may need a shorter interval than (a, b].
+    """
     first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
@@ -211,8 +218,8 @@ def locate_crossing(d, a, b):
     within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` is always marked: if its point is slow, round-off alone may put φ above
-        # the limit
+        # the candidate `located` is always marked: if its point is slow, round-off alone may put φ of this
+        # candidate above the limit
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NONE)
     return first
@@ -223,8 +230,8 @@ def find_root(d, c, a, b):
 
     The points must be located at b. The function also sets φ of all suspects at θ.
 
-    Newton's method is safeguarded by a shrinking bracket. There is no iteration if φ ≤ 0 at a, and φ does not
-    rise there (θ = a), or rises but is linear up to round-off (θ = b).
+    Newton's method is safeguarded by a shrinking bracket. Two cases need no iteration, both with φ ≤ 0 at a:
+    if φ does not rise at a, θ is a; if φ rises and is linear up to round-off, θ is b.
     """
     if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.phi_start_rate[c] <= 0.0 else b
@@ -257,7 +264,7 @@ def bound_curvature(d):
 
     In time, the bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for
     a point that rests on a stiff wall. An implicit step integrates the clearances of such points, and
-    ``bound_curvatures`` then sets smaller bounds from these.
+    ``bound_curvatures`` then sets smaller bounds.
     """
     n = d.links
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
@@ -289,7 +296,8 @@ def bound_curvature(d):
 def links_curvature(d, c):
     """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
 
-    For a site at the distance r from the begin of its link, that link's part is multiplied by r/ℓ.
+    For a site at the distance r from its link's proximal joint, the part of this link is multiplied by r/ℓ,
+    with the link's length ℓ.
     """
     reach, point = d.scratch.reach, d.candidate.point[c]
     if point <= d.links:
@@ -300,7 +308,7 @@ def links_curvature(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return the base's part in bounds on |ġ| and |dġ/ds|, for the clearance g of candidate c.
+    """Return the base's part of the bounds on |ġ| and |dġ/ds|, for the clearance g of candidate c.
 
     For a joint's stop the bounds are complete, from the joint's angle alone. s is the step's variable.
 
@@ -316,7 +324,7 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal_row(d, c)
     if nx * ny == 0.0:
-        # the normal n is along an axis, so the bounds for one component of the base's velocity suffice
+        # the normal n is along an axis, so the bound for one component of the base's velocity suffices
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
@@ -339,7 +347,10 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the last step, as the end of an interval."""
+    """Set φ and φ′ of every suspect at the fraction θ of the step, where an interval ends.
+
+    φ is the clearance, and φ′ the rate of φ.
+    """
     locate_at(d, theta)
     measure_located(d)
 

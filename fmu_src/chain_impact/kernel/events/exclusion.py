@@ -1,9 +1,9 @@
 """Clearances at the two ends of a step, and a test of these that excludes events without a search.
 
-φ is the clearance of a candidate without contact, the penetration of a candidate in contact, or u of the
-Sundman regularization (ode/sundman.py) for the regularized contact. φ is a function of the integration
-variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its derivatives in time. δ is the
-penetration, and v₀ the impact speed of the law.
+φ is the clearance of a candidate without contact, and the penetration of a candidate in contact. For the
+regularized contact φ is u, the root of the relative penetration (ode/sundman.py). φ is a function of the
+integration variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its derivatives in time. δ is
+the penetration, and v₀ the impact speed of the law.
 """
 
 import math
@@ -19,15 +19,15 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lengt
 # [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder is valid.
 SMALL_TURN = 1.0
 # The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
-# coefficients.
+# coefficients of φ. Without the margin, the test could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # The ratio of the rate δ̇ of the penetration to the impact speed v₀ at which v₀ is latched (fixed) again,
 # after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to δ̇, so
 # that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ times its
 # elastic force.
 RELATCH_RATIO = 2.0
-# If the rate of the penetration exceeds this fraction of RELATCH_RATIO times the impact speed at an end of a
-# step, the search also samples the inside of the step.
+# The part of RELATCH_RATIO times the impact speed. If the rate of the penetration exceeds this part at an end
+# of a step, the search also samples the inside of the step.
 NEARLY_FAST = 0.75
 
 
@@ -57,7 +57,7 @@ def excludes_events(d):
     provide the rate at the end; the points are located and accelerated at the end. If the result is false,
     the clearances φ and their rates φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
-    # an input with this angular frequency may vary the acceleration in the step as a turning link does
+    # an input with this angular frequency may change the acceleration in the step as a rotating link does
     changing = max(d.inputs.piece.change_rate, rate_of_signals(d))
     turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
     if turn < SMALL_TURN and remains_far(d):
@@ -85,12 +85,12 @@ def excludes_events(d):
     clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
         # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
-        # candidates. The second one lets every contact pass: those with a force are tested below, and held
-        # points have no crossings.
+        # candidates. The second condition is true for every contact: contacts with a force are tested below,
+        # and held points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # without `allowed_position_error`, because errors in a penetration are far smaller than errors in a
-        # position
+        # without `allowed_position_error`, because the errors of a penetration are far smaller than those of
+        # a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
@@ -140,9 +140,9 @@ def allowed_position_error(d):
 def distance_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
-    the relative angle, at most 2 rad, times the length of the longest link: larger if this link is longer
-    than all others together.
+    For a point this distance is the length of the stretched chain. For the place of a joint with stops this
+    distance is the relative angle, at most 2 rad, times the length of the longest link; it is larger than the
+    chain if this link is longer than all other links together.
     """
     if d.model.has_joint_stops and d.links > 1:
         return max(d.model.reach, 2.0 * d.model.longest_link)
@@ -152,7 +152,7 @@ def distance_per_radian(d):
 def remains_far(d):
     """Return whether no candidate can have touched, and no contact with a force can have an event.
 
-    Such a contact must be the regularized one.
+    If a contact has a force, it must be the regularized contact.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -177,12 +177,15 @@ def remains_far(d):
 
 
 def force_stays_smooth(d, c):
-    """Return whether contact c needs no new impact speed, and its force has no kink in the last step."""
+    """Return whether contact c keeps its impact speed, and its force has no kink, in the whole last step."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Return whether the rate δ̇ of contact c is so large at an end of the step that v₀ may change."""
+    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may be latched again.
+
+    δ̇ is the rate of the penetration, and v₀ the impact speed.
+    """
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.touch.impact_speed[c]
 
@@ -190,9 +193,9 @@ def nearly_fast(d, c):
 def stays_positive(d, c, error):
     """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the last step.
 
-    φ is the clearance, or the penetration of a contact; its value at the start does not count. The quintic
-    Hermite interpolant of φ, from the value and first two derivatives at the ends of the step, is at least
-    the smallest Bernstein coefficient.
+    φ is the clearance, or the penetration of a contact; the value of φ at the start does not count. The
+    quintic Hermite interpolant of φ, from the value and first two derivatives at the ends of the step, is at
+    least the smallest Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0
@@ -240,12 +243,15 @@ def measure_all(d, y):
 
 
 def set_clearances(d, y):
-    """Set every candidate's clearance φ and its rate φ′ for the state y of the located points; return u′."""
+    """Set the clearance φ and its rate φ′ of every candidate for the state y; return u′.
+
+    The points must be located. u′ belongs to the regularized contact.
+    """
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
         # first as if all candidates were without contact: a branch in this loop would cost more than to set
-        # the active contacts again below
+        # active contacts again below
         gap, gap_rate = clearance(d, c)
         d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -256,7 +262,7 @@ def set_clearances(d, y):
 def sundman_u_now(d, y):
     """Return u, the root of the penetration, and u′ of the regularized contact for the state y.
 
-    The points must be located. Without a regularized contact the result is 1, 0.
+    The points must be located. Without a regularized contact the results are 1 and 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0

@@ -8,9 +8,9 @@ they slide so that friction acts against the motion that begins,
 
 F_t is the friction force along t with the coefficient µ_s of static friction, F_n the normal force, s = ±1
 the direction of sliding, and t·a the tangential acceleration. The modes are found by pivoting, as in
-``solve_lcp``: all elements that violate their condition change at once, as long as the number of these
-elements falls; the modes of the others stay. If the pivoting does not end, the modes follow from forces
-within the limits of friction (rows/limits.py), which always exist.
+``solve_lcp``: all elements that violate their condition change their modes at once, as long as the number of
+such elements falls; other modes stay. If the pivoting does not end, the modes follow from forces within the
+limits of friction (rows/limits.py), which always exist.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
@@ -53,8 +53,8 @@ def update_modes(d, jumped):
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, the small speed of an element that stuck until now is
-            an error: the element is at rest.
+        jumped: whether speeds may have jumped. If not, a small speed of an element that stuck until now is an
+            error, and the element is at rest.
     """
     friction = d.friction
     list_friction(d)
@@ -97,8 +97,9 @@ def reinit_modes(d, jumped):
 def set_slack(d, e):
     """Set the slack of element e: the backward speed [m/s] in the mode "slides" that counts as an error.
 
-    It is the tolerance times a link length per second for an element at rest with an unchanged or
-    inconsistent mode: other forces may hold it, and errors decide whether it moves. Else it is 0.
+    The slack is the tolerance times a link length per second for an element at rest whose mode is unchanged
+    or inconsistent: other forces may hold the element, and errors decide whether it moves. In any other case
+    the slack is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -109,7 +110,7 @@ def set_slack(d, e):
 def widen_slack(d, e):
     """Widen the slack of an element e at rest, if necessary, to twice its present backward speed.
 
-    This speed should be zero, and is the error with which its zero was located.
+    The exact speed is zero; the present speed is the error with which the zero was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -119,7 +120,7 @@ def widen_slack(d, e):
 def first_mode(d, e, jumped):
     """Return the mode of element e that follows from its motion; mark e as undecided if it is at rest.
 
-    At rest its mode stays, unless the mode ends or its contact begins.
+    The mode of an element at rest stays, unless the mode ends or the contact begins.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
@@ -157,7 +158,7 @@ def choose_modes(d):
 
 
 def count_inconsistent_now(d):
-    """Find forces and accelerations with the present modes, and return the number of inconsistent modes."""
+    """Find forces and accelerations with the present modes, and count the inconsistent modes."""
     rate = d.scratch.rate
     list_sticking(d)
     rate_from_points(d, d.step.state_end, rate)
@@ -169,8 +170,8 @@ def count_inconsistent_now(d):
 def choose_by_limits(d):
     """Let all undecided elements stick, except those whose forces are at their limits (rows/limits.py).
 
-    An element at its limit gets the mode "slides" although other forces may hold the element. Its motion is
-    then only an error, in one direction or the other.
+    An element at its limit gets the mode "slides" although other forces may hold the element. A motion of
+    this element is then only an error, in either direction.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -189,7 +190,7 @@ def any_force_over_limit(d):
 
 
 def slide_at_limits(d):
-    """Let the elements slide whose forces are at their limits.
+    """Let the elements slide whose forces are at their limits of friction.
 
     If no force is at its limit, let the elements slide whose forces exceed the limits.
     """
@@ -240,7 +241,7 @@ def clear_changes(d):
 
 
 def log_changes(d):
-    """Log the elements whose mode has changed; in a full log the new entries overwrite the oldest."""
+    """Log the elements whose mode has changed; in a full log the new entries overwrite the oldest entries."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:

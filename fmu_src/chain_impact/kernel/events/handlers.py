@@ -47,16 +47,16 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 
 # The largest time that a point still needs to get out of the wall if it counts as having left, relative to
-# the contact's time scale. To wait for the exit would take one more step, a tenth of the cost of an impact at
-# a tolerance of 1e-4.
+# the contact's time scale. Waiting until the point is out would take one more step: a tenth of the cost of an
+# impact, at a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 
 def end_if_point_left(d, c):
     """End the contact of candidate c if its point has left the wall.
 
-    A point that still moves inward, or that needs a long time to get out, has not left: the located end of a
-    contact may have such an error within the tolerance.
+    A point that still moves inward, or that needs a long time to get out, has not left the wall: within the
+    tolerance, the located end of a contact may have such an error.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -86,16 +86,16 @@ def apply_events(d):
         Whether a force may have jumped: a contact begins, ends, reaches its kink or gets a new impact speed,
         a rigid wall hits or holds a point, or modes are chosen again.
     """
-    # onset: the last candidate at which a contact with a force begins
+    # ``onset`` is the last candidate at which a contact with a force begins
     touch, onset, jumped = d.touch, -1, False
-    # the proposed size remains valid after an end of a mode, a kink and a new impact speed
+    # the proposed size remains valid after the end of a mode of friction, a kink and a new impact speed
     goes_on = pending_changes(d) + d.drive.event > 0
-    # rigid: a rigid wall holds a point or has an event; rigid_impact: a point hits such a wall
+    # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # The forces decide whether elements stick. They are computed again, because they may belong to
-        # another time, at which outputs were computed.
+        # The forces decide whether elements stick. The forces are computed again, because the present ones
+        # may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
     had_forces = touch.compliant_count > 0
@@ -107,7 +107,8 @@ def apply_events(d):
             rigid = rigid or kind != NONE
             continue
         if rigid_impact and kind == ONSET:
-            continue  # ``handle_impact`` begins this contact after the impact, which changes its speed
+            # ``handle_impact`` begins this contact after the impact, which changes the contact's impact speed
+            continue
         jumped = apply_event(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
@@ -121,7 +122,8 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if had_forces:
-            # the proposed size suits the contact with a force that has just ended
+            # the proposed size suits the contact with a force that has just ended, but not the flight after
+            # it
             control.propose_flight_size(d)
         begin_flight(d)
     else:
@@ -160,7 +162,7 @@ def choose_next_size(d, onset, goes_on):
     Args:
         d: the instance.
         onset: the last candidate with an onset among the events; −1 if there is no onset.
-        goes_on: whether the proposed size remains valid if there is no onset.
+        goes_on: whether the proposed size of the next step remains valid if there is no onset.
     """
     if d.touch.active_count == 0:
         clear_loads(d)
@@ -177,7 +179,10 @@ def choose_next_size(d, onset, goes_on):
 
 
 def force_has_kink(d):
-    """Return whether the force of a contact has a kink at an event: KINK, or END unless it is regularized."""
+    """Return whether the force of a contact has a kink at an event.
+
+    It has one at a KINK, and at an END unless the contact is regularized.
+    """
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

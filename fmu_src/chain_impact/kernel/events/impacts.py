@@ -82,15 +82,16 @@ from chain_impact.kernel.rows.geometry import (
 # finite time (Zeno behaviour).
 LEAST_REBOUND_SPEED = 1e-3
 # the largest round-off: of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|) for the impulses p and the
-# speeds u⁻ before and u⁺ after them; of a speed, relative to the largest speed
+# speeds u⁻ before and u⁺ after them; and of a speed, relative to the largest speed
 IMPACT_ROUND_OFF = 1e-9
 # The clearance given to a point that is released is the larger of two lengths: a part of the longest link,
-# and a part of the coordinates whose round-off enters the clearance. It is far larger than round-off, so that
-# round-off does not make the point touch again.
+# and a part of the coordinates whose round-off enters the clearance. This clearance is far larger than
+# round-off, so that round-off does not make the point touch again.
 RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
 # The largest clearance of a point that all but touches a wall, relative to the clearance of a released point.
-# Points that arrive come to rest if their kinetic energy is at most the work of the weight and dry friction
-# over this distance. So neither guard against endless impacts misses a point that has just been released.
+# The same distance decides whether arriving points come to rest: their kinetic energy must be at most the
+# work of the weight and dry friction over this distance. So both measures against endless impacts include a
+# point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
 
@@ -181,11 +182,11 @@ def join_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities; count the energies dissipated and supplied."""
+    """Apply the impulses of an impact to the velocities; count the dissipated and the supplied energy."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # energy would be gained, by a NEIGHBOUR that moves away from its wall, or a wedged point cannot
-        # rebound: the restitution of all contacts is then set to 0
+        # a NEIGHBOUR that moves away from its wall would gain energy, or a wedged point cannot rebound: the
+        # restitution of all contacts is then set to 0
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -219,7 +220,8 @@ def find_impulses(d, fraction):
     factorize_free(d)
     solve_lcp(d, largest_velocity(d))
     for k in range(d.touch.active_count):
-        # the energy that an impulse p dissipates: −½ p (u⁻ + u⁺)
+        # the energy that an impulse p dissipates, −½ p (u⁻ + u⁺), with the speeds u⁻ before and u⁺ after the
+        # impulse
         lost -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
         moved += constraints.impulse[k] * (abs(constraints.start[k]) + abs(constraints.reached[k]))
     return lost, moved
@@ -234,7 +236,7 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts whose points separate with a speed that is larger than round-off."""
+    """End the contacts whose points separate with a speed that exceeds round-off."""
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed
@@ -252,8 +254,8 @@ def end_rebounding_contacts(d):
 def is_gentle(d):
     """Return whether all arriving points are so slow, or have so little energy, that they come to rest.
 
-    In a gentle impact sticking continues. If a joint slid because of the small impulses, its friction would
-    lift points, which would arrive gently again, without end.
+    In a gentle impact sticking elements continue to stick. If a joint slid because of the small impulses, its
+    friction would lift points, which would arrive gently again, and so on without end.
     """
     force = mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
@@ -279,7 +281,7 @@ def bring_to_rest(d, gentle):
 def end_changed_contacts(d):
     """End the held contacts whose law has changed to a law with a force.
 
-    A contact with the new law can then begin.
+    Then a contact with the new law can begin.
     """
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -290,7 +292,7 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Leave active the contacts that a pushing force must hold, and end the other contacts."""
+    """Keep active the contacts that a pushing force must hold, and end the other contacts."""
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
@@ -307,7 +309,7 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    # the changes of modes of dry friction stay marked: the modes are chosen later
+    # the changes of friction modes stay marked, because the modes are chosen later
     drop_contact_events(d)
 
 
@@ -341,7 +343,7 @@ def release_contacts(d):
             end_contact(d, c, True)
             parting = True
     if parting:
-        # nothing sticks during this motion: otherwise a joint that sticks could not move away from its stop
+        # nothing sticks while the point is moved: a sticking joint could not move away from its stop
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

@@ -5,8 +5,9 @@ friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-NEIGHBOUR = 6  # event that the search does not find: a point near a wall takes part in another point's impact
-SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two changes of a mode
+# kind of event that the search does not find: a point near a wall takes part in the impact of another point
+NEIGHBOUR = 6
+SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
 
 
 def mark_contact_event(d, c, kind):
@@ -15,18 +16,18 @@ def mark_contact_event(d, c, kind):
 
 
 def mark_change(d, e, kind):
-    """Mark element e with a change of its mode of a ``kind``."""
+    """Mark element e with a ``kind`` of change of its mode."""
     d.element.event[e] = kind
 
 
 def drop_events(d):
-    """Drop the events found in the last step."""
+    """Drop all events that the search has found in the last step."""
     drop_contact_events(d)
     drop_changes(d)
 
 
 def drop_contact_events(d):
-    """Drop the events of candidates, but not the changes of modes of dry friction."""
+    """Drop the events of candidates, but keep the changes of the modes of dry friction."""
     for c in range(d.candidates):
         d.touch.event[c] = NONE
 
@@ -47,7 +48,7 @@ def mark_saturation(d, ends):
 
 
 def copy_marks(d, t):
-    """Copy the marks of d to the tangent instance t."""
+    """Copy the marks of the primal instance d to the tangent instance t."""
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
     for e in range(d.elements):

@@ -1,9 +1,9 @@
 """The mode of dry friction of a contact that begins without any tangential speed.
 
-At the onset the normal force F and the limit of friction are zero. The ratio of the forces just after the
-onset decides: F grows, and the tangential force that prevents sliding grows in proportion to F,
-with a ratio that follows from the chain's inertia. The point sticks if this tangential force is at most µ_s
-F; otherwise the point slides against it.
+At the onset the normal force F and the limit of friction are zero. So the forces just after the onset decide:
+F grows, and the tangential force that prevents sliding grows in proportion to F, with a factor that follows
+from the chain's inertia. The point sticks if this tangential force is at most µ_s F; otherwise the point
+slides against this force.
 """
 
 from chain_impact.kernel.cost import count_other_cost
@@ -13,18 +13,21 @@ from chain_impact.kernel.forces.holding import set_start_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
-# [s] The time after an onset at which the forces are compared. For several contacts that begin at the same
-# moment, the ratio of their normal forces is that of this time.
+# [s] The time after an onset at which the forces are compared. The normal forces of several contacts that
+# begin at the same moment are taken at this time.
 COMPARISON_TIME = 1e-6
 
 
 def begins_now(d, e):
-    """Return whether element e is the friction of a contact that begins now."""
+    """Return whether element e belongs to a contact that begins now."""
     return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 
 def decide_onsets(d):
-    """Choose the modes of contacts that begin now and may stick, for the located points."""
+    """Choose the modes of contacts that begin now without tangential speed.
+
+    The points must be located.
+    """
     friction, open_ones = d.friction, 0
     for i in range(friction.contact_count):
         open_ones += begins_at_rest(d, d.element.index[i])
@@ -48,7 +51,7 @@ def decide_onsets(d):
 
 
 def begins_at_rest(d, e):
-    """Return whether element e begins now, at rest along its wall."""
+    """Return whether the contact of element e begins now without tangential speed."""
     return begins_now(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
 
 

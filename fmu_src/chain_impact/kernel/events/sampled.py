@@ -55,23 +55,25 @@ from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
-# The number of samples of a step in which a stage has shown an event, including the step's end. The search
-# for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is missed, the impact speed
-# stays unchanged.
+# SAMPLES: the number of samples of a step in which a stage has shown an event; the step's end is one of the
+# samples. The search for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is
+# missed, the impact speed stays unchanged.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The largest turn [rad] of an input in a step, its angular frequency times the step's duration, at which the
 # stages show all events, although they are up to a quarter of the step apart.
 TURN_OF_STAGES = 0.5
-SAMPLES_PER_RADIAN = 8.0  # number of samples for each radian of a larger turn
-MOST_SAMPLED_TURN = 1e4  # [rad] the largest turn that counts for the number of samples: it bounds the cost
-# The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times (gravity + one
-# link length per s²).
+# samples for each radian of the turn, in a step with a turn above TURN_OF_STAGES
+SAMPLES_PER_RADIAN = 8.0
+# [rad] the largest turn that counts for the number of samples, to bound their cost
+MOST_SAMPLED_TURN = 1e4
+# The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times the sum of
+# gravity and one link length per s².
 PULL_ROUND_OFF = 1e-11
-# [s] the shortest step that is rejected because a wall pulls too strongly in a stage
+# [s] the shortest step that is rejected because, in a stage, a rigid wall pulls too strongly
 LEAST_REJECTED_STEP = 1e-9
 REST_SPEED = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
-# The largest excess of static friction that counts as round-off, relative to the limit of friction plus a
-# link's mass times (gravity + one link length per s²).
+# The largest excess of static friction that counts as round-off, relative to a sum: the limit of friction,
+# plus a link's mass times gravity and one link length per s².
 FRICTION_EXCESS = 1e-10
 
 
@@ -97,9 +99,9 @@ def make_search(
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event.
-        suspected: function of (d, c): whether c may have an event, by the stages and the located points.
+        suspected: function of (d, c): whether c may have an event, from the stages and the located points.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: two functions: of d, the number of possible c; of (d, k), the k-th one.
+        members: two functions: of d, the number of possible c; of (d, k), the k-th possible c.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location [s], as in ``first_passage``.
 
@@ -134,8 +136,8 @@ def choose_search(slow, fast):
     """Return a search that chooses one of two searches.
 
     Args:
-        slow: the search of a step in which inputs turn by at most TURN_OF_STAGES.
-        fast: the search of another step.
+        slow: the search that is chosen for a step in which inputs turn by at most TURN_OF_STAGES.
+        fast: the search that is chosen for any other step.
     """
 
     def find(d, earliest):
@@ -153,7 +155,7 @@ def mark_kinks(d, c, theta):
     The points must be located there.
     """
     mark_contact_event(d, c, KINK)
-    # the contacts of a symmetric chain reach their kinks at the same time, up to round-off
+    # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
     locate_at(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
     for k in range(d.touch.compliant_count):
         if side_of_kink(d, d.touch.active_index[k]) < 0.0:
@@ -180,7 +182,7 @@ def side_of_kink_at(d, c, theta):
 
 
 def relatch_margin(d, c, theta):
-    """Return how far [m/s] the rate δ̇ of candidate c is below RELATCH_RATIO v₀.
+    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of candidate c: below 0, the impact speed v₀ is latched again.
 
     θ is the fraction of the last step at which the rate is taken.
     """
@@ -205,8 +207,8 @@ find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, reso
 def may_pull(d, _c):
     """Return whether a stage of the last step has shown that a rigid wall pulls.
 
-    If it pulls more than ``plausible_pull``, the step is rejected, unless it is very short, and the result is
-    false.
+    If a wall pulls more than ``plausible_pull`` in a step that is not very short, the step is rejected, and
+    the result is false.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -220,7 +222,7 @@ def may_pull(d, _c):
 
 
 def pull_limit(d):
-    """Return the force [N] with which a held contact may pull because of round-off."""
+    """Return the largest force [N] with which a held contact may pull because of round-off."""
     return (
         PULL_ROUND_OFF
         * d.model.energy_scale
@@ -248,10 +250,10 @@ def plausible_pull(d):
 def least_force(d, _c, theta):
     """Return the least force [N] of the held contacts at the fraction θ of the last step.
 
-    The result includes the pull that counts as round-off, so it is negative only if a wall really pulls.
+    The pull that counts as round-off is added to the result, so it is negative only if a wall really pulls.
     """
     interpolate(d.step, theta, d.scratch.y)
-    # without `project_state`, stiff joints would turn the interpolant's error into a force
+    # without `project_state`, the error of the interpolant would cause large forces of stiff joints
     locate_points(d, d.scratch.y)
     project_state(d, d.scratch.y)
     rate_from_state(d, d.scratch.y, d.scratch.rate)
@@ -268,10 +270,10 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Return whether to search a last step with a turn above TURN_OF_STAGES for the release of a point.
+    """Return whether to search a step, in which inputs turn fast, for the release of a point.
 
-    A wall may pull between the stages, where ``may_pull`` does not look. So every step is searched, except a
-    step that ``may_pull`` has just rejected.
+    A turn above TURN_OF_STAGES is fast: a wall may pull between the stages, where ``may_pull`` does not look.
+    So every such step is searched, except a step that ``may_pull`` has just rejected.
     """
     return may_pull(d, c) or accepted(d)
 
@@ -291,7 +293,7 @@ def mode_may_end(d, e):
 
 
 def mark_changes(d, element, theta):
-    """Mark the element found at θ, and every element whose mode ends at the same time."""
+    """Mark the element found at θ, and every other element whose mode ends at the same time."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:
@@ -299,7 +301,7 @@ def mark_changes(d, element, theta):
 
 
 def element_error(d, e):
-    """Return the error of element e: of its speed [m/s] if it slides, of its force [N] if it sticks."""
+    """Return the allowed error of element e: of its speed [m/s] if it slides, else of its force [N]."""
     return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -359,7 +361,7 @@ find_mode_change = choose_search(
 
 
 def is_past_limit(d, _c):
-    """Return whether a drive leaves its mode in a stage of the last step, or at the end of the step."""
+    """Return whether a drive leaves its mode in a stage, or at the end, of the last step."""
     if not d.model.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
@@ -367,17 +369,17 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """Return ``mode_margin`` at the fraction θ of the last step [N·m]."""
+    """Return ``mode_margin`` [N·m] of the drives at the fraction θ of the last step."""
     locate_at(d, theta)
     ensure_inputs(d, d.scratch.y)
     return mode_margin(d, d.scratch.y)
 
 
 def may_pass_limit(d, c):
-    """Return whether to search the drives with limits, in a step with a turn above TURN_OF_STAGES.
+    """Return whether to search a step, in which inputs turn fast, for the limits of drives.
 
     It is true if a stage shows that a drive leaves its mode, if a fast signal acts in a drive with a limit,
-    or, with inputs that are polynomials, if any drive has a limit.
+    or if the inputs are polynomials and any drive has a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_of_drives(d)

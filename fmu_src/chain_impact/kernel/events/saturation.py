@@ -9,7 +9,7 @@ from chain_impact.kernel.functions import has_dual_rule
 def clear_saturation(d):
     """Set the modes of all drives to "below the limit", without marking a change.
 
-    ``chosen`` stays: in a tangent instance it is the modes of the primal run.
+    ``chosen`` stays: in a tangent instance it contains the modes of the primal run.
     """
     for i in range(drive_count(d)):
         d.drive.mode[i] = 0

@@ -43,18 +43,21 @@ from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
 # The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
-# about 1e-15. A deeper onset is an error of the step that adds energy: 1e-11 J at 1e-9 m and 1e12 N/m^1.5.
+# about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J for a depth of 1e-9 m and
+# a stiffness of 1e12 N/m^1.5.
 DEEPEST_ONSET = 1e-9
-# The θ up to which a crossing must agree with the Taylor polynomial of second order at the start of the step.
-# The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can have larger errors.
+# The fraction θ of a step up to which a crossing must agree with the Taylor polynomial of second order at the
+# start of the step. The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can
+# have larger errors.
 EARLY_THETA = 1e-3
 # The largest time between an onset and the end of a step that was repeated to end at the onset, relative to
 # the step's size. With a larger time the step is rejected.
 LANDING_TIME = 1e-2
 # The largest clearance at an onset that counts as round-off, relative to a link length plus the coordinates
-# of the point. A slow point may need more than LANDING_TIME to move as far; this time then counts as 0.
+# of the point. A slow point may need more than LANDING_TIME to move this distance; its time after the onset
+# then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
-# A step is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the time. It is ten times
+# A step is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the present time: ten times
 # the resolution of time, because the next try may be a tenth as long.
 TIME_RESOLUTION = 4e-15
 
@@ -64,7 +67,7 @@ def find_event(d):
 
     Returns:
         The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. The marks (marks.py)
-        tell the kind of event. A step that is too inaccurate to locate the event is rejected.
+        show which kinds of event happen there. A step that is too inaccurate to locate the event is rejected.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -87,8 +90,8 @@ def find_event(d):
         if theta < 0.0:
             measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # Without an event the clearances are those at the end of the step. An event breaks the sequence of steps,
-    # so they are then never used.
+    # Without an event the known clearances are those at the end of the step. An event breaks the sequence of
+    # steps, so the next step does not use the clearances.
     remember_clearances(d, VALUES)
     # the error control does not check that time increases in a regularized step
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -131,7 +134,8 @@ def is_credible_crossing(d, theta):
     if theta <= EARLY_THETA and starts_clear(d, d.scratch.y[time_at(d.links)]):
         return False
     if theta == 0.0:
-        # rejection would not help: a point inside a wall at the start is inside in a shorter step as well
+        # rejection would not help: a point that is inside a wall at the start of the step is inside in a
+        # shorter step as well
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
@@ -142,7 +146,7 @@ def is_credible_crossing(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event has over half its clearance φ left at a time in the step.
+    """Return whether a candidate with an event still has over half its clearance φ at a time in the step.
 
     The time is ``lasted`` [s] after the start. φ is extrapolated from the motion at the start, because the
     interpolant of a step over a stiff motion may have an error as large as the tolerance there.
@@ -165,9 +169,10 @@ def onset_fraction(d):
     """Return the fraction θ of the onsets in the last step, which was repeated to end at its events.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    θ; the result may lie a little beyond the end. It is −1, for the end of the step, if there is no onset, or
-    if the step is not much longer than the resolution of time. The step is rejected if points at θ are deep
-    inside a wall or far from an onset, or if none of the modes marked to end ``margin_is_halved``.
+    θ; the result may lie a little beyond the end. The result is −1, which means the end of the step, if there
+    is no onset, or if the step is not much longer than the resolution of time. The step is rejected if points
+    at θ are deep inside a wall or far from an onset, or if ``margin_is_halved`` is false for every mode that
+    is marked to end.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0

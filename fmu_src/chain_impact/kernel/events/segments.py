@@ -24,16 +24,17 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# Effect of the end of a segment. NO_JUMP: none. BENDS: an input or the acceleration of a channel jumps, and
-# with it the accelerations of the chain. JUMPS: the speed of a belt jumps.
+# The effect of the end of a signal's segment. NO_JUMP: no effect. BENDS: an input or the acceleration of a
+# channel jumps, and with it the accelerations of the chain. JUMPS: the speed of a belt jumps.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
-# The largest difference between the values before and after the end of a segment that counts as round-off. It
-# is relative to the sum of the values' sizes, their change in a second, and a natural scale of the input.
+# The largest difference between the values before and after the end of a segment that counts as round-off.
+# The difference is relative to a sum: the absolute values before and after, the change in a second, and a
+# natural scale of the input.
 VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, which ends with a segment or leaves no tiny rest of it.
+    """Return a size ≤ h of the next step, which ends with a segment or leaves no tiny rest of the segment.
 
     The size of a step in fictitious time remains h.
     """
@@ -120,7 +121,7 @@ def begin_segments(d):
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return NO_JUMP, BENDS or JUMPS."""
+    """Begin the next segment of signal j; return its effect NO_JUMP, BENDS or JUMPS."""
     y = d.step.state_end
     stores = d.signal.input[j] != CHANNEL
     locate_points(d, y)
@@ -133,9 +134,9 @@ def begin_segment(d, j):
     ensure_inputs(d, y)
     size = d.model.longest_link
     if stores:
-        # a channel adds no energy here: the position and velocity of base and walls never jump
+        # a channel adds no energy here, because the position and velocity of base and walls never jump
         count_supplied(d, energy_balance(d, y) - energy)
-        # the value of `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
+        # the energy `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
         return (
             NO_JUMP
             if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale)
@@ -152,5 +153,5 @@ def begin_segment(d, j):
 def shift_start(_d, _delay):
     """Move the start of the next step to the end of a segment, which is a ``delay`` [s] later.
 
-    The delay is only round-off, so only its derivatives move the start, of a tangent instance.
+    The delay is only round-off. In a tangent instance its derivatives move the start.
     """

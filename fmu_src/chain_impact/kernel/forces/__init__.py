@@ -1,1 +1,1 @@
-"""The forces: contact laws, contacts, dry friction, inputs, and the forces of constraints."""
+"""Forces: contact laws, contacts, dry friction, inputs, and the forces of constraints."""

@@ -42,8 +42,8 @@ def contact_force(d, c, gap, gap_rate):
 
     The arguments are its clearance [m] and the rate of the clearance [m/s].
     """
-    # A clearance > 0, by round-off at the onset, counts as 0: a force that jumps at the onset already acts at
-    # the clearance 0.
+    # A clearance that is > 0 by round-off at the onset counts as 0: a force that jumps at the onset already
+    # acts at the clearance 0.
     return force_on_side(d, c, max(0.0, -gap), -gap_rate)
 
 
@@ -102,7 +102,7 @@ def apply_true_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points.
 
-    F is the force and δ the penetration. Both slopes are 0 while the force is cut off.
+    F is the force and δ the penetration. Both slopes are 0 while the force is cut off at 0.
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -111,7 +111,8 @@ def contact_slopes(d, c):
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
-    Fix its impact speed v₀, effective mass, expected penetration and damping.
+    The function fixes the impact speed v₀, the effective mass, the expected penetration and the damping of
+    the contact.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
@@ -119,7 +120,7 @@ def latch_onset(d, c):
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    set_rates(d, c, -gap_rate, 1.0)  # 1: the force rises at the onset
+    set_rates(d, c, -gap_rate, 1.0)  # the argument 1.0 says that the force rises at the onset
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
@@ -135,7 +136,10 @@ def latch_onset(d, c):
 
 
 def begin_force_contact(d, c):
-    """Begin the contact of candidate c with a force law: latch the onset, set kink side and friction mode."""
+    """Begin the contact of candidate c with a force law.
+
+    The function fixes the values of the onset, the side of the kink and the mode of friction.
+    """
     latch_onset(d, c)
     set_kink_side(d, c)
     if d.friction.used and may_have_friction(d, c):
@@ -145,7 +149,7 @@ def begin_force_contact(d, c):
 def latch(d, c):
     """Fix the expected penetration and, for a force law, the damping of candidate c's contact.
 
-    They follow from the law, the impact speed and the effective mass.
+    Both values follow from the law, the impact speed and the effective mass.
     """
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
@@ -153,9 +157,9 @@ def latch(d, c):
 
 
 def relatch(d, c, factor):
-    """Multiply v₀, the fixed impact speed of candidate c, by a ``factor``; find all that follows from v₀.
+    """Multiply v₀, the fixed impact speed of candidate c, by a ``factor``; update the data that depend on v₀.
 
-    These are the expected penetration, the damping and the side of the law's kink.
+    These data are the expected penetration, the damping and the side of the law's kink.
     """
     d.touch.impact_speed[c] *= factor
     latch(d, c)
@@ -181,7 +185,10 @@ def set_rates(d, c, speed, force_rate):
 
 
 def expect_peaks(d):
-    """Have the next step searched for peaks of all contact forces: a change of modes may let them rise."""
+    """Let the next step be searched for peaks of all contact forces.
+
+    The caller has changed modes of friction, and so the forces may rise.
+    """
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
@@ -203,7 +210,7 @@ def cross_kink(d, c):
     """Switch candidate c, at the kink of the force, to the force on the other side of the kink."""
     touch = d.touch
     if is_cut_off(d, c):
-        touch.force_rate[c] = 1.0  # 1: the force rises
+        touch.force_rate[c] = 1.0  # the value 1.0 says that the force rises
     if d.law.approach_only[c]:
         # at this kink the rate of the penetration is 0, and the largest penetration has been recorded
         touch.speed[c] = 0.0
@@ -211,18 +218,18 @@ def cross_kink(d, c):
 
 
 def kink_height(d, c):
-    """Return the result of ``height_over_kink`` of candidate c at the located points: < 0 beyond the kink."""
+    """Return ``height_over_kink`` of candidate c at the located points; the value is < 0 beyond the kink."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Set on which side of the kink of its force candidate c is, for the located points."""
+    """Set on which side of its force's kink candidate c is, for the located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Set on which side of the kink of its force each active contact with a force law is."""
+    """Set on which side of its force's kink each active contact with a force law is."""
     for k in range(d.touch.compliant_count):
         set_kink_side(d, d.touch.active_index[k])
 
@@ -230,7 +237,8 @@ def set_kink_sides(d):
 def list_touching(d):
     """List the active contacts in ``touch.active_index``; contacts with a force law come first.
 
-    Also count the joints' stops among them, and list the elements with dry friction.
+    The function also counts the joints' stops among the active contacts, and lists the elements with dry
+    friction.
     """
     touch = d.touch
     touch.active_count = 0
@@ -248,7 +256,10 @@ def list_touching(d):
 
 
 def list_kind(d, impulsive):
-    """Append the active contacts of rigid walls (``impulsive`` 1) or of force laws (0) to the packed list."""
+    """Append the active contacts of one kind to the packed list of active contacts.
+
+    ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
+    """
     touch = d.touch
     for c in range(d.candidates):
         if touch.active[c] and d.law.impulsive[c] == impulsive:

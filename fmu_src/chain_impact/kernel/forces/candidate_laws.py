@@ -40,9 +40,9 @@ from chain_impact.kernel.status import (
 )
 
 # The largest depth in a wall at which a point still counts as apart, relative to the longest link; 0 at rigid
-# walls. For K = 1e8, n = 3/2 and links of 1 m this leaves out a force of 1e-10 N; round-off of positions is
-# about 1e-15. Without this margin, the solver would search every step of a point that slides along a wall at
-# zero clearance for an onset.
+# walls. For K = 1e8, n = 3/2 and links of 1 m this depth neglects a force of 1e-10 N; the round-off of
+# positions is about 1e-15 m. Without this margin, the solver would search every step of a point that slides
+# along a wall at zero clearance for an onset.
 HARMLESS_DEPTH = 1e-12
 # origins of laws that are no walls, see ``law_origin``
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
@@ -52,7 +52,9 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates have the same law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        d.law.number[c] = 0  # 0: ``derive_damping`` derives anew, because any parameter may have changed
+        # the number 0 lets ``derive_damping`` derive the constants again, because any parameter may have
+        # changed
+        d.law.number[c] = 0
         first, source = 0, law_origin(d, c)
         while law_origin(d, first) != source:
             first += 1
@@ -77,7 +79,10 @@ def law_origin(d, c):
 
 
 def update_laws(d):
-    """Set the laws of all candidates to the given parameters; return a status. Unless OK, change nothing."""
+    """Set the laws of all candidates to the given parameters; return a status.
+
+    If the status is not OK, nothing is changed.
+    """
     status = check_laws(d)
     if status != OK:
         return status
@@ -90,12 +95,15 @@ def update_laws(d):
             set_parameters(d, c)
             record_law_kind(d, c)
         else:
-            copy_row(d.law, first, c)  # setting the law again would take longer
+            copy_row(d.law, first, c)  # a copy is faster than setting the same law again
     return OK
 
 
 def check_laws(d):
-    """Check the given laws; return a status: RIGID_WHILE_TOUCHING if a contact would become rigid."""
+    """Check the given laws; return a status.
+
+    The status is RIGID_WHILE_TOUCHING if the law of an active contact would become rigid.
+    """
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
@@ -108,7 +116,7 @@ def check_laws(d):
 
 
 def laws_in_use(d):
-    """Return whether the laws of all candidates use the given values."""
+    """Return whether the laws of all candidates already use the given values."""
     for c in range(d.candidates):
         if d.law.same_as[c] == c and not is_in_use(d, c):
             return False
@@ -116,7 +124,7 @@ def laws_in_use(d):
 
 
 def is_in_use(d, c):
-    """Return whether the law of candidate c uses the given values."""
+    """Return whether the law of candidate c already uses the given values."""
     law, (sliding, static) = d.law, given_friction(d, c)
     same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
@@ -138,7 +146,10 @@ def given_number(d, c):
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K [N/mⁿ] of candidate c; for a joint's stop, K at the lever arm."""
+    """Return the given stiffness K [N/mⁿ] of candidate c.
+
+    For a joint's stop, K is the stiffness of the contact at the lever arm.
+    """
     if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.model.longest_link, d.stops.exponent + 1.0)
     if at_stop(d, c):
@@ -158,7 +169,10 @@ def given_restitution(d, c):
 
 
 def given_friction(d, c):
-    """Return the given coefficients of sliding and of static friction of candidate c; 0 for a stop."""
+    """Return the given coefficients of sliding and of static friction of candidate c.
+
+    Both coefficients are 0 for a stop.
+    """
     if at_stop(d, c):
         return 0.0, 0.0
     given, walls, wall = d.given, d.walls, d.candidate.wall[c]
@@ -199,15 +213,15 @@ def check_values(d, c):
 
 
 def is_derived(d, c):
-    """Return whether the derived constants of candidate c belong to the given law and restitution."""
+    """Return whether the derived constants of candidate c were derived from the given law and restitution."""
     return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
 
 
 def derive_damping(d, c):
-    """Derive the constants of the given law of candidate c, unless they have been derived.
+    """Derive the constants of the given law of candidate c, unless they are already derived.
 
-    They are the factor f(e) for the restitution e, the exponent p of the damping d δᵖ δ̇, whether it acts on
-    approach only, and whether the wall is rigid.
+    The constants are the factor f(e) for the restitution e, the exponent p of the damping d δᵖ δ̇, whether
+    the damping acts on approach only, and whether the wall is rigid.
     """
     if is_derived(d, c):
         return

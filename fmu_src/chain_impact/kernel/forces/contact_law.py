@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-# exponent → the power of δ as text; other powers are written like δ^1.2
+# table from an exponent to the power of δ as text; other powers are written like δ^1.2
 DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
@@ -13,29 +13,30 @@ class ContactLaw:
     """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
 
     id: str  # name in scene files and in the FMU
-    number: int  # number in the FMU's enumeration, from 1
-    title: str  # authors, for tables
-    source: str  # author, year, journal
-    formula: str  # the factor f(e) as text; λ(e) for the Hunt–Crossley family
+    number: int  # number in the FMU's enumeration of laws, from 1
+    title: str  # authors of the law, as its title in tables
+    source: str  # author, year and journal of the law's source
+    formula: str  # the factor f(e) as text; for the Hunt–Crossley family this is λ(e)
     limits: str  # range of use, limits and known errors of the law
-    # Where the formula was found. A: an open source that cites the paper. B: public code that follows a
-    # review. C: the standard literature. Derived, recomputed: the formula also follows from an integration of
-    # a free impact.
+    # The quality of the source of the formula, as a letter or a word. A: an open source that cites the paper.
+    # B: public code that follows a review. C: the standard literature. Derived, recomputed: the formula also
+    # follows from an integration of a free impact.
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
-    accurate_to: float  # largest such e
+    accurate_to: float  # largest restitution e up to which the realised restitution is within 5 % of e
     damping_factor: object  # f(e), a function of the kernel
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
-    exponent: float | None = None  # the exponent n for which the law is defined; None for any
-    rate_exponent: float | None = None  # exponent p of the penetration in the damping; None for p = n
+    exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
+    rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
     # exponent s in d = f K^(1−s) m^s with the effective mass m; 0 for the Hunt–Crossley family: d = λ K/v₀
     mass_power: float = 0.0
-    approach_only: bool = False  # whether the damping acts only during compression
+    # whether the damping acts only during compression, while the penetration grows
+    approach_only: bool = False
     impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
 
     @property
     def restitution_range(self) -> str:
-        """The restitutions that the law allows, as text."""
+        """The restitutions that the law allows, as text for users."""
         return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
 
     @property
@@ -45,7 +46,7 @@ class ContactLaw:
 
     @property
     def force(self) -> str:
-        """The force as text, without the cut at 0."""
+        """The formula of the force as text, without the cut at 0."""
         if self.impulsive:
             return "impulses"
         if self.rate_exponent is None:
@@ -56,7 +57,7 @@ class ContactLaw:
 
     @property
     def damping(self) -> str:
-        """How the damping d follows from f, as text."""
+        """How the damping d follows from the factor f, as text."""
         power = self.mass_power
         return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 

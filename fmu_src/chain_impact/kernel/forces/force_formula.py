@@ -6,8 +6,8 @@ the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
 across a kink would lose its order of accuracy. So a step uses the smooth force of one side of the kink, also
-beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` is the side.
-Outputs and peaks use the true force.
+beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` tells this
+side. Outputs and peaks use the true force.
 """
 
 import math
@@ -19,11 +19,12 @@ from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
-# The relative increment of penetration and speed for the central differences of a user's law. It is about the
-# cube root of round-off: the errors of truncation and of round-off are then equal.
+# The relative increment of penetration and speed for the central differences of a user's law. The increment
+# is about the cube root of round-off, so that truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
-# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative to
-# v₀ √(tolerance/max(1, damping_over_elastic)). The impulse then errs by a tenth of the tolerance at most.
+# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative to v₀
+# √(tolerance/max(1, damping_over_elastic)). The relative error of the impulse is then at most a tenth of the
+# tolerance.
 TURNING_RATE = 0.3
 
 
@@ -74,7 +75,7 @@ def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
     if d.law.impulsive[c]:
-        # a rigid wall has no penetration, so the scale is the longest link
+        # a rigid wall has no penetration, so the longest link serves as the scale
         touch.depth_scale[c] = d.model.longest_link
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
@@ -86,7 +87,7 @@ def set_damping(d, c):
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
-        # λ K/v₀
+        # the damping d = λ K/v₀ of the Hunt–Crossley family
         touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
         # d = f K^(1−s) m^s, with the law's factor f and exponent s, and the effective mass m
@@ -97,7 +98,9 @@ def set_damping(d, c):
 
 
 def unit_of_damping(d, c, mass_power):
-    """Return the factor by which the damping of a joint's stop differs from f K^(1−s) m^s; 1 for others.
+    """Return the factor by which the damping of candidate c differs from f K^(1−s) m^s.
+
+    The factor is 1 except at a joint's stop.
 
     f and s belong to the law (laws.py), and m is the effective mass. The law of a joint's stop is that of the
     angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
@@ -115,7 +118,7 @@ def turning_margin(d, c):
 
     If |δ̇| reaches the speed v on the wrong side, the relative error of the impulse is (v/v₀)² times the
     result of ``damping_over_elastic``. The result also includes the tolerance times the longest link per
-    second, because for a point at rest errors change the sign of δ̇ all the time.
+    second, because at rest errors change the sign of δ̇ again and again.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
@@ -125,7 +128,7 @@ def turning_margin(d, c):
 def law_force(d, c, depth, rate):
     """Return the force [N] of candidate c and its elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
 
-    ``rate`` is the rate of the penetration [m/s].
+    ``rate`` is δ̇ [m/s], the rate of the penetration.
     """
     force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
     # max() is not used, because it could hide a NaN
@@ -135,7 +138,7 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return the values of ``law_force``, but with the smooth force of one side of the kink on both sides.
 
-    ``touch.beyond_kink`` is this side. A crossing of the kink is recorded.
+    ``touch.beyond_kink`` tells the side. The function also records whether the kink is crossed.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -148,7 +151,7 @@ def force_on_side(d, c, depth, rate):
     """Return the true force ≥ 0 [N] of candidate c, for outputs and peaks.
 
     For a law that damps on approach only, ``touch.beyond_kink`` tells the side of the kink. The sign of δ̇
-    would not do, because at rest δ̇ is 0 up to errors.
+    cannot tell the side, because at rest δ̇ is 0 up to errors.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)
@@ -156,7 +159,10 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` is on the other side by over the margin."""
+    """Record that candidate c has crossed its kink, if ``height`` lies beyond the margin on the other side.
+
+    ``height`` is the result of ``height_over_kink``.
+    """
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
@@ -171,7 +177,8 @@ def clear_crossings(d):
 def height_over_kink(d, c, depth, rate):
     """Return a value of candidate c that is 0 at the kink of its force, and negative beyond the kink.
 
-    It is δ̇ [m/s] for a law that damps on approach only, else the force [N] before it is cut off at 0.
+    The value is δ̇ [m/s] for a law that damps on approach only. For any other law it is the force [N] before
+    the cut at 0.
     """
     if d.law.approach_only[c]:
         return rate
@@ -180,13 +187,13 @@ def height_over_kink(d, c, depth, rate):
 
 
 def is_cut_off(d, c):
-    """Return whether a step uses the force 0 for candidate c, because the law would give a pull."""
+    """Return whether the force of candidate c in a step is 0, because the law alone would give a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
 @inlined
 def uncut_force(d, c, depth, rate, leaves):
-    """Return the values of ``law_force`` without the cut of the force at 0.
+    """Return force and elastic part [N] as ``law_force`` does, but without the cut at 0.
 
     ``leaves``: whether the point moves outward, so that a law that damps on approach only has no damping.
     """
@@ -213,17 +220,23 @@ def user_contact_force(d, c, depth, rate):
 
 @has_dual_rule
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force of a user's law, before it is cut off at 0; for a stop in a joint, the moment."""
+    """Return the force [N] of a user's law before it is cut off at 0.
+
+    For a joint's stop the function returns the moment [N·m].
+    """
     return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 
 def may_jump(d, c):
-    """Return whether the force may jump where a contact begins or ends: for a user's law, or p = 0."""
+    """Return whether the force may jump where a contact begins or ends.
+
+    This is so for a user's law, and for the exponent p = 0.
+    """
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """Return ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
+    """Return the slope ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
 
     The result is 0 if the point ``leaves`` and the law damps on approach only.
     """
@@ -248,13 +261,16 @@ def law_slopes(d, c, depth, rate):
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ. For n ≥ p and F ≥ 0 this is at least (n−p) K δⁿ⁻¹, but near the kink F
-    # may be < 0.
+    # may be < 0, and the slope may be smaller.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
 
 def user_slopes(d, c, depth, rate):
-    """Return the values of ``law_slopes`` for a user's law, by central differences; negative ones as 0."""
+    """Return the slopes of ``law_slopes`` for a user's law, by central differences.
+
+    A negative slope counts as 0.
+    """
     step = RELATIVE_INCREMENT * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
@@ -268,8 +284,8 @@ def user_slopes(d, c, depth, rate):
 def damping_over_elastic(d, c):
     """Return the damping force of candidate c divided by its elastic force, a number ≥ 0.
 
-    Both forces are those at the impact speed v₀ and the expected penetration. For the Hunt–Crossley family
-    the result is the damping λ of the law.
+    Both forces are evaluated at the impact speed v₀ and the expected penetration. For the Hunt–Crossley
+    family the result is the damping λ of the law.
     """
     force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
     return max(0.0, force / elastic - 1.0)

@@ -18,9 +18,9 @@ Where several constraints are dependent, the forces of the sticking elements are
 chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
 (limits.py).
 
-Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for latched
-modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody Dynamics with Unilateral
-Contacts.
+Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for modes that
+stay within a step, in place of the sign of a speed, Pfeiffer & Glocker 1996, Multibody Dynamics with
+Unilateral Contacts.
 """
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
@@ -33,8 +33,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# A sticking element is held if its distance from its anchor, after a projection, is at most this part of the
-# largest coordinate; so small a distance is round-off.
+# The largest distance between a sticking element and its anchor, after a projection, that counts as
+# round-off, relative to the largest coordinate. A projection that leaves more has missed the anchor.
 ANCHOR_ROUND_OFF = 1e-13
 
 
@@ -44,12 +44,12 @@ def may_have_friction(d, c):
 
 
 def drive_of_element(d, e):
-    """Return the drive of element e: the index of its joint, or N for the slider; e must be one of these."""
+    """Return the drive of element e, a joint or the slider: the index of the joint, or N for the slider."""
     return e - d.candidates
 
 
 def joint_number(d, e):
-    """Return the number of the joint of element e, 1…N, or 0 for the slider; e must be one of these."""
+    """Return the number of element e, a joint or the slider: the joint's number 1…N, or 0 for the slider."""
     return (drive_of_element(d, e) + 1) % (d.links + 1)
 
 
@@ -66,7 +66,7 @@ def clear_friction(d):
 
 
 def sliding_sign(force):
-    """Return the sign, along t, of the sliding that a friction ``force`` along t opposes."""
+    """Return the sign, along t, of the sliding that a friction ``force`` along t opposes: minus its sign."""
     return 1 if force < 0.0 else -1
 
 
@@ -76,12 +76,17 @@ def set_mode(d, e, mode):
 
 
 def set_anchor(d, e):
-    """Set the anchor of element e, the coordinate along t where it sticks, to its located coordinate."""
+    """Set the anchor of element e to its present coordinate along t, for the located points.
+
+    A sticking element is held at its anchor.
+    """
     d.element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
-    """Pack the elements with friction now (contacts, then joints, then the slider), and the sticking ones.
+    """List the elements that have friction now, and the sticking elements.
+
+    Both lists are packed: contacts come first, then joints, then the slider.
 
     A free base has no joint, so the element of the first joint has no friction.
     """
@@ -102,7 +107,10 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """Pack the sticking elements; each is a constraint. They follow the constraints of the contacts."""
+    """List the sticking elements, packed.
+
+    Each sticking element is a constraint; these constraints follow those of the contacts.
+    """
     friction = d.friction
     friction.stuck_count, friction.stuck_joints = 0, 0
     for i in range(friction.count):
@@ -114,19 +122,28 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Unlist the sticking elements during an impact on rigid walls: no friction limit applies to impulses."""
+    """Remove all elements from the list of sticking elements during an impact on rigid walls.
+
+    No limit of friction applies to impulses.
+    """
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
 
 def clear_other_forces(d):
-    """Set the forces of elements without friction to 0: the friction of a wall may have been set to 0."""
+    """Set the forces of elements without friction to 0.
+
+    An old force remains, for example, where the friction of a wall has been set to 0.
+    """
     for e in range(d.elements):
         if d.element.mode[e] == NO_FRICTION:
             d.element.force[e] = 0.0
 
 
 def begin_friction(d, c):
-    """Set the anchor and, until friction_modes.py decides, the mode of contact c that begins."""
+    """Set the anchor and a first mode of contact c, which begins.
+
+    events/friction_modes.py decides the mode later.
+    """
     speed = tangential_rate(d, c)
     # a projection of the state before the decision moves a sticking element to its anchor
     set_anchor(d, c)
@@ -134,7 +151,7 @@ def begin_friction(d, c):
 
 
 def friction_load(d, c):
-    """Return the normal force [N] of candidate c that determines its friction.
+    """Return the normal force [N] of candidate c from which its friction follows.
 
     A step continues the contact force, and so the friction, smoothly beyond the kink. The force of a law that
     damps on approach only may be a pull there. Friction in proportion to a pull would add energy, so for such
@@ -167,13 +184,16 @@ def apply_friction(d):
 
 
 def apply_sliding_friction(d, e, size):
-    """Add the friction of ``size`` [N] of the sliding element e to the loads; return its lost power [W]."""
+    """Add friction of the ``size`` [N] of the sliding element e to the loads.
+
+    Return the power [W] that the friction dissipates.
+    """
     sign = float(d.element.mode[e])
     speed = tangential_rate(d, e)
     d.element.force[e] = -sign * size
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
     add_along(tangent_row(d, e), d.scratch.load, d.element.force[e])
-    # −F_t v_t
+    # the power −F_t v_t that friction dissipates, with the friction force F_t and the speed v_t along t
     return sign * size * speed
 
 
@@ -190,8 +210,8 @@ def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate.
 
     A sticking element has a speed only by the error of a step; a projection then moves the element back
-    (ode/last_step.py). The stages of an implicit step leave this power out, because their last correction
-    changes the speeds. Instead, ode/friction_work.py finds the work along the corrected motion.
+    (ode/last_step.py). The stages of an implicit step do not contain this power, because their last
+    correction changes the speeds. Instead, ode/friction_work.py finds the work along the corrected motion.
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):
@@ -224,6 +244,6 @@ def move_missed_anchors(d):
 
 
 def clear_margins(d):
-    """Set the margins of all elements with friction to 0, before the stages of a step lower them."""
+    """Set the margins of all elements with friction to 0; afterwards the stages of a step lower them."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

@@ -47,7 +47,7 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
-# walls or base move and a point stays deeper, the walls leave no room for the chain.
+# a point stays deeper while walls or the base move, the walls leave no room for the chain.
 SQUEEZED_DEPTH = 1e-6
 # A point leaves a wall only if it rises at least to this height, relative to the longest link. A lower height
 # could not be distinguished from round-off, and the next onset could not be located.
@@ -59,8 +59,8 @@ LARGEST_CORRECTION = 10.0
 # The largest part of the residual that a projection onto the constraints of sticking elements may leave. A
 # projection that would leave more moves nothing.
 LARGEST_REMAINING_RESIDUAL = 0.5
-# The impedance with which stiff contacts resist the projection onto the constraints of sticking elements,
-# relative to the mean mass of a link.
+# The impedance with which contacts with a force law resist the projection onto the constraints of sticking
+# elements, relative to the mean mass of a link.
 CONTACT_RESISTANCE = 1e3
 
 
@@ -94,7 +94,7 @@ def set_start_to_load_motion(d):
 
 
 def clear_least_forces(d):
-    """Forget the least forces of the contacts without a force law."""
+    """Set the least forces of contacts without a force law to 0, before the stages of a step lower them."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.constraints.least_force[d.touch.active_index[k]] = 0.0
 
@@ -121,7 +121,8 @@ def add_constraint_forces(d, y, rate):
 
     Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
     ``d.constraints.impulse`` contains the forces [N]; at walls at rest they do no work, apart from errors.
-    MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the tolerance.
+    The fault MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the
+    tolerance.
     """
     constraints = d.constraints
     copy_factors(d, joints_loaded(d))
@@ -177,7 +178,7 @@ def project_state(d, y):
         # u⁺ after it
         y[lost] -= 0.5 * constraints.impulse[k] * (constraints.start[k] + constraints.reached[k])
     for k in range(d.touch.compliant_count):
-        # the impulse −D (u⁺ − u⁻) of the resistance D of a contact also changes the energy
+        # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
         squares = (
             constraints.reached[k] * constraints.reached[k] - constraints.start[k] * constraints.start[k]
         )
@@ -289,7 +290,7 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Find the impulses that stop the active set; no wall pulls by more than ``tolerated_momentum``."""
+    """Find the impulses that stop the active set, where no wall pulls by more than ``tolerated_momentum``."""
     speed = largest_velocity(d)
     factorize_free(d)
     solve_equality(d, speed)

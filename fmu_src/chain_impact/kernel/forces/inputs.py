@@ -29,24 +29,24 @@ DEGREE = 9  # the highest degree of the polynomials
 # go on without a jump
 REINITIALIZE, CONTINUES = 1, 2
 # The largest part of a given displacement that the given velocities v and v′ before and after it may leave
-# unexplained, relative to |v| + |v′| times the time between them. A larger part is a contradiction, of which
-# the user is warned; a part beyond 1 is a jump of the position of a wall.
+# unexplained, relative to |v| + |v′| times the time between the two velocities. A larger part is a
+# contradiction, of which the user is warned; a part beyond 1 is a jump of the position of a wall.
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that may be unexplained in addition, whatever the speeds are
 UNEXPLAINED_DISPLACEMENT = 1e-9
 # The largest jump of an acceleration, times the squared time of the cubic, that counts as round-off, relative
 # to the positions at the cubic's ends and its travel. Also the largest third coefficient that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` of a cubic motion that lasts a time h, relative to 1/h; small, because a cubic has no sixth
-# derivative
+# the value of `change_rate` for a cubic motion that lasts a time h, relative to 1/h; the value is small
+# because a cubic has no sixth derivative
 CUBIC_CHANGE = 0.5
-# the largest time from the end of a step to the end of the piece with which the step ends, relative to the
-# time
+# the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
+# relative to the present time
 SAME_TIME = 4e-15
 
 
 def apply_inputs(d):
-    """Use the given inputs from now on, and clear the request to apply them."""
+    """Use the given inputs from now on, and clear the mark `given.changed` that they are new."""
     d.given.changed = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
@@ -69,7 +69,7 @@ def apply_inputs(d):
 
 
 def withdraw_request(d):
-    """Withdraw the request to apply given values."""
+    """Clear the mark `given.changed`, so that the given values are not applied."""
     d.given.changed = 0
 
 
@@ -96,7 +96,7 @@ def inputs_in_use(d):
 
 
 def ensure_inputs(d, y):
-    """Set the inputs to their values at the time of the state y, unless they are constant."""
+    """Set the inputs to their values at the time that the state y contains, unless they are constant."""
     if d.inputs.piece.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
     elif d.signals > 0:
@@ -119,7 +119,10 @@ def set_inputs(d, time):
 
 
 def set_driven(d, time):
-    """Set the inputs that signals drive, except prescribed motions, to their values at a ``time`` [s]."""
+    """Set the inputs that signals drive to their values at a ``time`` [s].
+
+    Prescribed motions are left out.
+    """
     for j in range(d.signals):
         k, i = d.signal.input[j], d.signal.index[j]
         if k == CHANNEL:
@@ -139,12 +142,12 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Return whether the next piece of the inputs continues the present piece where the last step ends."""
+    """Return whether the next piece of the inputs continues the present piece at the end of the last step."""
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step: it ends with the piece of the inputs or leaves no tiny rest of it.
+    """Return a size ≤ h of the next step, which ends with the piece of the inputs or leaves no tiny rest.
 
     A step in the fictitious time of a contact, or with constant inputs, has the size h.
     """
@@ -154,7 +157,7 @@ def limit_to_piece(d, h):
 
 
 def limit_to_time(d, time, h):
-    """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before it."""
+    """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before."""
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
         return h
@@ -206,7 +209,7 @@ def interpolate_motion(d, time):
     if d.channels == 0 or not given.interpolates or not time > d.step.time:
         return OK
     if time == moved.until and d.given.changed != REINITIALIZE:
-        return OK  # the same communication step continues after a pause
+        return OK  # nothing to set: the same communication step continues after a pause
     now, h = d.step.time, time - d.step.time
     move_channels(d, now)
     for j in range(d.channels):
@@ -232,7 +235,7 @@ def interpolate_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Record the first candidate at the wall of channel j as the reason of WALL_JUMPS; return this status."""
+    """Store the first candidate at the wall of channel j as the reason of WALL_JUMPS; return this status."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:
@@ -241,7 +244,7 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the cubic of channel j from the present until a ``time`` [s], which is ``h`` [s] later.
+    """Set the cubic of channel j from the present time until a ``time`` [s], which is ``h`` [s] later.
 
     Return whether the acceleration continues without a jump.
     """

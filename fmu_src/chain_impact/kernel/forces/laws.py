@@ -27,7 +27,7 @@ from chain_impact.kernel.mathematics.logarithms import log, log1p
 
 
 def lossless_depth(energy: float, stiffness: float, exponent: float) -> float:
-    """Return the penetration [m] at which K δⁿ has stored an energy [J]: K δⁿ⁺¹/(n+1) = E.
+    """Return the penetration δ [m] at which the force K δⁿ has stored the energy E [J]: K δⁿ⁺¹/(n+1) = E.
 
     At a stop the stiffness is in N·m/radⁿ and the penetration in rad.
     """
@@ -124,10 +124,10 @@ def zhang_sharf(e):
     # u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
-    # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The
-    # equation is well conditioned in s, but not in d: below e ≈ 0.03, d is 1 to double precision. The left
-    # side falls from 0, then rises through its only positive root, and is convex. From a start above the
-    # root, Newton's method decreases monotonically to the root. This start is above the root by at most 11 %.
+    # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The root s
+    # is found, not d, because below e ≈ 0.03 d is 1 to double precision. The left side is convex: from 0 it
+    # falls, and then rises through its only positive root. From a start above the root, Newton's method
+    # decreases monotonically to the root. This start is above the root by at most 11 %.
     s, before = u * (1.0 / e + 0.58), math.inf
     while s < before:
         d = -expm1(-s)
@@ -222,7 +222,10 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """Return ``scale`` ζ; after a half-cycle an oscillator of damping ratio ζ has the part e of its speed."""
+    """Return ``scale`` ζ, with the damping ratio ζ at which an oscillator has the speed e after a half-cycle.
+
+    The speed e is relative to the speed at the start.
+    """
     decrement = log(e)
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
 
@@ -283,7 +286,7 @@ __all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor", "is_imp
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# in EXPONENTS: any exponent n is allowed; in RATE_EXPONENTS: p = n
+# A value is None in EXPONENTS if any exponent n is allowed, and in RATE_EXPONENTS if p = n.
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
@@ -300,7 +303,10 @@ def damping_factor(law, restitution):
 
 
 def is_impulsive(law):
-    """Return whether the law with the number ``law`` has impulses, not a force; a user's law has a force."""
+    """Return whether the law with the number ``law`` has impulses instead of a force.
+
+    A user's law has a force.
+    """
     return law <= LAW_COUNT and IMPULSIVE[law - 1] != 0
 
 

@@ -27,6 +27,6 @@ def is_present():
 def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
     """Return the force [N] of the user's law, before it is cut off at 0; at a joint's stop the moment [N·m].
 
-    ``ARGUMENTS`` lists the arguments.
+    ``ARGUMENTS`` describes the arguments.
     """
     return 0.0

@@ -6,9 +6,9 @@ falls; the minimum of w is −e.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
-separates the factors that are singular at e = 0 and e = 1 from a smooth P. For e → 1 the speed −e at the end
-is a series in the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e). For e → 0 this speed is
-proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. A
+is the product of factors that are singular at e = 0 and e = 1, and of a smooth function P. For e → 1 the
+speed −e at the end is a series in the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e). For e → 0 this
+speed is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. A
 polynomial in r replaces P, with a relative error below 2e-11 for all e. Its coefficients come from solutions
 of the impact by Taylor series of order 24, at 64 Chebyshev points.
 """
@@ -55,8 +55,8 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# The least 1 − e for which P is evaluated at e; closer to e = 1, where the derivative of r with respect to e
-# is infinite, P of e = 1 is used.
+# The least 1 − e for which P is evaluated at e; closer to e = 1, the value of P at e = 1 is used, because the
+# derivative of r with respect to e grows without bound.
 NEAREST_TO_ONE = 1e-12
 
 
@@ -68,7 +68,7 @@ def viscoelastic_factor(e):
 
 
 def series(x):
-    """Return the sum of the Chebyshev series at x, by Clenshaw's rule (1955, Math Tab Wash 9:118)."""
+    """Return the sum of the Chebyshev series of P at x, by Clenshaw's rule (1955, Math Tab Wash 9:118)."""
     last, sum_so_far = 0.0 * x, 0.0 * x
     for k in range(len(SERIES) - 1, 0, -1):
         last, sum_so_far = sum_so_far, SERIES[k] + 2.0 * x * sum_so_far - last

@@ -19,7 +19,7 @@ TWO_OVER_PI = 0.6366197723675814
 # Cody & Waite 1980).
 HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
 HALF_PI = 1.5707963267948966
-# coefficients of the best approximations on |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
+# coefficients of the best polynomials on |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
 # r²/2 + r⁴ C(r²)
 # fmt: off
 S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
@@ -34,10 +34,10 @@ LAST_DIGIT = 971  # the exponent of 2 in the last binary digit of the largest do
 
 
 def _digit_groups():
-    """Return the binary digits of 2/π after the point, in groups of GROUP_BITS digits."""
+    """Return the binary digits of 2/π after the point, as integers of GROUP_BITS digits each."""
     count = LAST_DIGIT // GROUP_BITS + GROUPS + 1
     scale = GROUP_BITS * count + 32
-    # π = 16 arctan(1/5) − 4 arctan(1/239) (Machin 1706)
+    # Machin's formula of 1706: π = 16 arctan(1/5) − 4 arctan(1/239)
     digits = (2 << 2 * scale) // (16 * _fixed_arctangent(5, scale) - 4 * _fixed_arctangent(239, scale))
     groups = (digits >> (scale - GROUP_BITS * (i + 1)) & ((1 << GROUP_BITS) - 1) for i in range(count))
     return np.array([float(group) for group in groups])
@@ -89,7 +89,7 @@ def cosine_and_sine(angle):
 
 @inlined
 def cosine_and_sine_of_parts(turns, r):
-    """Return the cosine and sine of the angle turns π/2 + r, with turns from −2 to 2 and |r| ≤ π/4."""
+    """Return the cosine and sine of the angle turns π/2 + r, for integers −2 to 2 and |r| ≤ π/4."""
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
@@ -101,12 +101,13 @@ def cosine_and_sine_of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return ``turns`` and r of ``cosine_and_sine_of_parts`` for an angle of at least LARGEST_ANGLE.
+    """Return the quarter turns and the remainder r of an angle of at least LARGEST_ANGLE.
 
-    Bits of 2/π that give whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
+    Bits of 2/π that would only add whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM
+    Newsletter 18:19).
     """
     pattern = bits_of(abs(angle))
-    # the size of the angle as integers m, e, a and b: |φ| = m 2^e, m = a 2²⁷ + b
+    # the size |φ| of the angle as the integers m, e, a and b: |φ| = m 2^e, m = a 2²⁷ + b
     e = (pattern >> FRACTION) - 1075
     m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))
@@ -117,10 +118,10 @@ def far_reduction(angle):
         for half, exponent in ((a, e + 27 - GROUP_BITS * (i + 1)), (b, e - GROUP_BITS * (i + 1))):
             if exponent >= 2:
                 continue
-            # The product is exact, and so is its remainder after whole turns.
+            # This product is exact, and so is the remainder after whole turns are removed.
             part = half * (float(DIGITS[i]) * double_of_bits(ONE + (exponent << FRACTION)))
             remainder = part - 4.0 * math.floor(0.25 * part)
-            # The sum of the remainders is stored exactly, as total + lost.
+            # The sum of the remainders is stored exactly, as the sum of the two doubles total and lost.
             before, total = total, total + remainder
             lost += remainder - (total - before) if before > remainder else before - (total - remainder)
     k = math.floor(total + 0.5)

@@ -1,4 +1,4 @@
-"""The bits of doubles, products as sums of two doubles, and doubles from integers with a fixed point."""
+"""Bits of doubles, products as sums of two doubles, and doubles from integers with a fixed binary point."""
 
 import numpy as np
 
@@ -6,11 +6,12 @@ from chain_impact.kernel.functions import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least number that is not subnormal."""
-FRACTION = 52  # number of bits of a double after the leading 1; the bits of the exponent stand before them
-# The sum of HALF and the bits of a number, cut by FRONT, is the number rounded to 26 bits. The product of two
-# numbers with 26 bits is exact.
+# number of bits of a double after its leading 1; the bits of the exponent stand before these bits
+FRACTION = 52
+# Adding HALF to the bits of a double, and masking the sum with FRONT, rounds the double to 26 bits. The
+# product of two numbers with 26 bits is exact.
 HALF, FRONT = 1 << 26, -(1 << 27)
-FIXED = 160  # number of bits after the point in the integers from which tables are computed
+FIXED = 160  # number of bits after the binary point in the integers from which tables are computed
 ROUND = 1.5 * 2.0**52
 """A number plus ROUND minus ROUND is rounded to an integer, because doubles of this size have no fraction."""
 
@@ -41,7 +42,10 @@ def product(y, high, low):
 
 
 def in_two_doubles(fixed, fraction_bits):
-    """Return ``fixed``/2^FIXED as the sum of two doubles, the first a multiple of 2^−fraction_bits."""
+    """Return ``fixed``/2^FIXED as the sum of two doubles.
+
+    The first double is a multiple of 2^−fraction_bits.
+    """
     unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit
     return first / (1 << fraction_bits), (fixed - first * unit) / (1 << FIXED)

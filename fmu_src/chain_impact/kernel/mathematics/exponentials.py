@@ -18,7 +18,7 @@ from chain_impact.kernel.mathematics.doubles import (
 )
 from chain_impact.kernel.mathematics.logarithms import LN_2, PLACES, TINY, log_parts_beside_one
 
-POWER_COUNT_BITS = 7  # the table has 2⁷ powers
+POWER_COUNT_BITS = 7  # the table has 2⁷ powers of 2, with the exponents j/128
 POWER_COUNT = 1 << POWER_COUNT_BITS
 # coefficients of the best approximation on |r| < ln 2/256, by Remez's exchange: e^r = 1 + r + r² P(r)
 EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.008333335946890487)
@@ -27,13 +27,15 @@ STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
 # the largest |x| for ``exp_of_common``: e^x is finite, and not so small that it would lose digits
 COMMON = 650.0
-# Half of the range of exponents. For |x| > COMMON, e^x is e^(x ∓ 512 ln 2) times 2^±512, which rounds once.
+# Half of the range of binary exponents. For |x| > COMMON, e^x is computed as e^(x ∓ 512 ln 2) times 2^±512,
+# so that the result is rounded only once.
 HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
 HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
 NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
-STEEP = 40.0  # from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x
+# from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x, and is left out
+STEEP = 40.0
 
 
 def _table():
@@ -55,7 +57,7 @@ POWER_BITS, REST = _table()
 
 @inlined
 def exp_of_common(high, low):
-    """Return e^(high + low), for |high| < COMMON and a number ``low`` that is far smaller."""
+    """Return e^(high + low), for |high| < COMMON and a far smaller number ``low``."""
     shifted = high * STEPS_PER_ONE + ROUND
     steps = shifted - ROUND
     count = bits_of(shifted) - ROUND_BITS
@@ -67,7 +69,7 @@ def exp_of_common(high, low):
 
 
 def exp_of_sum(high, low):
-    """Return e^(high + low), for any number ``high`` and a number ``low`` that is far smaller."""
+    """Return e^(high + low), for any number ``high`` and a far smaller number ``low``."""
     if abs(high) < COMMON:
         return exp_of_common(high, low)
     if high > OVERFLOW:
@@ -93,6 +95,6 @@ def expm1(x):
     if not -1.0 < x < STEEP:
         return exp(x) - 1.0
     y = x + 0.5 * x * x if abs(x) < NEARLY_LINEAR else exp(x) - 1.0
-    # one step of Newton's method for ln(1 + y) = x improves y
+    # one step of Newton's method for the equation ln(1 + y) = x improves y = e^x − 1
     high, low = log_parts_beside_one(y)
     return y + ((x - high) - low) * (1.0 + y)

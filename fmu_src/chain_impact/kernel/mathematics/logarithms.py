@@ -2,7 +2,7 @@
 
 With x = 2^k m and a number c near 1/m from a table, ln x = k ln 2 − ln c + ln(1 + r), r = m c − 1 (P. T. P.
 Tang 1990, ACM Trans Math Softw 16:378). The result is the sum of two doubles, with a relative error below
-2⁻⁶³, as powers need it.
+2⁻⁶³; powers need this accuracy.
 """
 
 import math
@@ -21,12 +21,14 @@ from chain_impact.kernel.mathematics.doubles import (
     rounded_to_26_bits,
 )
 
-MANTISSA_INTERVALS, WIDTH_BITS = 256, 44  # number of intervals of m; an interval has 2⁴⁴ doubles
-# The first interval begins near √½. The interval MIDDLE, where c = 1, reaches as far below 1 as above it: so
-# ln x is exact near x = 1.
+# The number of intervals of the mantissa m, and WIDTH_BITS: an interval contains 2^WIDTH_BITS doubles.
+MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
+# The first interval of the mantissa begins near √½. The interval MIDDLE, where c = 1, extends as far below 1
+# as above 1, so that ln x loses no digits near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-PLACES = 42  # number of bits after the point in ln 2 and ln c; k ln 2 − ln c is then exact for |k| < 2¹¹
+# number of bits after the binary point in ln 2 and ln c; k ln 2 − ln c is then exact for |k| < 2¹¹
+PLACES = 42
 # coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
 LOG_P = (
     0.33333333333333337,
@@ -50,7 +52,10 @@ def fixed_logarithm(a, b):
 
 
 def _table():
-    """Return three columns with a row for each interval of m: c, and −ln c in two parts."""
+    """Return a table with a row for each interval of the mantissa m.
+
+    Its columns are c, and −ln c as the sum of two doubles.
+    """
     rows = []
     for i in range(MANTISSA_INTERVALS):
         m = double_of_bits(FIRST + (i << WIDTH_BITS) + (1 << (WIDTH_BITS - 1)))
@@ -68,7 +73,7 @@ LN_2_HIGH, LN_2_LOW = in_two_doubles(LN_2, PLACES)
 
 @inlined
 def log_parts(pattern):
-    """Return the logarithm of a positive number that is not subnormal, as the sum of two doubles.
+    """Return the natural logarithm of a positive normal number as the sum of two doubles.
 
     Args:
         pattern: the bits of the number.
@@ -81,11 +86,11 @@ def log_parts(pattern):
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
-    # high + rounded = base + r − u²/2: the terms are added from the largest to the smallest
+    # now high + rounded = base + r − u²/2: the terms are added from the largest to the smallest
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
-    # the part of −r²/2 that −u²/2 lacks: r² − u² = v (u + r)
+    # the part of −r²/2 that −u²/2 does not contain: r² − u² = v (u + r)
     small = (float(k) * LN_2_LOW + float(LOG_LOW[i])) - 0.5 * v * (u + r)
     r2 = r * r
     tail = r * r2 * ((LOG_P[0] + r * LOG_P[1]) + r2 * ((LOG_P[2] + r * LOG_P[3]) + r2 * LOG_P[4]))
@@ -115,7 +120,8 @@ def log_parts_beside_one(x):
     """Return ln(1 + x), for −1 < x < ∞, as the sum of two doubles."""
     whole = 1.0 + x
     lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
-    # ln(1 + x) = ln w + d/w − …, where w is the rounded sum 1 + x, and d = 1 + x − w the lost part
+    # ln(1 + x) = ln w + d/w − …, with the rounded sum w of 1 and x, and d = 1 + x − w, the part lost by
+    # rounding
     high, low = log_parts_of_any(whole)
     return high, low + (lost - 0.5 * lost * lost) / whole
 

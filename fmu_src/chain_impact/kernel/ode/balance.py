@@ -68,29 +68,31 @@ from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, relative to the tolerance times the scale S of the
-# energy. In 1500 random scenes the largest ratio of this kind had a median of 0.0015, and exceeded 1 in 1 %
+# energy. In 1500 random scenes, the largest such ratio of a run had a median of 0.0015, and exceeded 1 in 1 %
 # of the scenes.
 STEP_CHANGE = 3.0
 # The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
 # the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
-# a common sign only where a point rests: there their sum reaches 230 in 100,000 steps.
+# a common sign only where a point rests: there the sum of their ratios reaches 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
-WINDOW = 1.0  # [s] length of a window of time, equal to COST_WINDOW (cost.py)
-# the energy that the errors of all steps together may add, relative to the available energy
+# [s] the length of a window of time in which the errors of all steps are summed; equal to COST_WINDOW
+# (cost.py)
+WINDOW = 1.0
+# the largest energy that the errors of all steps together may add, relative to the available energy
 ENERGY_GAIN = 0.1
 # The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
 # round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
 SLIGHT_GAIN = 1e-8
-# ENERGY_LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale,
-# like STEP_CHANGE. LOSS_TIME: the time [s] in which as much again may be lost. In 3360 random scenes this
-# limit shortens steps in 3 % of the runs, most of them with stiff springs.
+# ENERGY_LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale
+# of the energy. LOSS_TIME: the time [s] in which as much again may be lost. In 3360 random scenes this limit
+# shortens steps in 3 % of the runs, most of them with stiff springs.
 ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
-# the least loss that affects the size of the next step, relative to the allowed loss of a step
+# the least loss that affects the size of the next step, relative to the loss that is allowed to a step
 NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE_TOLERANCE = 1e-4
-# [rad] The rotation of a link in a step beyond which the step's dense output, if there is one, is checked.
+# [rad] The rotation of a link in a step beyond which the dense output of the step, if it exists, is checked.
 LONG_TURN = 1.0
 # the allowed change of the energy balance at the middle of a step, where the order is lower, relative to the
 # allowed change at the end
@@ -101,7 +103,10 @@ ENERGY_ROUND_OFF = 1e-15
 
 
 def start_balance(d, time):
-    """Begin the energy balance of a run at ``time`` [s]: its scales, first window and available energy."""
+    """Begin the energy balance of a run at ``time`` [s].
+
+    The function sets the scales, the first window of time and the available energy.
+    """
     model, balance = d.model, d.balance
     reach, carriage = model.longest_link, d.slider.mass if d.slides else 0.0
     total, square = carriage, carriage * reach * reach
@@ -125,10 +130,10 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time: from now on the energy balance is compared with its present value."""
+    """Begin a window of time: from now on the energy balance is compared with its value at this moment."""
     balance = d.balance
     balance.reference = balance.at_end
-    # the part of the allowed change that does not depend on the state
+    # `least_allowed` is the part of the allowed change that does not depend on the state
     energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
     balance.least_allowed = STEP_CHANGE * d.solver.tolerance * energy
     balance.allowed = balance.least_allowed
@@ -142,7 +147,7 @@ def restart_balance(d):
 
 
 def apply_next_piece(d):
-    """Apply the inputs of the next piece, at whose start no input jumps.
+    """Apply the next piece of the inputs, at whose start no input jumps.
 
     The pieces of a prescribed motion meet only up to round-off. The resulting change of energy counts as
     supplied.
@@ -159,7 +164,7 @@ def apply_next_piece(d):
 
 
 def reinit_balance(d):
-    """Re-initialize the balance at the communication point.
+    """Re-initialize the energy balance at the communication point.
 
     A change of the contacts' energy by a new parameter is no error.
     """
@@ -173,7 +178,9 @@ def reinit_balance(d):
 
 
 def check_energy(d, theta):
-    """Reject the last step if it does not conserve the energy balance up to θ (−1: up to its end).
+    """Reject the last step if it does not conserve the energy balance up to its fraction θ.
+
+    θ = −1 stands for the end of the step.
 
     The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds
     NOTABLE_LOSS.
@@ -221,13 +228,16 @@ def store_energy(d, present, available):
 
 
 def largest_available_energy(d, y, potential):
-    """Return the largest available energy [J] so far, including state y with its ``potential`` energy."""
+    """Return the largest available energy [J] so far, up to the state y with the ``potential`` energy [J]."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
 def loss_allowed(d, available):
-    """Return the energy [J], > 0, that the last step may lose; ``available`` as in ``loss_budget``."""
+    """Return the energy [J], > 0, that the last step may lose.
+
+    ``available`` is the available energy [J] at the end of the step.
+    """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
@@ -237,7 +247,7 @@ def loss_allowed(d, available):
 def loss_budget(d, available):
     """Return the energy B [J] that all steps may lose until the end of the last step.
 
-    ``available`` is the available energy at this end.
+    ``available`` is the available energy [J] at this end.
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
     most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
@@ -260,7 +270,10 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Return whether the dense output conserves the energy balance in mid-step, and dissipates evenly."""
+    """Return whether the dense output is right in the middle of the step.
+
+    There it must conserve the energy balance, and the dissipated energy must grow evenly.
+    """
     y = d.scratch.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
@@ -272,7 +285,10 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Return whether ``middle``, the dissipated energy in mid-step, lies between its end values, roughly."""
+    """Return whether the dissipated energy grows about evenly: ``middle`` lies between its end values.
+
+    ``middle`` is the dissipated energy in the middle of the step [J].
+    """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy_scale + abs(end) + impact_energy(d)
     slack = MIDDLE_CHANGE * STEP_CHANGE * d.solver.tolerance * scale
@@ -280,7 +296,10 @@ def dissipates_evenly(d, middle):
 
 
 def allowed_change(d, y):
-    """Return the allowed change of the energy balance [J] in a step to state y, with the points located."""
+    """Return the change of the energy balance [J] that is allowed to a step to state y.
+
+    The points must be located.
+    """
     scale, summed = energy_scales(d, y)
     return STEP_CHANGE * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
 
@@ -294,7 +313,7 @@ def allowed_round_off(d, y):
 def energy_scales(d, y):
     """Return the scale S [J] of the energy balance, and the sum [J] of energies whose round-off enters it.
 
-    Both belong to state y; its points must be located.
+    Both results belong to state y, for which the points must be located.
     """
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies; their round-off counts

@@ -73,23 +73,22 @@ from chain_impact.kernel.rows.constraints import any_constraint
 
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
-SLOW_CONVERGENCE = 0.2  # the convergence rate θ of Newton's iteration above which shorter steps are cheaper
-# how far beyond a step's end, in step lengths, its polynomial has degree 5, 4 and 3; farther, degree 1
+SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
+# how far beyond a step's end, in lengths of the step, its polynomial has degree 5, 4, 3; farther, degree 1
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
-# The cost of a step's factorizations, of an iteration's solutions, and of the error estimate with the
-# projection onto the clearances, in evaluations of the rate. A real factorization costs 1 and a solution 0.7,
-# complex ones 2.5 times as much; the estimate and the projection take four real solutions.
+# The cost of a step, in evaluations of the rate: of its factorizations, of the solutions in an iteration, and
+# of the error estimate with the projection onto the clearances. A real factorization costs 1 and a solution
+# 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-FORCELESS_PART = 1e-3  # a contact that ends within this first part of a step has practically no force left
-# the length of the first step after an event at a tolerance of 1, in time constants of a fast motion
-DECAY_TIMES = 3.0
+FORCELESS_PART = 1e-3  # a contact that ends within this part of a step has hardly any force left
+DECAY_TIMES = 3.0  # length of a first step after an event, in decay times of a fast motion, at tolerance 1
 
 
 def _coefficients():
     """Return, for each function of the dense output, the coefficients that multiply the stages' increments.
 
-    The matrix of the functions' values at the nodes is inverted in rational numbers and rounded once. The
-    last digits of NumPy's inverse depend on the processor, and so would the compiled kernel.
+    The matrix of the functions' values at the nodes is inverted in rational numbers and rounded once. With
+    NumPy's inverse, whose last digits depend on the processor, the compiled kernel would also depend on it.
     """
     nodes = [Fraction(node) for node in NODES]
     rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
@@ -103,9 +102,9 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
 
 
-# row m times the increments of the stages gives the coefficient of the m-th function of the dense output
+# row m times the increments of the stages is the coefficient of the m-th function of the dense output
 SHAPE = _coefficients()
-CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest |second derivatives| of these five functions on [0, 1]
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # largest |second derivatives| of the first five functions on [0, 1]
 
 
 def factorize(d, h):
@@ -116,7 +115,7 @@ def factorize(d, h):
 
 
 def solve(d, h, size):
-    """Solve the linear systems of a step of size h in place, in ``implicit.parts``."""
+    """Replace the right-hand sides in ``implicit.parts`` by the solutions of a step of size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -124,19 +123,19 @@ def solve(d, h, size):
 
 
 def set_residual(d, i, j, residual):
-    """Set component j of the i-th right-hand side of the linear systems to ``residual``."""
+    """Set component j of the i-th right-hand side of the linear systems to the number ``residual``."""
     d.implicit.parts[i, j] = residual
 
 
 def can_extrapolate(d):
-    """Return whether the last step's polynomial predicts the stages: an implicit step, same contacts."""
+    """Return whether the last step's polynomial predicts the stages: it was implicit, with these contacts."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
     """Evaluate the Jacobian A at z, the state in the middle of the step, if ``can_extrapolate`` is true.
 
-    Otherwise z is inaccurate, and A of the start of the step stays, for a fast motion there.
+    Otherwise z is inaccurate, and A of the start of the step stays, to contain a fast motion there.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -171,19 +170,19 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return a size ≤ h that does not go far beyond the end of a contact, where the force is not smooth."""
+    """Return a size ≤ h that does not go far beyond a contact's end, where the force is not smooth."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # time to the end: −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h is ignored
+        # time to the end, −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h is ignored
         if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
 
 
 def size_for_fast_motion(d, h):
-    """Return a size that resolves a fast motion at the start, if this motion exceeds the tolerance; else h.
+    """Return a size ≤ h that resolves a fast motion at the start, if this motion exceeds the tolerance.
 
-    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The part that it removes shows how large the
+    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the
     fast motion is; what the operator leaves of this part shows how fast it is.
     """
     implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
@@ -246,7 +245,7 @@ def extrapolate_polynomial(d, h, size):
 
 
 def attempt(d, h):
-    """Try a step of size h [s] from the start set by ``prepare``; the result is in ``trial``."""
+    """Try a step of size h [s] from the start that ``prepare`` has set; store the result in ``trial``."""
     implicit, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
@@ -268,7 +267,7 @@ def attempt(d, h):
 
 
 def cost_factor(implicit):
-    """Return a factor ≤ 1 on the next size: after many iterations, shorter steps with fewer are cheaper."""
+    """Return a factor ≤ 1 on the next size: shorter steps with fewer iterations may be cheaper."""
     factor = (2.0 * MOST_ITERATIONS + 1.0) / (2.0 * MOST_ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
         factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
@@ -325,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output, and store the stages to predict; if ``faded``, clear the faded (control.py)."""
+    """Set the dense output, and store the stages to predict; if ``faded``, clear tiny ones (control.py)."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -368,13 +367,14 @@ def match_clearances(d):
                 implicit.thirds[third - 1, lost] = -work_along(d, change) if d.friction.count > 0 else 0.0
     for j in range(lost + 1):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
-        # 8/729 F₅ + 8/2187 F₆ is the change of the output at one third, 8/729 F₅ + 16/2187 F₆ at two thirds
+        # 8/729 F₅ + 8/2187 F₆ is the output's change at one third of the step, 8/729 F₅ + 16/2187 F₆ at two
+        # thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 
 
 def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
+    """Return at x the m-th Lagrange polynomial on the points of WITH_START that begin at index ``first``."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:

@@ -6,11 +6,11 @@ next step. Implicit steps are stable however stiff the equations are. The end of
 accurate than its dense output, so the step is repeated to end at an event. After an event the implicit method
 reduces the size of its first step to resolve a fast motion (collocation.py).
 
-A method tries a step and computes the error of the step, relative to the tolerance. A step with an error ≤ 1
-is accepted, unless the method, the search for events or the energy check rejects the step for another reason.
-A rejected step costs as much as an accepted step. So the sizes of the first step in flight and of the first
-step of a contact are estimated in advance. The components of an error are divided by scales, to which the
-tolerance refers.
+A method of integration tries a step and computes the error of the step, relative to the tolerance. A step
+with an error ≤ 1 is accepted, unless the method, the search for events or the energy check rejects the step
+for another reason. A rejected step costs as much as an accepted step. So the sizes of the first step in
+flight and of the first step of a contact are estimated in advance. The components of an error are divided by
+scales, to which the tolerance refers.
 """
 
 import math
@@ -37,20 +37,21 @@ from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import along, clearance, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
-EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method
+EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method: the two methods of integration
 SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The choices of `solver.method`, numbered from 1; with `auto` the solver chooses."""
 AUTO = 1
 
 # Constants of the two methods, by the number of the method. The error of a step is proportional to the power
-# ORDER of its size. SAFETY is a factor on the size of the next step that the last error suggests. At a
-# tolerance of 1, ONSET_SIZE is the size of the first step of a contact, relative to the contact's time scale;
-# the error of this step is proportional to the power ONSET_ORDER of its size.
+# ORDER of its size. SAFETY is a factor on the next size that the last error suggests. At a tolerance of 1,
+# ONSET_SIZE is the size of the first step of a contact, relative to the contact's time scale; the error of
+# this step is proportional to the power ONSET_ORDER of its size.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
-ONSET_ORDER = (8, 3.5)  # implicit: 3/2 + 2, as the force is proportional to δ^(3/2), integrated twice
-# The ratio of the size of a step to the predicted time to the end of a contact, for both methods. The
+# for the implicit method: 3/2 + 2, because the force is proportional to δ^(3/2) and is integrated twice
+ONSET_ORDER = (8, 3.5)
+# The ratio, for both methods, of the size of a step to the predicted time until the end of a contact. The
 # prediction has an error of some hundredths, so a smaller value would leave a tiny step before the end.
 PAST_END = 1.04
 
@@ -60,7 +61,7 @@ def prescribed_method(choice):
     return choice - AUTO - 1
 
 
-# The limits of the factor by which the size of a step changes. The authors of DOP853 use 1/3 and 6.
+# The limits of the factor by which the size of a step may change. The authors of DOP853 use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
@@ -73,16 +74,18 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # DIVERGED    Newton's iteration diverges
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 # For each outcome from SPOILED on, the error, relative to the tolerance, that gives the same next size. After
-# SPOILED the next try is a seventh as long, or an eighth in the implicit method; after RUNS_BACK and LATE it
-# is half as long, and after DIVERGED a third.
+# SPOILED, the next try is a seventh as long in the explicit method, and an eighth in the implicit method;
+# after RUNS_BACK and LATE half as long, and after DIVERGED a third.
 EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
-# the least error of a step for the choice of the next size; a smaller error counts as LEAST_ERROR
+# the least error of a step, relative to the tolerance, for the choice of the next size; a smaller error
+# counts as LEAST_ERROR
 LEAST_ERROR = 1e-16
-# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1: the largest with
-# few rejected steps (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
+# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1: the largest
+# rotation for which few steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the
+# same way.
 FIRST_TURN = 2.8
-# ONSET_SIZE and ONSET_ORDER for an explicit step with time as its variable. After the onset the force is a
-# power of the time, so the order of errors is lower than the method's order.
+# The values of ONSET_SIZE and ONSET_ORDER for an explicit step with time as its variable. After the onset the
+# force is a power of the time, so the order of errors is lower than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
 # Otherwise the number would decay until its square underflows; some processors are slow with such denormal
@@ -112,12 +115,12 @@ def set_outcome(d, error, cost_factor):
 
 
 def reject_step(d, outcome):
-    """Reject the tried step for the reason ``outcome``."""
+    """Reject the tried step for the reason ``outcome``, one of the outcomes from SPOILED on."""
     d.trial.outcome = outcome
 
 
 def accepted(d):
-    """Return whether the checks so far accept the tried step."""
+    """Return whether all checks so far accept the tried step."""
     return d.trial.outcome == ACCEPTED
 
 
@@ -127,22 +130,22 @@ def propose_size(d, size):
 
 
 def limit_next_size(d, size):
-    """Limit the next step to a size."""
+    """Limit the size of the next step, in its integration variable, to ``size``."""
     propose_size(d, min(d.step.next_size, size))
 
 
 def scale_next_size(d, ratio):
-    """Multiply the proposed size by a ratio, as the integration variable changes."""
+    """Multiply the proposed size of the next step by a ratio, because the integration variable changes."""
     propose_size(d, d.step.next_size * ratio)
 
 
 def store_flight_size(d):
-    """Store the proposed size, for the flight after the contacts that begin now."""
+    """Store the proposed size of a step for the flight after the contacts that begin now."""
     d.step.flight_size = d.step.next_size
 
 
 def propose_flight_size(d):
-    """Propose the size that ``store_flight_size`` stored."""
+    """Propose the size of a step that ``store_flight_size`` has stored."""
     propose_size(d, d.step.flight_size)
 
 
@@ -165,32 +168,35 @@ def size_in_flight(d, y, rate):
 
 
 def size_at_onset(d, c, method):
-    """Return a size [s] for a method's first step in the contact of candidate c, which began just now."""
+    """Return a size [s] for the first step of a ``method`` in the contact of candidate c.
+
+    The contact has begun just now.
+    """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
 def size_at_onset_beside(d, c):
-    """Return the size [s] of the first explicit step for a contact that begins while other contacts last."""
+    """Return a size [s] for the first explicit step of a contact that begins while other contacts last."""
     return BESIDE_SIZE * contact_time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
 
 def contact_time_scale(d, c):
-    """Return the time scale [s] of the force of candidate c after its onset, for the size of the first step.
+    """Return the time scale [s] of the contact force of candidate c after the onset.
 
-    Without damping the time is δ*/v₀, the expected penetration divided by the impact speed; with damping it
-    is shorter.
+    The size of the first step of the contact is relative to this time. Without damping the time is δ*/v₀, the
+    expected penetration divided by the impact speed; with damping it is shorter.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # damping that stops the point makes this time shorter
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
 
 
-# The largest relative error of a penetration, however loose the tolerance is. With an error above some
-# hundredths a point that comes to rest would bounce again, and outputs would show spurious forces.
+# The largest relative error of a penetration, however loose the tolerance is. If the error were above some
+# hundredths, a point that comes to rest would bounce again, and outputs would show spurious forces.
 LARGEST_ERROR = 0.01
-# The round-off of a position, relative to the largest coordinate, or angle times the longest link: its usual
-# size, and a bound for contacts older than AGE_AT_REST reciprocals of their frequency. There a single step
-# with more round-off than usual excites a motion that short steps keep alive.
+# The round-off of a position, relative to the largest coordinate or to an angle times the longest link: the
+# usual round-off, and a bound. The bound applies to contacts older than AGE_AT_REST times 1/frequency: there
+# a single step with more round-off than usual excites a motion that short steps keep alive.
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
@@ -219,7 +225,7 @@ def set_scales(d, y, scale, contacts):
 
 
 def raise_scales(d, y, scale, contacts):
-    """Raise the scales of ``set_scales`` whose tolerated errors are below the round-off of positions.
+    """Raise the scales of ``set_scales`` where the tolerated error is below the round-off of positions.
 
     In each step this round-off excites fast motions of a chain that rests on contacts. Shorter steps do not
     reduce these motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as
@@ -243,11 +249,12 @@ def raise_scales(d, y, scale, contacts):
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates that are smaller than FADED_SIZE to 0; return whether there are any."""
+    """Set coordinates and rates that are smaller than FADED_SIZE to 0; return whether there were any."""
     count = 0
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED_SIZE
-    # most states have no such component, and need only the loop above, which is fast without branches
+    # most states have no such component: they need only the loop above, which is fast because it has no
+    # branches
     for j in range(dissipated_at(d.links) if count > 0 else 0):
         # a value of exactly 0 is skipped, so that the derivatives of a tangent instance stay
         if 0.0 < abs(y[j]) < FADED_SIZE:
@@ -256,14 +263,14 @@ def clear_faded(d, y):
 
 
 def no_step_status(d):
-    """Return the status of a run in which no step is accepted, even the smallest."""
+    """Return the status of a run in which even the smallest step is not accepted."""
     if d.constraints.unsolved == SQUEEZED:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 
 
 def controlled_count(d):
-    """Return the number of entries of y whose errors are controlled."""
+    """Return the number of the first entries of y whose errors are controlled."""
     return supplied_at(d.links) + (1 if d.channels > 0 else 0)
 
 
@@ -274,14 +281,14 @@ def largest_errors(first_error, second_error, weight, count):
     for j in range(count):
         a, b = abs(first_error[j]) * weight[j], abs(second_error[j]) * weight[j]
         first, second, total = max(first, a), max(second, b), total + a + b
-    # max() can hide a NaN; a sum cannot
+    # a NaN: max() can hide it, a sum cannot
     return (first, second) if math.isfinite(total) else (math.inf, math.inf)
 
 
 def scaled_errors(d):
     """Return the largest scaled component of both error estimates of the step, relative to the tolerance.
 
-    Estimate k = 0, 1 is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
+    Estimate k, 0 or 1, is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
     ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
     the end of the step.
     """
@@ -308,8 +315,8 @@ def scaled_errors(d):
 def force_errors(d):
     """Return the largest error of the force of a drive's damper and spring, by each of both error estimates.
 
-    The errors are relative to a moment that moves the chain. They must be small because the forces of rigid
-    walls depend on the drives, and a change of the sign of a wall's force releases a point.
+    The errors are relative to a moment that moves the chain. These errors must be small, because the forces
+    of rigid walls depend on the drives, and a change of the sign of a wall's force releases a point.
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
@@ -322,12 +329,15 @@ def force_errors(d):
 
 
 def force_error(d, error, i, c, k):
-    """Return the error [N or N·m] of damper c and spring k of drive i for the ``error`` of a state."""
+    """Return the error [N or N·m] of the force of drive i, for the ``error`` of a state.
+
+    c is the damping and k the stiffness of the drive.
+    """
     return k * abs(along_drive(d, error, 0, i)) + c * abs(along_drive(d, error, velocity_at(d.links), i))
 
 
 def impact_energy(d):
-    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀².
+    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀² over them.
 
     m is the effective mass and v₀ the impact speed.
     """
@@ -355,8 +365,8 @@ def penetration_scale(d, c):
 
     An error Δδ soon causes an error of about ω Δδ in the speed, with ω the contact's frequency, so Δδ may be
     as large as the error of speeds divided by ω. With ω ≈ v₀/δ*, the impact speed divided by the expected
-    depth, the scale is the depth, at least δ*, for a fast impact, and larger for a slow impact. But the
-    tolerated error never exceeds 1 % of the depth.
+    depth, the scale is the depth, at least δ*, for a fast impact, and larger for a slow impact. However loose
+    the tolerance is, the tolerated error never exceeds 1 % of the depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

@@ -1,10 +1,10 @@
 """The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
 
-Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
-advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
-the error control. The momentum of the chain changes in a step by what gravity, inputs and the impulses give,
-to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the most
-recent ``commit_quadratures``. The quadratures that are integrated in a step are packed: the
+Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them.
+Quadratures advance with the stages and the dense output of the state, have no effect on the motion, and are
+ignored by the error control. The momentum of the chain changes in a step by what gravity, inputs and the
+impulses give, to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value
+at the most recent ``commit_quadratures``. The quadratures that are integrated in a step are packed: the
 fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as
 these fields have for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost
 nothing in a scene that does not request them.
@@ -16,14 +16,14 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.geometry import at_wall
 
-# p, q of the basis functions θᵖ (1−θ)^q, which F₀ to F₆ multiply
+# the exponents p and q of the basis functions θᵖ (1−θ)^q, by which F₀ to F₆ are multiplied
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
-# The largest number of guesses of a fast method for a root in a bracket; usually three to ten suffice. Each
-# later guess halves the bracket.
+# The number of guesses of a fast method for a root in a bracket; usually three to ten guesses suffice. After
+# this number each guess halves the bracket.
 FAST_GUESSES = 20
-# The largest number of guesses: 64 halvings make a bracket of width 1 narrower than any resolution, or leave
-# no number inside it.
+# The largest number of guesses for a root: 64 halvings make a bracket of width 1 narrower than any
+# resolution, or leave no number inside it.
 MOST_GUESSES = FAST_GUESSES + 64
 FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step reaches a given time
 
@@ -31,7 +31,7 @@ FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step r
 def next_guess(low, high, guess, tries):
     """Return the guess of a fast method, or the middle of the bracket if the guess lies outside the bracket.
 
-    After FAST_GUESSES ``tries`` always return the middle.
+    After FAST_GUESSES ``tries`` the function always returns the middle.
     """
     if tries < FAST_GUESSES and low < guess < high:
         return guess
@@ -73,7 +73,7 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return 0, the fraction of the last step at which its initial event lies.
+    """Return 0: the event with which the last step begins lies at this fraction of the step.
 
     In a tangent instance the fraction has derivatives.
     """
@@ -136,7 +136,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """Return the bounds of ``rate_bounds`` for the component along (nx, ny) of the vector (y_j, y_{j+1})."""
+    """Return the bounds of ``rate_bounds`` for the component of the vector (y_j, y_{j+1}) along (nx, ny)."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
@@ -145,11 +145,11 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-# the number of samples in a step with which ``quadrature_within`` prevents that the impulse of a wall falls
+# the number of samples in a step by which ``quadrature_within`` keeps the impulse of a wall from falling
 IMPULSE_SAMPLES = 16
-# Each kind of quadrature: its name, the number of its entries, and a function for the rate of entry i, called
-# where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py),
-# and the impulses of the walls come first.
+# The kinds of quadratures. Each has a name, a number of entries, and a function for the rate of entry i; the
+# function is called where the rate of the state has just been evaluated. The record has room for all kinds
+# (record/contacts.py); the impulses of the walls come first.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
@@ -159,7 +159,7 @@ QUADRATURES = (
 
 
 def _rate_of(kinds):
-    """Return a function (d, i) for the rate of entry i, counted from the first entry of these kinds."""
+    """Return a function (d, i) for the rate of entry i; the entries of ``kinds`` are counted from 0."""
     (_, count, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate
@@ -187,13 +187,13 @@ def list_quadratures(d):
 
 
 def integrate(d, i):
-    """Append index i to the quadratures that are integrated."""
+    """Append the quadrature with index i to the quadratures that are integrated."""
     d.quadrature.index[d.quadrature.count] = i
     d.quadrature.count += 1
 
 
 def clear_quadratures(d):
-    """Set the totals and rates of all quadratures to 0, and integrate none, at the start of a run."""
+    """Set the totals and rates of all quadratures to 0 at the start of a run; none is integrated yet."""
     quadrature = d.quadrature
     quadrature.count = 0
     for i in range(len(quadrature.total)):
@@ -201,18 +201,24 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set ``out`` to the packed rates times a factor; the rate of the state must have just been evaluated."""
+    """Set ``out`` to the packed rates of the quadratures times a factor.
+
+    The rate of the state must have just been evaluated.
+    """
     for k in range(d.quadrature.count):
         out[k] = _rate(d, d.quadrature.index[k]) * factor
 
 
 def store_end_rates(d):
-    """Store the quadratures' rates at the end of the last step, where the state's rate was just evaluated."""
+    """Store the rates of the quadratures at the end of the last step.
+
+    The rate of the state must have just been evaluated there.
+    """
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
 def set_quadrature_stage(d, i):
-    """Set stage i of the quadratures, their rate in the step's variable s: dq/ds = q̇ dt/ds.
+    """Set stage i of the quadratures to dq/ds = q̇ dt/ds, their rates in the step's variable s.
 
     The rate of the state must have just been evaluated.
     """
@@ -240,7 +246,7 @@ def correct_falling_impulses(d):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
-            # the stops of all joints have the same wall number, but are different walls
+            # the stops of all joints have the same wall number, but they are different walls
             if k >= d.touch.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
@@ -259,7 +265,7 @@ def reduce_largest_impulse(d, wall, amount):
 def quadrature_within(d, theta, k):
     """Return the k-th quadrature at the fraction θ of the last step.
 
-    The result is the value of the dense output. But an impulse of a wall must not fall because of errors: the
+    The result is the value of the dense output. But errors must not let the impulse of a wall fall: the
     result is at most the value of any later sample in the step, and at least the value of the last sample
     before θ.
     """
@@ -277,13 +283,19 @@ def quadrature_within(d, theta, k):
 
 
 def copy_tried_quadratures(d, z, first):
-    """Copy the quadratures at the end of the tried step from z, where they begin at index ``first``."""
+    """Copy the quadratures at the end of the tried step from the extended state z.
+
+    In z they begin at index ``first``.
+    """
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
 
 def accept_quadratures(d):
-    """Make the tried step's quadratures those of the last step, as ``make_last_step`` does for the state."""
+    """Make the quadratures of the tried step those of the last step.
+
+    ``make_last_step`` does the same for the state.
+    """
     quadrature = d.quadrature
     for k in range(quadrature.count):
         quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]
@@ -302,10 +314,12 @@ def truncate_quadratures(d, theta):
 
 
 def commit_quadratures(d):
-    """Store the totals and rates at the end of the last step, before contacts begin or end, or a break.
+    """Store the totals and rates of the quadratures at the end of the last step.
 
-    A quadrature that is not integrated gets the rate 0, with which a later integration begins: the force of
-    a new contact starts at 0 unless it jumps.
+    This happens before contacts begin or end, and before a break in the sequence of steps.
+
+    A quadrature that is not integrated gets the rate 0, and a later integration begins with this rate: the
+    force of a new contact starts at 0 unless it jumps.
     """
     quadrature = d.quadrature
     for i in range(len(quadrature.rate)):
@@ -316,7 +330,10 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Pack the quadratures that are integrated, with their totals and rates, after a step of zero length."""
+    """Pack the quadratures that are integrated, with their totals and rates.
+
+    The last step has zero length.
+    """
     quadrature = d.quadrature
     list_quadratures(d)
     for k in range(quadrature.count):
@@ -327,13 +344,13 @@ def reset_quadratures(d):
 
 
 def add_impulses_of_impact(d):
-    """Add to the totals the impulses of rigid walls in an impact, which were just found."""
+    """Add to the totals the impulses of rigid walls that were just found in an impact."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
 
 
 def maximum_of(value_at):
-    """Return a function that finds a maximum of a value near a time in the last step.
+    """Return a function that finds a maximum of a value near a given time in the last step.
 
     Args:
         value_at: function (d, index, θ) that returns the value at the fraction θ of the step.
@@ -342,7 +359,7 @@ def maximum_of(value_at):
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
-        Values before the event that begins the step do not count either.
+        Values before the event with which the step begins do not count, either.
 
         The search uses three parabolas, each through three points around the maximum of the parabola before.
         The result is the maximum of the third parabola, a larger sample, or 0 if all are negative.

@@ -6,7 +6,7 @@ Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equ
 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math 7:67 for the
 family.
 
-Each row of coefficients maps the number of a stage to the coefficient of this stage; zeros are left out.
+Each row of coefficients maps the number of a stage to a coefficient; coefficients of zero are left out.
 """
 
 import math
@@ -29,12 +29,12 @@ from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_s
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 
-# number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for dense
-# output
+# the number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for the
+# dense output
 STEP_STAGES = 12
 
 # fmt: off
-# row i: the point of stage i is y + h Σ_j A[i][j] k_j
+# row i has the coefficients A[i][j] of the point at which stage i is evaluated, y + h Σ_j A[i][j] k_j
 A: tuple[dict[int, float], ...] = (
     {},
     {0: 0.05260015195876773},
@@ -68,11 +68,11 @@ A: tuple[dict[int, float], ...] = (
      14: -9.15095847217987},
 )
 
-# weights of the method of order 8, y + h Σ_j B[j] k_j with the stages k_j. Stage 12 is evaluated at this end
-# of the step, so A[12] is B
+# weights B[j] of the method of order 8: the step ends at y + h Σ_j B[j] k_j, with the stages k_j. Stage 12 is
+# evaluated at this end of the step, so A[12] is B
 B = A[STEP_STAGES]
 
-# error estimates h Σ_j E[j] k_j of orders 5 and 3, with the stages k_j
+# weights E[j] of the error estimates h Σ_j E[j] k_j of orders 5 and 3, with the stages k_j
 E5 = {0: 0.01312004499419488, 5: -1.2251564463762044, 6: -0.4957589496572502,
        7: 1.6643771824549864, 8: -0.35032884874997366, 9: 0.3341791187130175,
        10: 0.08192320648511571, 11: -0.022355307863886294}
@@ -80,7 +80,7 @@ E3 = {0: -0.18980075407240762, 5: 4.450312892752409, 6: 1.8915178993145003, 7: -
        8: -0.4226823213237919, 9: -0.1521609496625161, 10: 0.20136540080403034,
        11: 0.02265179219836082}
 
-# the four highest coefficients of the interpolant, h Σ_j D[i][j] k_j with the stages k_j
+# weights D[i][j] of the four highest coefficients h Σ_j D[i][j] k_j of the interpolant, with the stages k_j
 D: tuple[dict[int, float], ...] = (
     {0: -8.428938276109013, 5: 0.5667149535193777, 6: -3.0689499459498917, 7: 2.38466765651207,
      8: 2.117034582445028, 9: -0.871391583777973, 10: 2.2404374302607883, 11: 0.6315787787694688,
@@ -100,28 +100,31 @@ D: tuple[dict[int, float], ...] = (
 
 
 STAGES = len(A)
-END_STAGE = STEP_STAGES  # index of the stage at the end of the step
-# The factor by which a step near the end of a contact may exceed the allowed size, to get PAST_END times the
-# predicted time to the end. Any other step covers at most half of this time, so that no tiny step remains.
+# index of the stage at the end of a step, whose rate is the first stage of the next step
+END_STAGE = STEP_STAGES
+# The factor by which a step near the end of a contact may exceed the allowed size, so that its size is
+# PAST_END times the predicted time to the end. Any other step covers at most half of this time, so that no
+# tiny step remains.
 LARGEST_STRETCH = 1.2
 # A contact that ends within this first part of a step has practically no force left: its penetration may be
-# round-off. The step passes this end, and the search for events finds it. A step to the end could be shorter
-# than the resolution of time.
+# round-off. The step passes this end, and the search for events finds the end. A step to the end could be
+# shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
-# The errors, relative to the tolerance, below which and above which a square could underflow or overflow. At
-# rest, held points have practically no speed, and such small errors occur.
+# The least and the largest error, relative to the tolerance, of which a square is computed: other squares
+# could underflow or overflow. Such small errors occur at rest, where held points have practically no speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # The turn [rad] of a sine of the base in a step above which the sine determines the size of the step.
 FAST_SINE = 0.25
-# number of new right-hand sides in a step, without the one at the end of the step
+# number of evaluations of the right-hand side in a step, without the evaluation at the end of the step
 STEP_EVALUATIONS = END_STAGE - 1
-DENSE_EVALUATIONS = STAGES - END_STAGE  # number of right-hand sides for the dense output
+# number of evaluations of the right-hand side that only the dense output needs
+DENSE_EVALUATIONS = STAGES - END_STAGE
 
 
 def weighted_sum(row):
     """Return a function of (stages, j) with the value Σ_m row[m] stages[m, j].
 
-    ``row`` has the coefficient of each stage m that counts.
+    ``row`` maps each stage m in the sum to its coefficient.
     """
     names, coefficients = tuple(row), tuple(row.values())
     count = len(row)
@@ -151,7 +154,7 @@ def combination(row):
 
 
 def combinations(first_row, second_row):
-    """Return a function for the sums h Σ_j row[j] k_j of two rows; the function reads each k_j only once.
+    """Return a function for the sums h Σ_j row[j] k_j of two rows; it reads each k_j only once.
 
     The function takes (stages, h, first, second); ``first`` and ``second`` are the results.
     """
@@ -172,9 +175,10 @@ def combinations(first_row, second_row):
 
 
 def _stage(i, accepted):
-    """Return the function for stage i of a step: it computes the state at the stage, and the rate there.
+    """Return a function that computes the state at stage i of a step, and the rate there.
 
-    The step starts at ``step.state_end``, or at ``step.state`` once it is ``accepted``.
+    The step starts at ``step.state_end``, or, if ``accepted`` is true, at ``step.state``, because the step is
+    then the last step.
     """
     combine = combination(A[i])
 
@@ -196,7 +200,7 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 def size_toward_end(d, h):
     """Return the size of the next step, given the size h that the error control allows.
 
-    Near the end of a contact, the step passes this end or covers at most half of the time until then.
+    Near the end of a contact, the step passes this end, or covers at most half of the time until the end.
     """
     if d.touch.compliant_count == 0:
         return h
@@ -214,9 +218,9 @@ def size_toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the size of the next step as ``size_toward_end`` does, for a step with time as its variable.
+    """Return the result of ``size_toward_end`` for a step with time as its variable.
 
-    The end is the first one of all contacts with a force law.
+    The end that counts is the first end of a contact with a force law.
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf
@@ -231,9 +235,9 @@ def toward_ends(d, h):
 
 
 def size_up_to_end(h, left):
-    """Return the size of the next step if h is allowed and a contact ends after about ``left``.
+    """Return the size of the next step if the size h is allowed and a contact ends after about ``left``.
 
-    Both are in the step's integration variable.
+    Both h and ``left`` are in the step's integration variable.
     """
     if left < UNRESOLVED_PART * h:
         return h
@@ -243,7 +247,7 @@ def size_up_to_end(h, left):
 
 
 def attempt(d, h):
-    """Try a step of size h from ``step.state_end``."""
+    """Try a step of size h from the state ``step.state_end``; the result is in ``trial``."""
     make_step(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.trial.state):
@@ -253,7 +257,10 @@ def attempt(d, h):
 
 
 def error_estimate(d, h):
-    """Return the error of the tried step, relative to the tolerance; not finite if a rate was not finite."""
+    """Return the error of the tried step, relative to the tolerance.
+
+    The error is not finite if a rate was not finite.
+    """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):

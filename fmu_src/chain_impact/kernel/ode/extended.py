@@ -82,7 +82,7 @@ from chain_impact.kernel.rows.geometry import (
 def gap_at(d, k):
     """Return the index in the extended state z of the clearance of the k-th active contact.
 
-    The clearances begin at the index of u in y, because an implicit step does not need u.
+    In z, clearances begin at the index of u in y, because an implicit step does not need u.
     """
     return sundman_u_at(d.links) + k
 
@@ -111,7 +111,10 @@ def extended_size(d):
 
 
 def extend_start(d):
-    """Set the extended state z and its rate ż at the start of the next step, from state and rate there."""
+    """Set the extended state z and its rate ż at the start of the next step.
+
+    They follow from the state y and the rate ẏ there.
+    """
     scratch, implicit, n = d.scratch, d.implicit, d.links
     if not scratch.at_end:
         locate_points(d, d.step.state_end)
@@ -125,20 +128,23 @@ def extend_start(d):
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
-        # This sets the limits of friction at the start. A system that is factorized before the first stage,
-        # as in ``size_for_fast_motion``, scales the impedances of sticking elements by these limits.
+        # This call sets the limits of friction at the start. A system that is factorized before the first
+        # stage, as in ``size_for_fast_motion``, scales the impedances of sticking elements by these limits.
         apply_contacts(d)
 
 
 def clearance_rates(d, z, rate):
-    """Set the entries ġ and g̈ in ``rate``, the rate of z, for accelerated points."""
+    """Set the entries ġ and g̈ of the rate ż, in ``rate``, for the accelerated points."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):
-    """Set the rate ż ``elapsed`` [s] after the start, with the contact forces at the clearances in z."""
+    """Set the rate ż of the extended state z, a time ``elapsed`` [s] after the start of the step.
+
+    The contact forces are evaluated at the clearances in z.
+    """
     if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)
@@ -148,7 +154,8 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    # this call also sets the rates at the indices of u and time; z has other entries there, set below
+    # this call also sets the rates at the indices of u and time; z has other entries at these indices, which
+    # are set below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
@@ -160,7 +167,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes of the forces of active contacts for z, and store its link vectors."""
+    """Set the slopes of the active contacts' forces for the extended state z, and store its link vectors."""
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
@@ -173,7 +180,7 @@ def extended_slopes(d, z):
 def contact_impedance(d, k, s):
     """Return the impedance D = s c + s² k [kg] of the k-th contact, from its slopes c = ∂F/∂δ̇ and k = ∂F/∂δ.
 
-    The clearance of this contact must be in z.
+    The clearance of this contact must be an entry of z.
     """
     return s * (d.implicit.damping[k] + s * d.implicit.stiffness[k])
 
@@ -202,22 +209,26 @@ def factorize_shift(d, s, space, row):
 
 
 def solve_shift(d, s, space, row, x):
-    """Solve (1 − s A) x = r for the shift s [s] that ``factorize_shift`` had; x is r at the start."""
+    """Solve (1 − s A) x = r for the shift s [s] of the last ``factorize_shift``.
+
+    The array x contains r at the start, and the solution at the end.
+    """
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
     if d.model.has_springs_or_dampers:
         for i in range(drive_count(d)):
-            # impulse of damper and spring of drive i: its part of K r_v + s S r_q
+            # the impulse of the damper and the spring of drive i: its part of K r_v + s S r_q
             rate, displacement = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
             _, k = drive_slopes(d, i)
             load_drive(d, space.load, i, drive_resistance(d, i, s) * rate + s * k * displacement)
     for k in range(clearance_count(d)):
-        # impulse of the contact, with the impedance D and the stiffness k: D r_ġ + s k r_g
+        # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, row, change)
     if d.slides:
-        # the slider's force is removed: in flight no other function clears the loads on the points
+        # the load of the slider's drive is removed: in flight no other function clears the loads on the
+        # points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
@@ -238,12 +249,15 @@ def factorize_real(d, s):
 
 
 def solve_real(d, s, x):
-    """Solve (1 − s A) x = r for a real shift s [s]; x is r at the start."""
+    """Solve (1 − s A) x = r for a real shift s [s].
+
+    X contains r at the start, and the solution at the end.
+    """
     solve_shift(d, s, d.scratch, SHIFTED, x)
 
 
 def factorize_complex(d, s, pair):
-    """Eliminate M + Jᵀ D J + K for a complex shift s [s] of a ``pair`` of conjugate shifts."""
+    """Eliminate M + Jᵀ D J + K for a complex shift s [s]; ``pair`` is the number of its pair of shifts."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
@@ -270,9 +284,9 @@ CLEARANCE_MISMATCH = 0.03
 def project_coordinates(d, y, derivative, change):
     """Move the coordinates in y so that the clearances agree with those in ``implicit.normal``.
 
-    For derivative 1, change the velocities so that the rates of the clearances agree with those there. The
-    points must be located for y. ``change``, shape (N+2,), is a result: the change of the coordinates or
-    velocities.
+    If ``derivative`` is 1, change the velocities so that the rates of the clearances agree with those in
+    ``implicit.normal``. The points must be located for y. ``change``, shape (N+2,), is a result: the change
+    of the coordinates or velocities.
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -292,8 +306,8 @@ def project_clearances(d, z, y):
     """Move the state y, whose points are located, to the clearances and rates in the extended state z.
 
     Returns:
-        The largest weighted change, relative to the tolerance; and the difference between the clearances of
-        the coordinates and those in z before the change, relative to the allowed difference.
+        The largest weighted change, relative to the tolerance; and the largest difference, before the change,
+        between the clearances of the coordinates and the clearances in z, relative to the allowed difference.
     """
     implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
@@ -307,7 +321,10 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference of located and integrated clearances, relative to max(δ, δ*)."""
+    """Return the largest difference between located and integrated clearances, relative to max(δ, δ*).
+
+    δ is the penetration, and δ* the expected penetration of the contact.
+    """
     worst = 0.0
     for k in range(clearance_count(d)):
         c = d.touch.active_index[k]

@@ -2,8 +2,8 @@
 
 At a fold the mobility W of what constraints hold passes through 0. A force p = m/W may have a limit there,
 but m also contains the error of the state, so close to the fold the error of p has any size. The motion
-depends on W p only, and is right. A force in a row of outputs therefore follows from forces some way before
-and after the row, if these show that the force passes the fold smoothly. A force that grows without bound
+depends on W p only, and is right. In outputs near a fold, a force is therefore computed from the forces some
+time before and after, if these show that the force passes the fold smoothly. A force that grows without bound
 toward the fold stays, because it is far larger than its error. The same is true at every toggle position,
 where W is small.
 """
@@ -18,15 +18,16 @@ from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 
-# The least and the largest distance of the two nearer samples from a row, as a part of the step. The farther
-# samples may lie outside the step, by up to half its size: there the dense output continues, and an event at
-# the end of the step does not count.
+# The least and the largest distance, in time, of the two nearer samples of forces from an output, as a part
+# of the step. The farther samples may lie outside the step, by up to half its size: there the dense output
+# continues, and an event at the end of the step does not count.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# The four samples in units of their distance, and the weights of their forces in the value of a cubic in the
-# middle, and in a difference that is 0 for such a polynomial without its cubic term. A part c/ε of the force,
-# with the distance ε from the fold, changes the difference by about 3 c over the distance.
+# OFFSETS: the times of the four samples of a force, in units of their distance. VALUE: the weights of the
+# forces that give the value of a cubic polynomial in the middle. DIFFERENCE: the weights that give 0 for a
+# polynomial of degree 2. A part c/ε of the force, with the distance ε from the fold, changes the difference
+# by about 3 c over the distance.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
-UNEVEN = 1e-3  # the largest such difference of a smooth force, relative to the largest force
+UNEVEN = 1e-3  # the largest difference of a force that counts as smooth, relative to the largest force
 
 
 def refine_rate(d, theta, y, rate):
@@ -53,9 +54,10 @@ def refine_rate(d, theta, y, rate):
 
 
 def find_forces(d, theta, distance, rate):
-    """Set ``refined`` to the forces at θ that follow from four samples, unless one of these is near the fold.
+    """Find the forces at the fraction θ from four samples, and store these forces in ``refined``.
 
-    Set ``uneven`` to the differences of the forces. Return whether no sample is near the fold.
+    Set ``uneven`` to the differences of the forces. Return whether no sample is near the fold; if one is,
+    ``refined`` has no meaning.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
@@ -73,7 +75,7 @@ def find_forces(d, theta, distance, rate):
 
 
 def passes_smoothly(d):
-    """Return whether the forces of the four samples show that the forces pass the fold smoothly."""
+    """Return whether the four samples show that the forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))

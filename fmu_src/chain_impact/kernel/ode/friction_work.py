@@ -1,9 +1,9 @@
 """The energy that dry friction dissipates in a step: the work along the step's final motion.
 
-The last iteration of an implicit step corrects the motion after the rates have been evaluated; round-off and
-the projection onto constraints change the end of any step. At rest these changes are larger than the motion
-itself, and the force of friction stays large although the speed is zero. Without this module, the work of
-friction along these changes would be an error of the energy balance that grows in every step.
+The last iteration of an implicit step corrects the motion after the rates have been evaluated; and round-off
+and the projection onto constraints change the end of any step. At rest these changes are larger than the
+motion itself, and the force of friction stays large although the speed is zero. Without this module, the work
+of friction along these changes would be an error of the energy balance that grows in every step.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
@@ -37,7 +37,7 @@ def power_of_correction(d, m):
     """Return the power [W] of sliding friction at stage m, for the speeds that the last iteration added.
 
     The force is that of the evaluated rate. At rest the speeds in this rate may be far larger than the
-    corrected speeds, and only the same force takes back the excess of their work.
+    corrected speeds; the excess of their work is only taken back if the force is the same.
     """
     implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
@@ -48,7 +48,8 @@ def power_of_correction(d, m):
 def uncounted_work(d):
     """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
-    An implicit step has counted the work up to its last stage. The points must be located at the end.
+    In an implicit step, the work up to the last stage is already counted. The points must be located at the
+    end.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
@@ -84,7 +85,7 @@ def work_along(d, change):
 def work_of_sliding(d, change, force):
     """Return the work [J] of the given forces of the sliding elements along a change of the coordinates.
 
-    This also sets the motion of all places. If the change is a velocity, the result is a power [W].
+    The function also sets the motion of all places. If the change is a velocity, the result is a power [W].
     """
     work = 0.0
     move_points(d, d.scratch.link, change, d.scratch.motion)
@@ -98,8 +99,8 @@ def work_of_sliding(d, change, force):
 def count_holding_work(d, h):
     """Count the work of the sticking elements since the start of the step as dissipated, in every stage.
 
-    Sticking elements should not move: their small motions away from the anchors are errors. At the end of the
-    step a projection moves them back to the anchors, and does the opposite work.
+    Sticking elements should not move: small motions away from their anchors are errors. At the end of the
+    step a projection moves the elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)
@@ -110,7 +111,7 @@ def count_holding_work(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return the result of ``work_of_holding`` [J] in state z, ``elapsed`` [s] after a step's start."""
+    """Return ``work_of_holding`` [J] for the extended state z, ``elapsed`` [s] after the start of a step."""
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)

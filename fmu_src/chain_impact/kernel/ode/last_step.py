@@ -37,13 +37,14 @@ from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 
-NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # values of step.dense_for: the user of the step's dense output
+# values of step.dense_for, the user of the step's dense output; NOT_REQUESTED: there is no dense output yet
+NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
     """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures.
 
-    The delay of the event with which the next step begins stays.
+    The delay of the event with which the next step begins does not change.
     """
     step = d.step
     for j in range(len(step.state)):
@@ -59,7 +60,8 @@ def reset_step(d, time, y):
     reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
-    step.last_method = EXPLICIT  # EXPLICIT, so that no implicit step extrapolates from this step
+    # the method is set to EXPLICIT, so that no implicit step extrapolates from this step
+    step.last_method = EXPLICIT
     mark_jump(d)
 
 
@@ -70,7 +72,10 @@ def reset_times(d, time):
 
 
 def set_start_delay(d, delay):
-    """Set the ``delay`` [s] of the event with which the next step begins: 0, with derivatives."""
+    """Set the ``delay`` [s] of the event with which the next step begins.
+
+    The delay is 0; in a tangent instance it has derivatives.
+    """
     d.step.start_delay = delay
 
 
@@ -82,7 +87,7 @@ def make_last_step(d):
         project_trial(d)
         move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
-    # without dissipation no component fades
+    # without dissipation no component of the state fades toward 0
     resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.model.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
@@ -107,7 +112,7 @@ def project_trial(d):
     """Project the end of the tried step onto the constraints.
 
     The projection moves points back to rigid walls, sticking elements back to their anchors, and other
-    elements with them: dry friction does work in this motion. At rest this work, and the energy that the step
+    elements with them. Dry friction does work in this motion. At rest this work, and the energy that the step
     dissipates, are smaller than the last digit of the dissipated energy. The part that rounding of the sum
     loses is therefore stored, and added in the next step; otherwise the lost parts would add up.
     """
@@ -133,7 +138,7 @@ def count_dissipated(d, energy):
 
 
 def evaluate_start(d):
-    """Evaluate the rate at the start of the next step again."""
+    """Evaluate again the rate at the start of the next step."""
     rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     store_end_rates(d)
     count_evaluations(d, 1)
@@ -177,7 +182,7 @@ def end_at_fraction(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point of this instance to a ``time`` [s] within the last step.
+    """Set the communication point of the instance to a ``time`` [s] within the last step.
 
     The step's interpolant is computed if it does not exist.
     """
@@ -199,13 +204,16 @@ def store_output_state(d):
 
 
 def return_to_stored_state(d):
-    """End the last step at the communication point, in the state that ``store_output_state`` stored."""
+    """End the last step at the communication point, in the state that ``store_output_state`` has stored."""
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0
 
 
 def mark_jump(d):
-    """Mark the rate and points at the end of the last step as unknown, and count a break."""
+    """Mark the rate and the points at the end of the last step as unknown, and count a break.
+
+    A break is a break in the sequence of steps.
+    """
     d.step.rate_known = 0
     note_points_elsewhere(d)
     d.step.breaks += 1
@@ -216,8 +224,8 @@ def choose_variable(d, size_chosen):
 
     Args:
         d: the instance.
-        size_chosen: whether the size of the step is already in units of this variable, as after the begin or
-            end of contacts; otherwise it is converted.
+        size_chosen: whether the size of the step is already in units of this variable, as after contacts have
+            begun or ended; otherwise the size is converted.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -238,9 +246,9 @@ def ensure_rate(d):
 
 
 def find_rate(d, located):
-    """Evaluate the rate at the end of the last step; ``located``: whether the points are located there.
+    """Evaluate the rate at the end of the last step.
 
-    If they are not, the function locates the points.
+    ``located``: whether the points are located there. If not, the function locates the points.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
@@ -263,7 +271,10 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are located and accelerated at the end of the last step; its rate is known."""
+    """Ensure that the points are located and accelerated at the end of the last step.
+
+    The rate at this end must be known.
+    """
     if not d.scratch.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.scratch.rate_end)
@@ -271,7 +282,10 @@ def ensure_points(d):
 
 
 def largest_turn(d):
-    """Return how far [rad] a link can have turned in the last step; the rates at both ends must be known."""
+    """Return a bound [rad] on the rotation of a link in the last step.
+
+    The rates at both ends of the step must be known.
+    """
     first, lasted, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
     turn = 0.0
     for i in range(d.links):

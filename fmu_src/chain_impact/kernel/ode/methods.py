@@ -3,12 +3,12 @@
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact the stability or the loss of order of the explicit method limits the step. The fastest motion of a
 contact has the rate ρ = max(c/m, √(k/m)), with its damping c, its stiffness k and the effective mass m at its
-onset; with the step size h, the explicit method is stable for about hρ < 6. Impacts are resolved with hρ
-below 1, so explicit steps with hρ above STIFF_STEP show, at no cost, that the contact is sustained. A
-sustained contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact,
-too. An implicit step costs two or three explicit ones, so it must be longer than the last explicit step by
-the same factor. The size of an implicit step for this comparison is the size of the next step, because the
-first implicit steps after an event grow fast.
+onset; with the step size h, the explicit method is stable for about hρ < 6. Steps of an impact have hρ below
+1, so explicit steps with hρ above STIFF_STEP show, at no cost, that the contact is sustained. A sustained
+contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact, too. An
+implicit step costs two or three explicit ones, so it must be longer than the last explicit step by the same
+factor. The size of an implicit step for this comparison is the size of the next step, because the first
+implicit steps after an event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
@@ -35,24 +35,25 @@ from chain_impact.kernel.ode.control import (
 )
 
 # The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
-# cheaper. Impacts are resolved with less than 1, and DOP853 is stable up to about 6.
+# cheaper. Steps of an impact have less than 1, and DOP853 is stable up to about 6.
 STIFF_STEP = 2.0
 # the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper
 STIFF_STEP_IN_CONTACT = 0.1
 # The duration, in time scales of the contact, after which a contact counts as sustained. An impact takes
-# three to ten.
+# three to ten time scales.
 SUSTAINED_AFTER = 20.0
-# the ratio of implicit to explicit step size below which explicit steps advance farther at the same cost
+# the ratio of implicit to explicit step size below which explicit steps advance farther in time at the same
+# cost
 EQUAL_COST_RATIO = 2.5
-# the hρ of implicit steps below which explicit steps advance farther, if the size of explicit steps is not
-# known
+# the hρ of implicit steps below which explicit steps advance farther at the same cost, if the size of
+# explicit steps is not known
 NOT_STIFF_STEP = 5.0
 # The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
 # stable hρ. A longer step amplifies motions that are too small for the error control.
 STABLE_STEP = 4.0
-# Implicit steps continue in an impact only if joints make even this part of its first explicit step stiff.
-# Explicit steps of an impact cost much less than implicit steps, so implicit steps are cheaper only if joints
-# are far stiffer than the contact.
+# This part of the first explicit step of an impact must still be stiff because of joints; otherwise the
+# impact begins with explicit steps. Explicit steps of an impact cost much less than implicit steps, so
+# implicit steps are cheaper only if joints are far stiffer than the contact.
 IMPACT_PART = 0.1
 # The number of steps in a row that must favour the other method before the method changes. With fewer steps
 # the method would change in the compression of an impact.
@@ -64,25 +65,25 @@ def choose_method(d):
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.any_rigid and not (d.contact.any_force or d.model.has_springs_or_dampers):
-        begin_explicit(d)  # constraints by rigid walls are not stiff
+        begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTO:
         step.method = prescribed_method(d.solver.method)
         if touching and step.method == EXPLICIT:
             limit_to_stable(d)
     elif not (touching or d.model.has_springs_or_dampers):
-        begin_explicit(d)  # nothing is stiff
-    elif step.end > step.start:  # the run was not re-initialized just now
+        begin_explicit(d)  # neither contacts nor joints are stiff
+    elif step.end > step.start:  # the last step has a length, so the run was not re-initialized just now
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
-                # the last change of the method did not pay: require more steps before the next change
+                # the last change of the method did not pay, so more steps must favour the next change
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
                 limit_to_stable(d)
             else:
-                # if an event or an input has truncated the step, the size that the errors allow is not known:
-                # 0
+                # the size is 0, for unknown, if an event or an input has truncated the step: the size that
+                # the errors allow is not known
                 step.explicit_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
@@ -90,7 +91,10 @@ def choose_method(d):
 
 
 def suggests_switch(d):
-    """Return whether the next implicit or the last explicit step's size favours the other method."""
+    """Return whether the size of a step favours the other method.
+
+    The size is that of the next implicit or of the last explicit step.
+    """
     step = d.step
     if step.method == IMPLICIT:
         if step.explicit_size > 0.0:
@@ -101,12 +105,12 @@ def suggests_switch(d):
 
 
 def limit_to_stable(d):
-    """Limit the next explicit step, with contacts or stiff joints, to a stable size.
+    """Limit the next explicit step, with active contacts or stiff joints, to a stable size.
 
     At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z = hρ belongs to the last step up to its ``end_fraction``
+    if z > 0.0:  # z = hρ is the value of the last step up to its ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 
@@ -138,7 +142,8 @@ def begin_impact(d, c):
 def begin_flight(d):
     """Begin a new phase after the last contact or an impact on a rigid wall.
 
-    The method stays implicit only if joints make the proposed step stiff; an explicit step is made stable.
+    The method stays implicit only if joints make the proposed step stiff; an explicit step gets a stable
+    size.
     """
     z = joint_stiffness_number(d, d.step.next_size)
     if z <= STIFF_STEP:
@@ -149,7 +154,7 @@ def begin_flight(d):
 
 
 def stable_size(d, h):
-    """Return a size [s] for the first explicit step: h, or less if stiff joints require less for stability.
+    """Return a stable size [s] for the first explicit step: h, or less if joints are stiff.
 
     At rest the errors do not show that a step is far too long: its end state is correct, but its dense output
     is not.
@@ -164,7 +169,7 @@ def begin_explicit(d):
 
 
 def reset_stiff_count(d):
-    """Reset the counts of steps that lead to a change of the method."""
+    """Reset the counts of steps that favour a change of the method."""
     step = d.step
     step.stiff_count, step.explicit_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS
@@ -177,7 +182,7 @@ def stiffness_number(d, h):
 
 
 def joint_stiffness_number(d, h):
-    """Return the product hρ for a step of size h [s], ρ the fastest rate of joints with dampers or springs.
+    """Return hρ for a step of size h [s], with the fastest rate ρ of joints with dampers or springs.
 
     If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and ρ is not computed.
     """

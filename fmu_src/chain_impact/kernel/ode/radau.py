@@ -26,12 +26,12 @@ from chain_impact.kernel.functions import called_in_turn
 from chain_impact.kernel.mathematics.powers import power
 
 RADAU_STAGES = 5
-PAIRS = 2  # number of pairs of complex eigenvalues
+PAIRS = 2  # number of pairs of complex eigenvalues of the matrix Q
 
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
     1.0)
-# row i, column j: the integral of the j-th Lagrange polynomial from 0 to NODES[i]
+# row i, column j of the matrix Q: the integral of the j-th Lagrange polynomial from 0 to NODES[i]
 Q: tuple[tuple[float, ...], ...] = (
     (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
      -0.01287910609330644, 0.005042839233882015),
@@ -45,7 +45,7 @@ Q: tuple[tuple[float, ...], ...] = (
      0.22310390108357075, 0.04),
 )
 REAL_EIGENVALUE = 0.15906584442746913
-# real and imaginary part of one of the two conjugate eigenvalues of each pair
+# real and imaginary part of one of the two conjugate eigenvalues in each pair
 COMPLEX_EIGENVALUES = ((0.06506577854574362, 0.11646852774031707), (0.1331790770182996, 0.07499451183581853))
 LEFT: tuple[tuple[float, ...], ...] = (
     (27.697693775684087, 12.783337911304406, 3.20848938671343,
@@ -71,8 +71,8 @@ RIGHT: tuple[tuple[float, ...], ...] = (
     (1.0, 2.0, 0.0,
      2.0, 0.0),
 )
-# The weights that give the value at 0 of the polynomial through the values at all nodes, and the value at 1
-# of the polynomial through the values at all nodes except the last.
+# Two sets of weights. They give the value at 0 of the polynomial through the values at all nodes, and the
+# value at 1 of the polynomial through the values at all nodes except the last.
 START_WEIGHTS = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
     0.2)
 END_WEIGHTS = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
@@ -83,10 +83,13 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-MOST_ITERATIONS = 10  # largest number of iterations: a slower iteration costs more than shorter steps
+# the largest number of iterations in a step: a slower iteration costs more than shorter steps
+MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
-DIVERGENCE_RATE = 0.95  # the convergence rate θ above which the iteration is given up
-# the largest correction, relative to the tolerance; beyond this the iteration has failed
+# if the iteration leaves more than this part of an error in each pass (its convergence rate θ), it is given
+# up
+DIVERGENCE_RATE = 0.95
+# the largest correction, relative to the tolerance; if a correction is larger, the iteration has failed
 FAILED_CORRECTION = 1e20
 
 
@@ -97,7 +100,10 @@ def shift_of(pair, h):
 
 
 def _transformed(i):
-    """Return a function that sets right-hand side i to row i of LEFT · R, with the residuals R."""
+    """Return a function that sets right-hand side i to row i of LEFT · R.
+
+    R are the residuals of the stages.
+    """
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
@@ -118,7 +124,7 @@ def _correct(d, size):
     W are the solutions of the linear systems.
     """
     implicit = d.implicit
-    # without a sum or maximum over the components, so that the compiler can use vector instructions
+    # without a sum or a maximum over the components, so that the compiler can use vector instructions
     for j in range(size):
         largest = 0.0
         for i in range(RADAU_STAGES):
@@ -156,7 +162,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         implicit = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
-            # the middle stage comes last, because A, the approximate Jacobian, is evaluated at its state
+            # the middle stage comes last, because the approximate Jacobian A is evaluated at the state of
+            # this stage
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(size):
                 implicit.z[j] = implicit.start[j] + implicit.stages[stage, j]
@@ -168,7 +175,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         implicit, worst, total = d.implicit, 0.0, 0.0
         _correct(d, size)
         for j in range(size):
-            # max() can hide a NaN; a sum cannot, and a NaN in W reaches this sum through the last stage
+            # a NaN in W reaches this sum through the last stage; max() could hide the NaN
             total += implicit.weight[j] * implicit.stages[RADAU_STAGES - 1, j]
             worst = max(worst, implicit.weight[j] * implicit.z[j])
         implicit.correction = worst if math.isfinite(total) else math.inf
@@ -196,7 +203,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0
             if ratio * implicit.correction <= ITERATION_ERROR:
                 return True
-            # the iteration diverges, or will not converge in time
+            # the iteration diverges, or will not converge within MOST_ITERATIONS
             if k > 2 and theta > DIVERGENCE_RATE:
                 return False
             if (

@@ -13,7 +13,7 @@ contains u and t, and the variable of a step is s, the fictitious time of the *r
 must be the only active contact. Without a regularized contact p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
-distance of two bodies replaces p.
+distance of two bodies takes the place of p.
 """
 
 import math
@@ -25,7 +25,8 @@ from chain_impact.kernel.ode.control import EXPLICIT
 from chain_impact.kernel.ode.dense import time_rate
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
-NO_CONTACT = -1  # value of step.regularized if the integration variable of the step is time
+# value of step.regularized if no contact is regularized: the integration variable of the step is time
+NO_CONTACT = -1
 # The least u, the root of the penetration, to which a step may go. Where u < 0 the step has passed the end of
 # the contact, and time decreases.
 LEAST_ROOT = -0.5
@@ -70,7 +71,10 @@ def root_rate(d, u):
 
 
 def root_curve(d, u, slope):
-    """Return u″ = d²u/ds² of the contact, for the located and accelerated points and the rate u′."""
+    """Return u″ = d²u/ds² of the regularized contact, from the rate u′.
+
+    The points must be located and accelerated.
+    """
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
     curve = 0.5 * time_rate(u) * -gap_acceleration(d, c) / d.touch.depth_scale[c]
@@ -84,12 +88,15 @@ def time_rate_change(u, slope):
 
 
 def time_rate_of(d, u):
-    """Return dt/ds, the rate of time in the variable of the step; 1 without a regularized contact."""
+    """Return dt/ds, the rate of time in the variable s of the step; 1 without a regularized contact."""
     return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, at least RESTING_SUM, to convert the size of a step to seconds."""
+    """Return dt/ds in state y, by which the size of a step is converted to seconds.
+
+    The result is at least RESTING_SUM.
+    """
     return max(RESTING_SUM, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
@@ -103,8 +110,9 @@ def runs_back(d, y):
 def lone_contact(d):
     """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and 1.
 
-    The contact must have a force law, neither rest nor end now, and be the only one: several end at different
-    times, and the fictitious time of one does not suit the others. An implicit step always runs in time.
+    The contact must have a force law, must not rest or end now, and must be the only active contact: several
+    contacts end at different times, and the fictitious time of one does not suit the others. An implicit step
+    always runs in time.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0

@@ -9,12 +9,13 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# number of changes of modes, for each element on average, that the log can store until they are collected
+# number of changes of friction modes that the log can store for each element, on average, until they are
+# collected
 CHANGES_OF_EACH = 4
-# number of finished contacts at which the run waits until they are collected; the log has one more row for
+# number of ended contacts at which the run waits until the caller collects them; the log has one more row for
 # each candidate, because all contacts may end in one step
 LOG_SIZE = 32
-LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request fewer
+LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request a shorter list
 
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
@@ -22,17 +23,18 @@ def candidate_dtype(candidates: int) -> np.dtype:
     """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
         candidates,
-        # number of the point, 0…N; N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N; 0
-        # for a stop of the slider
+        # number of the point, 0…N, and N+1…N+P for sites; for a stop in a joint the number of the joint, 1…N;
+        # 0 for a stop of the slider
         ("point", INTEGER),
-        # index in the scene's wall_names: of the box in WALLS (rows/geometry.py), 4 plus the index in
-        # `walls`, or of the kind of stop after all walls
+        # index of the wall in the scene's wall_names: a wall of the box has its index in WALLS
+        # (rows/geometry.py), another wall 4 plus its index in `walls`; the kinds of stops follow all walls
         ("wall", INTEGER),
-        ("stop", INTEGER),  # which stop: AT_WALL or a value of STOP_CODES (rows/geometry.py)
+        # kind of the stop: AT_WALL for a wall, or a value of STOP_CODES (rows/geometry.py)
+        ("stop", INTEGER),
         # ---- derived at initialization
         # index of the place: ``point``, but N + ``point`` for a stop of a joint and for a site
         ("place", INTEGER),
-        ("radius", REAL),  # m, radius of the point
+        ("radius", REAL),  # m, radius of the point, by which it keeps its distance from the wall
         ("normal_x", REAL),  # x of the inward normal n of the wall
         ("normal_y", REAL),
         ("offset", REAL),  # m, offset of the wall: n·p for the points p on the wall
@@ -47,12 +49,12 @@ def law_dtype(candidates: int) -> np.dtype:
     """
     return table(
         candidates,
-        ("same_as", INTEGER),  # the first candidate with the same law
-        ("number", INTEGER),  # number of the law, from 1; 0: not set yet
-        ("stiffness", REAL),  # N/m^exponent
+        ("same_as", INTEGER),  # index of the first candidate with the same law
+        ("number", INTEGER),  # number of the law, from 1; 0: no law has been set
+        ("stiffness", REAL),  # N/m^exponent, stiffness K
         ("exponent", REAL),
         ("restitution", REAL),
-        ("minimum_impact_speed", REAL),  # m/s
+        ("minimum_impact_speed", REAL),  # m/s, least impact speed v₀ in the law
         ("friction", REAL),  # coefficient of sliding friction
         # coefficient of static friction, not less than the coefficient of sliding friction
         ("static_friction", REAL),
@@ -61,8 +63,9 @@ def law_dtype(candidates: int) -> np.dtype:
         ("damping_factor", REAL),
         ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
-        ("impulsive", INTEGER),  # 1: the wall is rigid, with impulses instead of a force law
-        ("harmless_depth", REAL),  # m, depth in the wall up to which a point counts as apart
+        ("impulsive", INTEGER),  # 1: the wall is rigid, and acts by impulses; 0: a force law
+        # m, depth in the wall up to which a point still counts as apart from the wall
+        ("harmless_depth", REAL),
     )
 
 
@@ -85,25 +88,25 @@ def touch_dtype(candidates: int) -> np.dtype:
     those of its place: angles times a lever arm (rows/geometry.py).
     """
     return record(
-        # how often the active contacts have been packed; stages from before the last packing do not predict
-        # the stages of the next step
+        # how often the active contacts have been packed anew; stages from before the last packing do not
+        # predict the stages of the next step
         ("listings", INTEGER),
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("joint_stop_count", INTEGER),  # number of active stops in joints
-        # indices of the candidates with active contacts, packed: in the first ``active_count`` entries
+        # indices of the candidates with active contacts, packed: the first ``active_count`` entries count
         ("active_index", bounded(0, candidates - 1), (candidates,)),
-        ("active", bounded(0, 1), (candidates,)),  # 1: in contact
+        ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
         # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
-        ("onset", REAL, (candidates,)),  # s, time of the onset
+        ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
         # m/s, approach speed of the point along the normal at the onset
         ("onset_speed", REAL, (candidates,)),
         # m/s, impact speed v₀ in the law, at least ``minimum_impact_speed``
         ("impact_speed", REAL, (candidates,)),
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
-        ("depth_scale", REAL, (candidates,)),  # m, expected penetration; the longest link for a rigid wall
+        ("depth_scale", REAL, (candidates,)),  # m, expected penetration δ*; for a rigid wall the longest link
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step, for the search for peaks
         ("speed", REAL, (candidates,)),
@@ -118,11 +121,13 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("kink_margin", REAL, (candidates,)),
         # 1: a stage of the tried step, or its end, was on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
-        ("number", INTEGER, (candidates,)),  # number of the onset among all onsets, counted from 1
-        ("peak_force", REAL, (candidates,)),  # N, peak force so far
-        ("max_penetration", REAL, (candidates,)),  # m, largest penetration so far
-        ("joint_square", REAL, (candidates,)),  # N², largest square of a joint force during the contact
-        ("joint", INTEGER, (candidates,)),  # number of the joint with the largest force, 1…N; 0 for none
+        # number of the latest onset of the candidate among all onsets of the run, counted from 1
+        ("number", INTEGER, (candidates,)),
+        ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
+        ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
+        ("joint_square", REAL, (candidates,)),  # N², largest squared joint force so far during the contact
+        # number of the joint with the largest force during the contact, 1…N; 0 for none
+        ("joint", INTEGER, (candidates,)),
         # m, errors in the clearances of the active contacts, packed, for each of the two error estimates of a
         # tried step
         ("gap_error", REAL, (2, candidates)),
@@ -133,7 +138,7 @@ def touch_dtype(candidates: int) -> np.dtype:
 def impact_dtype() -> np.dtype:
     """Return the layout of the counts of impacts and of the data of the latest onset."""
     return record(
-        ("count", INTEGER),  # onsets since the start
+        ("count", INTEGER),  # number of onsets since the start of the run
         ("last_time", REAL),  # s, time of the latest onset; the start of the run before the first one
         # point of the latest onset, as in `candidate.point`; −1 before the first impact
         ("last_point", INTEGER),
@@ -151,16 +156,17 @@ def latest_dtype() -> np.dtype:
     """
     return record(
         ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
-        ("listed", INTEGER),  # number of ended contacts when the list was made; −1: a contact was active then
-        ("point", INTEGER, (LATEST,)),  # as in `candidate.point`; −1 for no impact
+        # number of ended contacts when the list was made; −1: a contact was still active then
+        ("listed", INTEGER),
+        ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
-        ("time", REAL, (LATEST,)),  # s
-        ("speed", REAL, (LATEST,)),  # m/s
-        ("end", REAL, (LATEST,)),  # s, end of the contact; the present time while the contact lasts
-        ("separation_speed", REAL, (LATEST,)),  # m/s
-        ("peak_force", REAL, (LATEST,)),  # N
-        ("max_penetration", REAL, (LATEST,)),  # m
-        ("impulse", REAL, (LATEST,)),  # N·s
+        ("time", REAL, (LATEST,)),  # s, onset of each impact
+        ("speed", REAL, (LATEST,)),  # m/s, impact speed of each impact
+        ("end", REAL, (LATEST,)),  # s, end of each contact; the present time while the contact lasts
+        ("separation_speed", REAL, (LATEST,)),  # m/s, separation speed at the end of each contact
+        ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
+        ("max_penetration", REAL, (LATEST,)),  # m, largest penetration of each contact
+        ("impulse", REAL, (LATEST,)),  # N·s, impulse of the wall on the point in each contact
     )
 
 
@@ -187,17 +193,20 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     return record(
         # how much the impulses change each coordinate: its position, speed or acceleration, as stated above
         ("change", REAL, (coordinate_count(links),)),
-        # SOLVED, or why the search for forces has failed in this step, see kernel/rows/constraints.py
+        # SOLVED, or why the search for constraint forces has failed in this step, see
+        # kernel/rows/constraints.py
         ("unsolved", INTEGER),
         # 1: the first iteration of the last problem left more than FOLD_RESIDUAL (rows/constraints.py) of the
         # residual at rigid walls
         ("near_fold", INTEGER),
-        ("in_active_set", INTEGER, (rows,)),  # 1: the impulse may differ from 0
-        ("violated", INTEGER, (rows,)),  # 1: the impulse or residual has the wrong sign
-        ("start", REAL, (rows,)),  # motion along the constraint without impulses
-        ("reached", REAL, (rows,)),  # motion along the constraint with impulses
+        # 1: the constraint is in the active set, so its impulse may differ from 0
+        ("in_active_set", INTEGER, (rows,)),
+        ("violated", INTEGER, (rows,)),  # 1: the constraint's impulse or residual has the wrong sign
+        ("start", REAL, (rows,)),  # motion along the constraint without any impulses
+        ("reached", REAL, (rows,)),  # motion along the constraint with all impulses
         ("target", REAL, (rows,)),  # the least required motion along the constraint
-        # target − reached in the active set, else 0; during a correction this times the impedance
+        # residual target − reached of a constraint in the active set, else 0; during a correction the
+        # residual times the impedance
         ("residual", REAL, (rows,)),
         ("impulse", REAL, (rows,)),  # impulse or force of the constraint
         ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
@@ -208,7 +217,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("refined", REAL, (rows,)),
         ("uneven", REAL, (rows,)),
         ("sample", REAL, (2, candidates)),  # N, the last two samples of the force of a held candidate, packed
-        # N, the least force of a rigid wall in the stages of the step; 0 if it never pulls; not packed
+        # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
+        # pulls; not packed
         ("least_force", REAL, (candidates,)),
     )
 
@@ -216,21 +226,23 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 @written_by("rows/limits.py")
 def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for constraint forces within the limits of friction."""
-    # at least the number of rows in `constraints`, as every candidate is an element; 0 without friction
+    # number of rows: that of `constraints` or more, as every candidate is an element; 0 in a scene without
+    # friction
     rows = 2 * elements
     return record(
-        # m/s² or rad/s², accelerations of the coordinates by the forces
+        # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
         ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
-        # ±1: a sticking element's force is at its limit and has this sign; 0: it is below the limit; packed
+        # ±1: the force of a sticking element is at its limit, and has this sign; 0: the force is below the
+        # limit; packed
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (rows,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
         ("center", REAL, (rows,)),  # N, force p of each constraint before the iteration
-        ("residual", REAL, (rows,)),  # m/s², the missing part of the required motion with the forces p
+        ("residual", REAL, (rows,)),  # m/s², the part of the required motion that the forces p do not reach
         # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺ of the force p⁺
         ("unlimited", REAL, (rows,)),
         ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
-        # N, impedance times residual of a row inside the limits, else the change of its force p
+        # N, impedance times residual for a row inside its limits, else the change of the row's force p
         ("correction", REAL, (rows,)),
     )
 
@@ -246,23 +258,23 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     """
     log = LOG_SIZE + candidates
     return record(
-        ("count", INTEGER),  # number of contacts that have ended since the start
-        # value of ``count`` when the caller most recently collected the ended contacts
+        ("count", INTEGER),  # number of contacts that have ended since the start of the run
+        # value of ``count`` when the caller last collected the ended contacts
         ("collected", INTEGER),
-        ("point", INTEGER, (log,)),  # as in `candidate.point`
-        ("wall", INTEGER, (log,)),  # as in `candidate.wall`
-        ("onset", REAL, (log,)),  # s, time of the onset
-        # s, end of the contact; of an active contact NaN or, after `latest` was written, the present time
+        ("point", INTEGER, (log,)),  # point of the contact, as in `candidate.point`
+        ("wall", INTEGER, (log,)),  # wall of the contact, as in `candidate.wall`
+        ("onset", REAL, (log,)),  # s, time of the contact's onset
+        # s, end of the contact; for an active contact NaN or, after `latest` was written, the present time
         ("end", REAL, (log,)),
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at the onset, `touch.onset_speed`
         ("separation_speed", REAL, (log,)),  # m/s, rate of the clearance at ``end``; NaN if ``end`` is NaN
-        ("peak_force", REAL, (log,)),  # N, peak force
-        ("max_penetration", REAL, (log,)),  # m, largest penetration
-        ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset
-        ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point
+        ("peak_force", REAL, (log,)),  # N, peak force of the contact
+        ("max_penetration", REAL, (log,)),  # m, largest penetration of the contact
+        ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset of the contact
+        ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point in the contact
         ("joint_force", REAL, (log,)),  # N, largest force in a joint during the contact
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
-        ("number", INTEGER, (log,)),  # number of the onset, as in `touch`
+        ("number", INTEGER, (log,)),  # number of the onset among all onsets, as in `touch`
     )
 
 
@@ -286,21 +298,24 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: quadratures are integrated; 0: none, because no output needs them
-        ("impulse_at_onset", REAL, (candidates,)),  # N·s, value of ``total`` at the onset of the contact
-        # integral from the start of the run to the most recent event or re-initialization
+        ("computed", INTEGER),  # 1: quadratures are integrated; 0: no quadrature, because no output needs one
+        # N·s, value of ``total`` at the onset of the candidate's contact
+        ("impulse_at_onset", REAL, (candidates,)),
+        # integral of each quadrature from the start of the run to the most recent event or re-initialization
         ("total", REAL, (count,)),
-        # rate of each quadrature at this time; 0 if it was not integrated
+        # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),
         # indices in ``total`` of the quadratures that are integrated, packed
         ("index", bounded(0, count - 1), (count,)),
-        ("state", REAL, (count,)),  # values at the start of the last step
-        ("state_end", REAL, (count,)),  # values at the end of the last step
-        ("rate_end", REAL, (count,)),  # rates at the end of the last step
-        ("tried", REAL, (count,)),  # values at the end of the tried step
-        ("dense", REAL, (DENSE_COEFFICIENTS, count)),  # coefficients of the dense output of the last step
-        ("stage", REAL, (STAGES, count)),  # rates dq/ds at the stages, in the step's variable s
+        ("state", REAL, (count,)),  # values of the quadratures at the start of the last step
+        ("state_end", REAL, (count,)),  # values of the quadratures at the end of the last step
+        ("rate_end", REAL, (count,)),  # rates of the quadratures at the end of the last step
+        ("tried", REAL, (count,)),  # values of the quadratures at the end of the tried step
+        # coefficients of the quadratures' dense output in the last step
+        ("dense", REAL, (DENSE_COEFFICIENTS, count)),
+        # rates dq/ds of the quadratures at the stages, in the step's variable s
+        ("stage", REAL, (STAGES, count)),
     )
 
 
@@ -309,11 +324,11 @@ def friction_dtype(elements: int) -> np.dtype:
     """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
     return record(
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
-        # number of elements with friction now: active contacts, then joints, then the slider
+        # number of elements that have friction now: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
-        ("contact_count", INTEGER),  # number of contacts among the elements with friction now
-        ("stuck_count", INTEGER),  # number of sticking elements
-        ("stuck_joints", INTEGER),  # number of joints, and the slider, among the sticking elements
+        ("contact_count", INTEGER),  # number of contacts among the elements that have friction now
+        ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
+        ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
         ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
     )
 
@@ -326,7 +341,8 @@ def friction_dtype(elements: int) -> np.dtype:
 def element_dtype(elements: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
     return record(
-        ("index", bounded(0, elements - 1), (elements,)),  # indices of the elements with friction now, packed
+        # indices of the elements that have friction now, packed
+        ("index", bounded(0, elements - 1), (elements,)),
         ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
         ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
         # the event of an element at `step.end` that is not applied yet, see kernel/events/marks.py
@@ -335,14 +351,15 @@ def element_dtype(elements: int) -> np.dtype:
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
         # 0: the motion has determined the mode; 1: the forces have; 2: STOPPED of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, largest speed at which an element may move against its direction of sliding because of errors
+        # m/s, largest backward speed of an element, against its direction of sliding, that counts as an error
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which an element sticks
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
         # N, the largest static friction at the last evaluation of ẏ; constant for a joint and the slider
         ("limit", REAL, (elements,)),
-        # least margin to the end of the mode in the stages of the tried step, 0 if no stage is beyond the
-        # end: m/s, speed in the direction of sliding; N, limit less size of the force of a sticking element
+        # least margin, in the stages of the tried step, of an element to the end of its mode; 0 if no stage
+        # is beyond the end. For sliding the margin is the speed in the direction of sliding [m/s], for
+        # sticking the limit minus the friction force [N]
         ("margin", REAL, (elements,)),
     )
 
@@ -356,9 +373,9 @@ def changes_dtype(elements: int) -> np.dtype:
     log = CHANGES_OF_EACH * elements
     return record(
         ("count", INTEGER),
-        ("time", REAL, (log,)),  # s, time of the change
-        ("point", INTEGER, (log,)),  # number of the point or joint; 0 for the slider
-        # index of the wall in the scene's wall_names; −1: dry friction in a joint or of the slider
+        ("time", REAL, (log,)),  # s, time of each change
+        ("point", INTEGER, (log,)),  # number of the point or joint whose mode has changed; 0 for the slider
+        # index of the wall in the scene's wall_names; −1 for dry friction in a joint or of the slider
         ("wall", INTEGER, (log,)),
-        ("mode", INTEGER, (log,)),  # mode from this time on, as in `element.mode`
+        ("mode", INTEGER, (log,)),  # mode of the element from this time on, as in `element.mode`
     )

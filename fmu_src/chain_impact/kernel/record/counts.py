@@ -9,16 +9,16 @@ class Counts(NamedTuple):
     The table variables/owners.py has the rules for the counts of a scene, in Python and in a browser.
     """
 
-    links: int  # N
-    candidates: int  # C, pairs of a point or site and a wall, and stops
-    # F, parts that may have dry friction: all candidates, joints and a slider; 0 in a scene without dry
-    # friction
+    links: int  # N, number of links
+    candidates: int  # C, number of candidates: pairs of a point or site and a wall, and stops
+    # F, number of parts that may have dry friction: all candidates, joints and a slider; 0 in a scene without
+    # dry friction
     elements: int = 0
-    loads: int = 0  # L, number of joints plus number of walls if loads are requested, else 0
-    channels: int = 0  # K, given motions of the base and of walls (chain/motion.py)
-    sites: int = 0  # P, points of links beside the joints (chain/sites.py)
-    signals: int = 0  # D, inputs that the scene drives (chain/signals.py)
-    knots: int = 0  # R, starts of the polynomials of signals
+    loads: int = 0  # L, number of joints plus number of walls if the scene requests loads, else 0
+    channels: int = 0  # K, number of given motions of the base and of walls (chain/motion.py)
+    sites: int = 0  # P, number of sites: points of links beside the joints (chain/sites.py)
+    signals: int = 0  # D, number of inputs that signals of the scene drive (chain/signals.py)
+    knots: int = 0  # R, number of knots: starts of the polynomials of signals
 
 
 COUNTS = Counts._fields

@@ -1,4 +1,4 @@
-"""Functions that build the layouts of records, and that declare who writes each part."""
+"""Functions that build the layouts of records, and that declare which modules write each part."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the sma
 
 
 def real(least: float, most: float) -> np.dtype:
-    """Return a real with a range, which ``check_ranges`` in kernel/initialize.py checks.
+    """Return the type of a real with a range, which ``check_ranges`` in kernel/initialize.py checks.
 
     Other reals that the scene gives have their own checks: values of contact laws, limits of stops, initial
     values and gravity.
@@ -16,11 +16,13 @@ def real(least: float, most: float) -> np.dtype:
 
 
 POSITIVE, NOT_NEGATIVE, FINITE = real(SMALLEST, LARGEST), real(0.0, LARGEST), real(-LARGEST, LARGEST)
-LIMIT = real(0.0, float("inf"))  # infinite: no limit
+LIMIT = real(0.0, float("inf"))  # type of a real that is a limit: any number ≥ 0, or infinite for no limit
 
 
 def bounded(least: int, most: int) -> np.dtype:
-    """Return an integer with bounds, on which the kernel relies: an index, a choice, a number of iterations.
+    """Return the type of an integer with bounds, such as an index or a number of iterations.
+
+    The kernel relies on the bounds.
 
     ``within_bounds`` in kernel/entry.py checks the fields of such integers. A bound is an affine function of
     the counts, as are all sizes.
@@ -56,7 +58,9 @@ SETTABLE: dict[str, int] = {}
 
 
 def settable(when: int):
-    """Declare that the scene or an importer gives a part of the record, and when the values apply.
+    """Declare that the scene or an importer gives the values of a part of the record.
+
+    The declaration also says when the kernel applies these values.
 
     ``copy_given`` in kernel/tangent/duals.py copies each of these parts for derivatives.
     """
@@ -76,13 +80,13 @@ def record(*fields: tuple[object, ...]) -> np.dtype:
 def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
     """Return the layout of a table of columns (name, type) with ``count`` rows.
 
-    The numbers of a row are neighbours in memory.
+    The numbers of one row are neighbours in memory.
     """
     return np.dtype((record(*columns), (count,)))
 
 
 def is_table(dtype: np.dtype) -> bool:
-    """Return whether a layout belongs to a table, not to an array of numbers or of dual numbers."""
+    """Return whether a layout belongs to a table, and not to an array of numbers or of dual numbers."""
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 

@@ -1,4 +1,4 @@
-"""The parts of the record that the scene and the importer set, and the values derived from them."""
+"""The parts of the record that the scene and the importer set, with the values derived from them."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from chain_impact.kernel.record.fields import (
 )
 from chain_impact.kernel.rows.geometry import WALLS
 
-# fields of `model`: 1 for each effect that some drive has
+# fields of `model`, one for each effect that drives may have: 1 if some drive has this effect
 FLAGS = (
     *("has_springs", "has_springs_or_dampers", "has_armatures"),
     *("has_joint_places", "has_drive_friction", "has_drive_limits"),
@@ -34,18 +34,19 @@ FLAGS = (
 def model_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
     return record(
-        ("gravity", REAL, (2,)),  # m/s²
-        ("length", POSITIVE, (links,)),  # m
-        ("mass", POSITIVE, (links,)),  # kg
-        # m, from the proximal joint; DERIVED (chain/inertia.py) if not given
+        ("gravity", REAL, (2,)),  # m/s², x and y of gravity
+        ("length", POSITIVE, (links,)),  # m, length of each link
+        ("mass", POSITIVE, (links,)),  # kg, mass of each link
+        # m, centre of mass of each link, from the proximal joint; DERIVED (chain/inertia.py) if not given
         ("given_center_of_mass", REAL, (links,)),
-        ("given_inertia", REAL, (links,)),  # kg·m², about the centre of mass; DERIVED if not given
+        # kg·m², inertia of each link about the centre of mass; DERIVED if not given
+        ("given_inertia", REAL, (links,)),
         ("height", NOT_NEGATIVE, (links,)),  # m, height of a link that is a box; 0 for other links
         # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
         ("center_of_mass_offset", FINITE, (links,)),
-        # kg·m², inertia of the drive's rotor, which acts on the relative rotation in the joint
+        # kg·m², inertia of the rotor of each joint's drive, which acts on the relative rotation in the joint
         ("joint_armature", NOT_NEGATIVE, (links,)),
-        ("wall", FINITE, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
+        ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
         # 1: the chain has inputs other than motions of walls; they act in flight, too
@@ -53,8 +54,9 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
         # ---- derived at initialization
-        ("center_of_mass", FINITE, (links,)),  # m from the proximal joint
-        ("inertia", NOT_NEGATIVE, (links,)),  # kg·m² about the centre of mass
+        # m, centre of mass of each link in use, from the proximal joint
+        ("center_of_mass", FINITE, (links,)),
+        ("inertia", NOT_NEGATIVE, (links,)),  # kg·m², inertia of each link in use, about the centre of mass
         ("has_springs", INTEGER),  # 1: some drive has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some drive has damping or a spring
         ("has_joint_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
@@ -64,16 +66,18 @@ def model_dtype(links: int, sites: int) -> np.dtype:
         ("has_drive_limits", INTEGER),  # 1: some drive has a limit
         # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs cause
         ("joint_rate_bound", REAL),
-        # distance of the centre of mass from the proximal joint, divided by the length
+        # distance of each link's centre of mass from the proximal joint, divided by the link's length
         ("center_of_mass_ratio", REAL, (links,)),
-        ("offset_ratio", REAL, (links,)),  # offset of the centre of mass, divided by the length
-        ("proximal_inertia", REAL, (links,)),  # kg·m², of the link about its proximal joint
-        ("distal_inertia", REAL, (links,)),  # kg·m², of the link about its distal joint
-        # first site of each link; entry N is the number of sites
+        # offset of each link's centre of mass from the link's line, divided by the link's length
+        ("offset_ratio", REAL, (links,)),
+        ("proximal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its proximal joint
+        ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its distal joint
+        # index of the first site of each link; entry N is the number of sites
         ("first_site", bounded(0, sites), (links + 1,)),
-        # number of the point at which the two arms of the elimination meet; 0, the base, if it has a joint
+        # number of the point at which the two arms of the elimination meet; 0, the base, if the base has a
+        # joint
         ("meeting_joint", bounded(0, links)),
-        ("gravity_size", REAL),  # m/s²
+        ("gravity_size", REAL),  # m/s², magnitude of gravity
         ("reach", REAL),  # m, largest distance of a point or site of the stretched chain from the base
         ("longest_link", REAL),  # m, length of the longest link: the absolute scale of positions
         # J, M s² + Σ I_a per second squared, with the mass M of chain and carriage, the longest link s and
@@ -88,8 +92,9 @@ def contact_dtype() -> np.dtype:
     """Return the layout of the contact data common to all walls; the rest of the law is in `given`."""
     return record(
         ("exponent", POSITIVE),
-        ("radius", NOT_NEGATIVE),  # m
-        ("minimum_impact_speed", POSITIVE),  # m/s, lower limit of v₀, which is latched at the onset
+        ("radius", NOT_NEGATIVE),  # m, radius of the points
+        # m/s, lower limit of the impact speed v₀, which is latched at the onset
+        ("minimum_impact_speed", POSITIVE),
         # ---- derived at initialization
         ("any_force", INTEGER),  # 1: some candidate has a law with a force
         ("any_rigid", INTEGER),  # 1: some candidate has a law with impulses instead of a force
@@ -106,11 +111,12 @@ def stops_dtype() -> np.dtype:
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
-        ("given_exponent", REAL),  # exponent; DERIVED: the exponent of `contact`
-        ("minimum_impact_speed", POSITIVE),  # rad/s
+        ("given_exponent", REAL),  # exponent of the law of stops; DERIVED: the exponent of `contact`
+        ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops
         # ---- derived at initialization
         ("exponent", POSITIVE),
-        # restitution in use, only for readers of the record: `law` has the restitution of each candidate
+        # restitution of stops in use, only for readers of the record: `law` has the restitution of each
+        # candidate
         ("restitution", REAL),
     )
 
@@ -123,7 +129,7 @@ def slider_dtype() -> np.dtype:
         ("angle", FINITE),  # rad, direction of the line from +x
         ("mass", NOT_NEGATIVE),  # kg, mass of the carriage
         # ---- derived at initialization
-        ("ux", REAL),  # x of u, the unit vector along the line
+        ("ux", REAL),  # x component of u, the unit vector along the line
         ("uy", REAL),
     )
 
@@ -137,12 +143,13 @@ def drive_dtype(links: int) -> np.dtype:
     """
     rows = (links + 1,)
     return record(
-        ("friction", NOT_NEGATIVE, rows),  # N·m, dry friction
-        ("limit", LIMIT, rows),  # N·m, limit of motor, spring and damper together; ∞: no limit
+        ("friction", NOT_NEGATIVE, rows),  # N·m, dry friction of the joint; N for the slider
+        ("limit", LIMIT, rows),  # N·m, limit of the sum of motor, spring and damper; ∞: no limit
         ("min", REAL, rows),  # rad, lower stop of the joint's own angle; −∞: no stop
         ("max", REAL, rows),  # rad, upper stop of the joint's own angle; ∞: no stop
         # ---- set during the run
-        ("mode", INTEGER, rows),  # ±1: the torque is ± the limit; 0: the torque is below the limit
+        # ±1: the torque is at its positive or negative limit; 0: the torque is below the limit
+        ("mode", INTEGER, rows),
         ("chosen", INTEGER, rows),  # in a tangent instance: the mode that the primal instance has chosen
         ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
         # N·m, the least result of `mode_margin` in the stages of the tried step; 0 if none is negative
@@ -155,11 +162,11 @@ def drive_dtype(links: int) -> np.dtype:
 def initial_dtype(links: int) -> np.dtype:
     """Return the layout of the initial values."""
     return record(
-        ("position", REAL, (2,)),  # m, of the base
-        ("velocity", REAL, (2,)),  # m/s, of the base
-        ("angle", REAL, (links,)),  # rad, absolute angle of a link
-        ("angular_velocity", REAL, (links,)),  # rad/s
-        ("slider_velocity", FINITE),  # m/s, velocity along the line of a slider
+        ("position", REAL, (2,)),  # m, initial position of the base, x and y
+        ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y
+        ("angle", REAL, (links,)),  # rad, initial absolute angle of each link
+        ("angular_velocity", REAL, (links,)),  # rad/s, initial angular velocity of each link
+        ("slider_velocity", FINITE),  # m/s, initial velocity along the line of a slider
     )
 
 
@@ -168,7 +175,7 @@ def initial_dtype(links: int) -> np.dtype:
 def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return record(
-        # index into SOLVER_METHODS of kernel/ode/control.py, from 1
+        # number of the method: index into SOLVER_METHODS of kernel/ode/control.py, counted from 1
         ("method", bounded(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),
         ("work_limit", POSITIVE),  # 1/s, largest number of evaluations per second of simulated time
@@ -190,14 +197,14 @@ def piece_dtype(links: int) -> np.dtype:
     """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
     return record(
         ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
-        # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. In the
-        # piece x is between -1 and 1, so that the powers of a short or late piece lose no digits.
-        ("middle", REAL),  # s, the time at which the argument x of the polynomials is 0
-        ("scale", REAL),  # 1/s, rate of change of the argument x
-        ("until", REAL),  # s, the end of the piece
+        # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. Within
+        # the piece x is between −1 and 1, so that the powers of x lose no digits in a short or late piece.
+        ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
+        ("scale", REAL),  # 1/s, rate of the argument x in time
+        ("until", REAL),  # s, end of the piece
         # 1/s, how fast the inputs change relative to their size: for a sine its angular frequency
         ("change_rate", REAL),
-        *input_fields(links, DEGREE + 1),  # coefficients of polynomials
+        *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs
     )
 
 
@@ -210,19 +217,21 @@ def given_dtype(links: int) -> np.dtype:
     the last piece is applied at the start of a step.
     """
     return record(
-        # values of forces/inputs.py. REINITIALIZE: a value was set since the last step; CONTINUES: only the
-        # next piece of the inputs was set; 0: nothing was set
+        # value of forces/inputs.py that says what was set since the last step. REINITIALIZE: a value;
+        # CONTINUES: only the next piece of the inputs; 0: nothing
         ("changed", INTEGER),
-        ("law", INTEGER),  # number of the contact law, from 1
-        ("stiffness", REAL),  # N/m^exponent
+        ("law", INTEGER),  # number of the contact law of walls, from 1
+        ("stiffness", REAL),  # N/m^exponent, stiffness of walls
         ("restitution", REAL),  # restitution of walls
-        ("friction", REAL),  # coefficient of sliding friction
-        # coefficient of static friction; 0: equal to the coefficient of sliding friction
+        ("friction", REAL),  # coefficient of sliding friction of walls
+        # coefficient of static friction of walls; 0: equal to the coefficient of sliding friction
         ("static_friction", REAL),
-        ("stop_stiffness", REAL),  # N·m/rad^exponent
+        ("stop_stiffness", REAL),  # N·m/rad^exponent, stiffness of stops
         ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
-        ("drive_damping", NOT_NEGATIVE, (links + 1,)),  # N·m·s/rad; of the slider N·s/m
-        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),  # N·m/rad; of the slider N/m
+        # N·m·s/rad, damping of each joint's drive; of the slider N·s/m
+        ("drive_damping", NOT_NEGATIVE, (links + 1,)),
+        # N·m/rad, stiffness of each joint's drive; of the slider N/m
+        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),
         *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
     )
@@ -232,8 +241,10 @@ def given_dtype(links: int) -> np.dtype:
 def inputs_dtype(links: int) -> np.dtype:
     """Return the layout of the values in use: the inputs, and the damping and stiffness of drives."""
     return record(
-        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad; of the slider N·s/m
-        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad; of the slider N/m
+        # N·m·s/rad, damping of each joint's drive; of the slider N·s/m
+        ("drive_damping", REAL, (links + 1,)),
+        # N·m/rad, stiffness of each joint's drive; of the slider N/m
+        ("drive_stiffness", REAL, (links + 1,)),
         *input_fields(links),
         ("piece", piece_dtype(links)),
     )
@@ -244,14 +255,15 @@ def inputs_dtype(links: int) -> np.dtype:
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py."""
     return record(
-        # 1: cubics through the values given at communication points; 0: ``piece`` is given
+        # 1: the motions are cubics through the values given at communication points; 0: their polynomials are
+        # given in ``piece``
         ("interpolates", INTEGER),
         ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
-        ("position", REAL, (channels,)),  # m; 0 for a belt
-        ("velocity", REAL, (channels,)),  # m/s
-        ("acceleration", REAL, (channels,)),  # m/s²; 0 for a belt
-        # m, coefficients of the position in the next piece of the inputs
+        ("position", REAL, (channels,)),  # m, given position of each channel; 0 for a belt
+        ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
+        ("acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel; 0 for a belt
+        # m, coefficients of each channel's position in the next piece of the inputs
         ("piece", REAL, (DEGREE + 1, channels)),
     )
 
@@ -260,33 +272,33 @@ def motion_dtype(channels: int) -> np.dtype:
 def moved_dtype(channels: int) -> np.dtype:
     """Return the layout of the motions of base and walls in use, and of the given values behind them."""
     return record(
-        ("began", REAL),  # s, the start of the run
+        ("began", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the present cubics end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
         # none
         ("contradiction", INTEGER),
-        ("distance", REAL),  # m, its displacement since the previous given values
-        ("lasted", REAL),  # s, time since its previous given values
-        ("speed", REAL),  # m/s, its given velocity
+        ("distance", REAL),  # m, displacement of this channel since the previous given values
+        ("lasted", REAL),  # s, time since the previous given values of this channel
+        ("speed", REAL),  # m/s, given velocity of this channel
         ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
-        # m, coefficients of the position in the present piece of the inputs
+        # m, coefficients of each channel's position in the present piece of the inputs
         ("piece", REAL, (DEGREE + 1, channels)),
-        # values that were given to a channel at their most recent change
-        ("given_position", REAL, (channels,)),  # m, given position
-        ("given_velocity", REAL, (channels,)),  # m/s, given velocity
-        ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration
+        # ---- values that were given to each channel at their most recent change
+        ("given_position", REAL, (channels,)),  # m, given position of each channel
+        ("given_velocity", REAL, (channels,)),  # m/s, given velocity of each channel
+        ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel
         ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
-        # m, position from which the motion continues since the last change
+        # m, position from which the motion of a channel continues since the last change
         ("from_position", REAL, (channels,)),
-        # m/s, velocity from which the motion continues since the last change
+        # m/s, velocity from which the motion of a channel continues since the last change
         ("from_velocity", REAL, (channels,)),
         # 1: a position was given at the last change; 0: the position follows from the velocity
         ("anchored", INTEGER, (channels,)),
         # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
         ("mean", REAL, (channels,)),
-        # numbers with the value 0 that have derivatives with respect to given values (tangent/replay.py)
+        # ---- numbers that are 0, but have derivatives with respect to given values (tangent/replay.py)
         ("added", REAL, (channels,)),  # m, added to `position`
         ("added_rate", REAL, (channels,)),  # m/s, added to `velocity`
         ("added_acceleration", REAL, (channels,)),  # m/s², added to `acceleration`
@@ -298,16 +310,16 @@ def moved_dtype(channels: int) -> np.dtype:
 def site_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the sites, points fixed to links beside the joints, in the order of the links."""
     return record(
-        ("link", bounded(0, links - 1), (sites,)),  # index of the link, from 0
+        ("link", bounded(0, links - 1), (sites,)),  # index of the site's link, from 0
         # 1 to 4: the site is a corner of a box, which determines its position; 0: not a corner
         ("corner", INTEGER, (sites,)),
-        ("x", FINITE, (sites,)),  # m, along the link from the proximal joint
-        ("y", FINITE, (sites,)),  # m, to the left of the link's line
-        ("given_radius", REAL, (sites,)),  # m; DERIVED: the radius of `contact`
+        ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
+        ("y", FINITE, (sites,)),  # m, position of the site beside the link's line, to the left
+        ("given_radius", REAL, (sites,)),  # m, given radius of the site; DERIVED: the radius of `contact`
         # ---- derived at initialization
-        ("radius", NOT_NEGATIVE, (sites,)),  # m
-        ("along", REAL, (sites,)),  # x divided by the link's length
-        ("beside", REAL, (sites,)),  # y divided by the link's length
+        ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site in use
+        ("along", REAL, (sites,)),  # position x of the site divided by the link's length
+        ("beside", REAL, (sites,)),  # position y of the site divided by the link's length
     )
 
 
@@ -319,11 +331,11 @@ def shift_dtype(candidates: int) -> np.dtype:
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
         ("channel", INTEGER),
         ("unmoved_offset", REAL),  # m, offset of the wall if its motion has the position 0
-        ("rate", REAL),  # m/s, speed of the wall along n
-        ("acceleration", REAL),  # m/s², acceleration of the wall along n
-        ("travel", REAL),  # m, distance that the belt has moved along t
-        ("belt_rate", REAL),  # m/s, speed of the belt along t
-        ("belt_acceleration", REAL),  # m/s², acceleration of the belt along t
+        ("rate", REAL),  # m/s, speed of the wall along its normal n
+        ("acceleration", REAL),  # m/s², acceleration of the wall along its normal n
+        ("travel", REAL),  # m, distance that the belt has moved along its direction t
+        ("belt_rate", REAL),  # m/s, speed of the belt along its direction t
+        ("belt_acceleration", REAL),  # m/s², acceleration of the belt along its direction t
     )
 
 
@@ -336,12 +348,13 @@ def walls_dtype(candidates: int) -> np.dtype:
     """
     return record(
         ("x", FINITE, (candidates,)),  # m, x of a point on each wall
-        ("y", FINITE, (candidates,)),  # m, y of this point
+        ("y", FINITE, (candidates,)),  # m, y of the same point on each wall
         ("angle", FINITE, (candidates,)),  # rad, direction of each wall from +x; the free side is to the left
-        # of all walls, the walls of the box first
-        ("stiffness", REAL, (len(WALLS) + candidates,)),  # N/m^exponent; 0: `given.stiffness`
-        ("restitution", REAL, (len(WALLS) + candidates,)),  # −1: `given.restitution`
+        # ---- materials of all walls; the walls of the box come first
+        ("stiffness", REAL, (len(WALLS) + candidates,)),  # N/m^exponent, stiffness; 0: `given.stiffness`
+        ("restitution", REAL, (len(WALLS) + candidates,)),  # restitution; −1: `given.restitution`
         ("friction", REAL, (len(WALLS) + candidates,)),  # coefficient of sliding; −1: `given.friction`
-        # coefficient of static friction; −1: the wall's own friction or, without it, `given.static_friction`
+        # coefficient of static friction; −1: the static coefficient follows the wall's own sliding
+        # coefficient or, without it, is `given.static_friction`
         ("static_friction", REAL, (len(WALLS) + candidates,)),
     )

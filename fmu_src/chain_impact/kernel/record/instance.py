@@ -81,37 +81,39 @@ def output_dtype(
     """
     points = links + 1 + sites
     return record(
-        ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N and of the sites
-        ("point_velocity", REAL, (points, 2)),  # m/s
-        ("point_acceleration", REAL, (points, 2)),  # m/s²
-        ("angle", REAL, (links,)),  # rad, absolute angle from +x
-        ("angular_velocity", REAL, (links,)),  # rad/s
-        ("angular_acceleration", REAL, (links,)),  # rad/s²
-        ("joint_angle", REAL, (links,)),  # rad, angle relative to the link before; of link 1, from +x
-        # rad/s, angular velocity relative to the link before; of link 1, absolute
+        ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N, then of the sites
+        ("point_velocity", REAL, (points, 2)),  # m/s, velocities of the points 0…N, then of the sites
+        ("point_acceleration", REAL, (points, 2)),  # m/s², accelerations of the points 0…N, then of the sites
+        ("angle", REAL, (links,)),  # rad, absolute angle of each link from +x
+        ("angular_velocity", REAL, (links,)),  # rad/s, absolute angular velocity of each link
+        ("angular_acceleration", REAL, (links,)),  # rad/s², absolute angular acceleration of each link
+        # rad, angle of each link relative to the link before; of link 1, from +x
+        ("joint_angle", REAL, (links,)),
+        # rad/s, angular velocity of each link relative to the link before; of link 1, absolute
         ("joint_angular_velocity", REAL, (links,)),
         ("slider_position", REAL),  # m, position along the line, 0 at the start
-        ("slider_velocity", REAL),  # m/s
-        ("slider_acceleration", REAL),  # m/s²
+        ("slider_velocity", REAL),  # m/s, velocity of the slider along the line
+        ("slider_acceleration", REAL),  # m/s², acceleration of the slider along the line
         # N, force of the line on the carriage along the left normal; set only if loads are requested
         ("slider_reaction", REAL),
         ("slider_moment", REAL),  # N·m, moment of the line on the carriage; set only if loads are requested
         ("force", REAL, (candidates,)),  # N, force of the wall on the point along the inward normal
-        ("penetration", REAL, (candidates,)),  # m, 0 without contact
-        ("penetration_rate", REAL, (candidates,)),  # m/s, positive during compression, 0 without contact
+        ("penetration", REAL, (candidates,)),  # m, penetration of each candidate; 0 without contact
+        # m/s, rate of the penetration, positive during compression; 0 without contact
+        ("penetration_rate", REAL, (candidates,)),
         ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
-        ("kinetic", REAL),  # J
-        ("potential", REAL),  # J, energy of gravity, zero at the origin
+        ("kinetic", REAL),  # J, kinetic energy
+        ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy in the contacts and in springs of passive drives (chain/drives.py)
         ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
         # J, energy supplied by inputs, active drives and given motions since the start
         ("supplied", REAL),
-        ("total", REAL),  # J, sum of kinetic, potential and elastic energy
+        ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
         ("load", load_output_dtype(loads)),
         # m, position of each channel: base, walls and belts with prescribed motions
         ("channel", REAL, (channels,)),
-        # value, rate and second derivative of each input that a signal drives
+        # value, rate and second derivative of each signal that drives an input
         ("signal", REAL, (signals, 3)),
     )
 
@@ -129,10 +131,11 @@ def friction_output_dtype(elements: int) -> np.dtype:
     return record(
         ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
-        ("sticking", REAL, (elements,)),  # 1: the contact sticks
-        # entries 0…N−1: N·m on the outer link of each joint; entry N: N on the slider; later entries: 0
+        ("sticking", REAL, (elements,)),  # 1: the contact sticks; 0: it slides or has no friction
+        # entries 0…N−1: moment on the outer link of each joint [N·m]; entry N: force on the slider [N]; later
+        # entries: 0
         ("drive_friction", REAL, (elements,)),
-        ("drive_sticking", REAL, (elements,)),  # 1: this joint or slider sticks
+        ("drive_sticking", REAL, (elements,)),  # 1: the joint or the slider sticks
         ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `output.dissipated`
     )
 
@@ -143,14 +146,16 @@ def load_output_dtype(loads: int) -> np.dtype:
     Rows of walls have no impulses and no peaks.
     """
     return record(
-        # N, force on each joint's outer link by the link before or the ground; or force on the wall
+        # N, rows of joints: force on the joint's outer link by the link before or the ground; rows of walls:
+        # force on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
-        # N·m, moment on each joint's outer link; or on the wall, about its point in `walls`, else the origin
+        # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about its
+        # point in `walls`, else about the origin
         ("moment", REAL, (loads,)),
-        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the force since the start
+        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start
         ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, the largest force so far
+        ("peak", REAL, (loads,)),  # N, the largest force of the joint so far
     )
 
 
@@ -158,17 +163,19 @@ def load_output_dtype(loads: int) -> np.dtype:
 def transmitted_dtype(loads: int) -> np.dtype:
     """Return the layout of the intermediate data for loads; the rows are those of the outputs of loads."""
     return record(
-        ("start_time", REAL),  # s, start of the run
+        ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
-        ("start_x", REAL, (loads,)),  # N·s, momentum of the outer link at the start
+        ("start_x", REAL, (loads,)),  # N·s, momentum of each joint's outer link at the start of the run
         ("start_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N², the largest square of a force until the start of the last step
-        ("largest_square", REAL, (loads,)),  # N², largest square in the last step, found so far
-        # N², largest square in the last step that was searched as a whole
+        # N², the largest squared force of each joint until the start of the last step
+        ("peak", REAL, (loads,)),
+        # N², the largest squared force of each joint in the last step, as far as the search has found it
+        ("largest_square", REAL, (loads,)),
+        # N², the largest squared force of each joint in the step that was last searched as a whole
         ("searched_square", REAL, (loads,)),
-        ("searched_breaks", INTEGER),  # value of `step.breaks` at this search
-        ("searched_end", REAL),  # s, value of `step.end` at this search
-        ("x", REAL, (loads,)),  # N, forces at a sample
+        ("searched_breaks", INTEGER),  # value of `step.breaks` when a whole step was last searched
+        ("searched_end", REAL),  # s, value of `step.end` when a whole step was last searched
+        ("x", REAL, (loads,)),  # N, joint forces at a sample in time
         ("y", REAL, (loads,)),
         # N², ``before``, ``middle``, ``after``: squares of the forces at three successive samples
         ("before", REAL, (loads,)),

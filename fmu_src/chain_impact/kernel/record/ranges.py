@@ -1,4 +1,4 @@
-"""The fields with a range or with bounds, from the layouts (record/fields.py).
+"""Tables of the fields of the record with a range or with bounds, from the layouts (record/fields.py).
 
 The compiled versions of the functions on instances are in compilation/built_in.py.
 """
@@ -12,7 +12,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 
 
 def marked(layout, mark):
-    """Return the fields whose type has a ``mark``, "range" or "least": path → layout of the field."""
+    """Return the fields whose type has a ``mark``, "range" or "least", as a table from path to layout."""
     found: dict[tuple[str, ...], np.dtype] = {}
     for name in layout.names:
         field = layout[name]
@@ -27,7 +27,8 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths, in the record, of all real numbers that must lie in a range."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# what has the entries of a field of RANGED: links and drives, sites, stops in joints, slider, or whole chain
+# for each field of RANGED, what its entries belong to: links and drives, sites, stops in joints, slider, or
+# the whole chain
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
@@ -37,14 +38,20 @@ RANGE_OWNERS = tuple(
 
 
 def values_at(part, path):
-    """Return the values of a field of a part of the record; of a number, an array with one entry."""
+    """Return the values of a field of a part of the record as an array.
+
+    For a single number the array has one entry.
+    """
     for name in path:
         part = getattr(part, name)
     return np.ravel(part)
 
 
 def ranged_field(d, k):
-    """Return the values of field k of RANGED, an array; of a number, an array with one entry."""
+    """Return the values of field k of RANGED as an array.
+
+    For a single number the array has one entry.
+    """
     return values_at(d, RANGED[k])
 
 
@@ -58,7 +65,10 @@ BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
 
 
 def bounded_field(d, k):
-    """Return the values of field k of BOUNDED, an array; of a number, an array with one entry."""
+    """Return the values of field k of BOUNDED as an array.
+
+    For a single number the array has one entry.
+    """
     return values_at(d, BOUNDED[k])
 
 
@@ -74,6 +84,6 @@ def most_bound(d, k):
 
 @cache
 def bounds_of(counts):
-    """Return the bounds of each field of BOUNDED, for the values of ``Counts``."""
+    """Return the least and the largest value of each field of BOUNDED, for the values of ``Counts``."""
     marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
     return [(mark["least"], mark["most"]) for mark in marks]

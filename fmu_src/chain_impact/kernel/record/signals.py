@@ -26,35 +26,38 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     index of this row.
     """
     return record(
-        ("form", bounded(CONSTANT, TABLE), (signals,)),  # constant, sine, ramp, steps, table: 0 to 4
-        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),  # of a ramp: values in chain/signals.py
+        # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
+        ("form", bounded(CONSTANT, TABLE), (signals,)),
+        # shape of a ramp: a value of chain/signals.py, such as SMOOTH
+        ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),
         ("source", bounded(0, signals - 1), (signals,)),
         ("input", bounded(0, CHANNEL), (signals,)),  # number of the driven input, see kernel/chain/inputs.py
         ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
         ("order", bounded(0, 2), (signals,)),
-        ("first", INTEGER, (signals,)),  # index of the first knot
-        ("last", bounded(0, knots - 1), (signals,)),  # index of the last knot
+        ("first", INTEGER, (signals,)),  # index of the signal's first knot
+        ("last", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
         ("gain", REAL, (signals,)),  # by how much the value of a table grows from one period to the next
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
         ("mean", REAL, (signals,)),
         ("amplitude", FINITE, (signals,)),
-        ("frequency", FINITE, (signals,)),  # Hz
-        ("frequency_rate", FINITE, (signals,)),  # Hz/s
-        ("phase", FINITE, (signals,)),  # rad
-        ("start", REAL, (signals,)),  # s
-        ("rise", NOT_NEGATIVE, (signals,)),  # s
+        ("frequency", FINITE, (signals,)),  # Hz, frequency of the sine at its start
+        ("frequency_rate", FINITE, (signals,)),  # Hz/s, rate of change of the sine's frequency
+        ("phase", FINITE, (signals,)),  # rad, phase of the sine at its start
+        ("start", REAL, (signals,)),  # s, start of the sine or the ramp
+        ("rise", NOT_NEGATIVE, (signals,)),  # s, time in which the sine's amplitude rises; 0: no rise
         ("initial", REAL, (signals,)),
         ("final", REAL, (signals,)),
-        ("duration", REAL, (signals,)),  # s
+        ("duration", REAL, (signals,)),  # s, duration of the ramp
         # ---- derived at initialization
         ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
-        # number of times that the kernel integrates the signal: ``order``, but 0 for a table
+        # number of times that the kernel integrates the signal over time: ``order``, but 0 for a table
         ("integrals", bounded(0, 2), (signals,)),
-        # m, constant that is added to an integral: the base's position at the start; else 0
+        # m, constant that is added to an integral: for the position of the base, the position at the start;
+        # else 0
         ("begin", REAL, (signals,)),
-        ("segment", INTEGER, (signals,)),  # knot in use
+        ("segment", INTEGER, (signals,)),  # index of the knot in use
         ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated
     )
 
@@ -68,8 +71,8 @@ def knot_dtype(knots: int) -> np.dtype:
     """
     return record(
         ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value
-        # values of a signal of steps, in the unit of the input
+        # values of a signal of steps from its given times on, in the unit of the input
         ("given_value", REAL, (knots,)),
-        ("time", REAL, (knots,)),  # s, time of the knot
+        ("time", REAL, (knots,)),  # s, time at which the knot's polynomial begins
         ("powers", REAL, (knots, SIGNAL_DEGREE + 1)),  # coefficients of the powers of the time since the knot
     )

@@ -1,4 +1,4 @@
-"""The parts of the record with the memory of the solver, lasting and scratch."""
+"""The parts of the record with the solver's memory: data that last, and scratch memory."""
 
 import numpy as np
 
@@ -37,29 +37,32 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
     state = state_size(links)
     return record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
-        ("start", REAL),  # s
-        # s, time at which the time t in the state is 0: the start of the last or the tried step
+        ("start", REAL),  # s, start of the step
+        # s, time at which the time t in the state y is 0: the start of the last step or of the tried step
         ("clock", REAL),
         ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
         # s, time from `start` to the event that begins the step: 0, with derivatives in a tangent instance
         ("start_delay", REAL),
-        ("size", REAL),  # s, in the step's integration variable, see kernel/ode/sundman.py
+        # size of the step in its integration variable: s, or fictitious time, see kernel/ode/sundman.py
+        ("size", REAL),
         ("end_fraction", REAL),  # fraction of `size` at which the step ends
-        ("next_size", REAL),  # s, the proposed size of the next step, in the step's integration variable
-        # s, ``next_size`` before the first of the present contacts, for the flight after them
+        ("next_size", REAL),  # the proposed size of the next step, in its integration variable
+        # the proposed size before the first of the present contacts began, for the flight after the contacts
         ("flight_size", REAL),
-        ("state", REAL, (state,)),  # y at `start`
-        ("state_end", REAL, (state,)),  # y at `end`
+        ("state", REAL, (state,)),  # state y at `start`
+        ("state_end", REAL, (state,)),  # state y at `end`
         # J, the parts of the dissipated energy at `start` and at `end` that rounding of y has lost
         ("remainder", REAL),
         ("remainder_end", REAL),
-        ("remainder_whole", REAL),  # J, the same part at the end of the whole step of `size`
+        # J, the part of the dissipated energy that rounding of y has lost at the end of the whole step of
+        # `size`
+        ("remainder_whole", REAL),
         # coefficients of the dense output of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at `end`
-        # the user of the dense output, or 0 if there is none yet, see kernel/ode/last_step.py
+        # the user of the dense output, or 0 if the step has no dense output yet, see kernel/ode/last_step.py
         ("dense_for", bounded(0, SOLVER)),
-        # the method of the last step, see kernel/ode/control.py
+        # number of the method of the last step, see kernel/ode/control.py
         ("last_method", bounded(EXPLICIT, IMPLICIT)),
         # number of breaks in the sequence of steps: a step began elsewhere than at the end of the last step,
         # or in another integration variable
@@ -67,9 +70,9 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
         # time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
-        ("method", bounded(EXPLICIT, IMPLICIT)),  # the current method, see kernel/ode/control.py
-        ("explicit_size", REAL),  # s, size of the last explicit step before implicit steps; 0: not known
-        ("stiff_count", INTEGER),  # number of steps in a row that favoured the other method
+        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the current method, see kernel/ode/control.py
+        ("explicit_size", REAL),  # s, size of the last explicit step before the implicit steps; 0: not known
+        ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
 
@@ -78,11 +81,12 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
 def trial_dtype(links: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return record(
-        ("size", REAL),  # s, in the step's integration variable
-        ("state", REAL, (state_size(links),)),  # y at the step's end
-        ("outcome", bounded(ACCEPTED, DIVERGED)),  # ACCEPTED, or why not: kernel/ode/control.py
-        # error relative to the tolerance or, if larger, lost energy relative to the allowed loss; set for a
-        # step that is ACCEPTED or INACCURATE
+        ("size", REAL),  # size of the tried step in its integration variable
+        ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
+        # ACCEPTED, or the reason why the tried step is rejected, see kernel/ode/control.py
+        ("outcome", bounded(ACCEPTED, DIVERGED)),
+        # error of the step relative to the tolerance or, if larger, the lost energy relative to the allowed
+        # loss; valid for a step that is ACCEPTED or INACCURATE
         ("error", REAL),
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )
@@ -91,8 +95,8 @@ def trial_dtype(links: int) -> np.dtype:
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
     """Return the layout of the reason for a fault status."""
-    # number of the part that is the reason: 1…C the candidates, then the N links, then, for each candidate,
-    # the base at its wall; 0: none
+    # number of the part that is the reason of the fault: 1…C for the candidates, then the N links, then, for
+    # each candidate, the base at its wall; 0: none
     return record(("part", INTEGER))
 
 
@@ -102,7 +106,8 @@ def statistics_dtype() -> np.dtype:
     return record(
         ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),
-        ("rhs_evaluations", INTEGER),  # number of evaluations by the solver, without evaluations for outputs
+        # number of evaluations of the right-hand side by the solver, without evaluations for outputs
+        ("rhs_evaluations", INTEGER),
         ("implicit_steps", INTEGER),
         ("status", bounded(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
     )
@@ -112,13 +117,14 @@ def statistics_dtype() -> np.dtype:
 def limits_dtype() -> np.dtype:
     """Return the layout of the count of events and of the cost, each limited in a window of time."""
     return record(
-        ("event_start", REAL),  # s, start of the window of events
+        ("event_start", REAL),  # s, start of the window in which events are counted
         ("event_count", INTEGER),
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
-        ("cost_count", INTEGER),  # the cost before `cost_start`, in evaluations
-        # the cost before the communication step, in evaluations; cost.UNLIMITED: the step may have any cost
+        ("cost_count", INTEGER),  # cost before `cost_start`, in evaluations
+        # cost before the communication step, in evaluations; cost.UNLIMITED: the step may have any cost
         ("call_count", INTEGER),
-        # cost of other than evaluations (located points, responses to impulses), in evaluations of equal cost
+        # cost of calculations that are no evaluations (located points, responses to impulses), as a number of
+        # evaluations of equal cost
         ("other_cost", INTEGER),
     )
 
@@ -129,19 +135,21 @@ def balance_dtype() -> np.dtype:
     return record(
         ("at_end", REAL),  # J, energy balance at the end of the last step
         ("at_start", REAL),  # J, energy balance at the start of the last step
-        ("breaks", INTEGER),  # value of `step.breaks` when the balance was last evaluated at a step's start
-        ("start", REAL),  # s, start of the window of time
+        # value of `step.breaks` when the energy balance was last evaluated at the start of a step
+        ("breaks", INTEGER),
+        ("start", REAL),  # s, start of the window of time in which changes are summed
         # J, energy balance at the start of the window, plus later changes by parameters
         ("reference", REAL),
         ("allowed", REAL),  # J, largest change that was allowed to a step in the window so far
-        ("least_allowed", REAL),  # J, the change that is allowed to every step
+        # J, the part of the change that is allowed to every step, whatever its state
+        ("least_allowed", REAL),
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
         # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
         ("available_at_start", REAL),
-        ("available", REAL),  # J, the same up to the end of the last step
-        ("unit_motion", REAL),  # √J, √E₁ in the scale S of the energy, see kernel/ode/balance.py
-        ("unit_scale", REAL),  # J, M g (s + Σ L_i) + E₂ in this scale
+        ("available", REAL),  # J, the largest available energy up to the end of the last step
+        ("unit_motion", REAL),  # √J, √E₁ in the scale S of the energy (kernel/ode/balance.py)
+        ("unit_scale", REAL),  # J, M g (s + Σ L_i) + E₂ in the scale S of the energy (kernel/ode/balance.py)
         ("weight", REAL),  # N, weight of the chain
     )
 
@@ -149,7 +157,7 @@ def balance_dtype() -> np.dtype:
 def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
     """Return the layout of the factors of ``rows`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
+        # factors of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
         # ``complement`` 1 − σ = H/(H + κ)
         *(
             (name, scalar, (rows, links))
@@ -192,32 +200,35 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
     return record(
-        ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
+        ("stage", REAL, (STAGES, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
-        ("y", REAL, (state,)),  # a state that is being evaluated
-        ("rate", REAL, (state,)),  # ẏ of ``y``, for an evaluation outside of a step
+        ("y", REAL, (state,)),  # the state y that is being evaluated
+        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for an evaluation outside of a step
         ("nearby", REAL, (state,)),  # a state some way before or after ``y``, see kernel/ode/folds.py
-        ("error", REAL, (2, state)),  # the two embedded error estimates
+        ("error", REAL, (2, state)),  # the two error estimates of a step
         ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
-        ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint and on each link
+        # loads, as forces or impulses: N or N·s at each place, N·m or N·m·s in each joint and on each link
+        ("load", loads),
         ("moment", REAL, (links,)),  # N·m, moment on each link from its joints
-        ("thrust", REAL),  # N, force of motor, spring and damper on the carriage
+        ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
-        ("factors", factors_dtype(links, REAL, ROWS)),  # see kernel/chain/response.py
-        ("elimination", elimination_dtype(links)),  # results of the recursion for the accelerations
+        # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
+        ("factors", factors_dtype(links, REAL, ROWS)),
+        # results of the recursion for the accelerations, see kernel/chain/elimination.py
+        ("elimination", elimination_dtype(links)),
         # m, positions of all places: points, joints in a scene with stops or dry friction in joints, and
         # sites
         ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
-        # 1: the places are those at the end of the step, and remain valid after the step
+        # 1: the places are located and accelerated at the end of the step; they remain valid after the step
         ("at_end", INTEGER),
-        # a change of the coordinates or of their rates, such as the response to an impulse or a force
+        # a change of all coordinates or of their rates, such as the response to an impulse or a force
         ("change", REAL, (coordinate_count(links),)),
         ("motion", places),  # motions of all places that a change of the coordinates causes
-        # m/s², bound on the links' part of the second derivative of each point's position in the step's
-        # variable
+        # m/s², for each point, bound on the links' part of the second derivative of the position in the
+        # step's variable
         ("reach", REAL, (points,)),
     )
 
@@ -226,13 +237,14 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with data at both ends of the searched interval."""
     return record(
-        # which data are known at the end of a step, see kernel/events/exclusion.py
+        # which data of the clearances are known at the end of a step, see kernel/events/exclusion.py
         ("known", bounded(0, FAR)),
-        ("known_for", INTEGER),  # value of `step.breaks` for which ``known`` is valid
+        ("known_for", INTEGER),  # value of `step.breaks` for which the value of ``known`` is valid
         # m, lower bound on the clearances of candidates without contact at the end of a step
         ("safe_distance", REAL),
         ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
-        ("acceleration", REAL),  # m/s², bound on the accelerations of places relative to walls there
+        # m/s², bound on the accelerations of places relative to walls at the end of a step
+        ("acceleration", REAL),
         # number of candidates that the search follows; the other candidates have no event in the step
         ("suspect_count", INTEGER),
         ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
@@ -240,13 +252,13 @@ def search_dtype(candidates: int) -> np.dtype:
         # variable
         ("curvature", REAL, (candidates,)),
         # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
-        # u, or ∞ at a rigid wall (events/exclusion.py)
+        # u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
         ("phi_start", REAL, (candidates,)),
         ("phi_end", REAL, (candidates,)),
-        # derivative φ′ in the step's variable at the start of the interval
+        # derivative φ′ of each candidate in the step's variable at the start of the interval
         ("phi_start_rate", REAL, (candidates,)),
         ("phi_end_rate", REAL, (candidates,)),
-        # second derivative φ″ at the start of the whole step
+        # second derivative φ″ of each candidate at the start of the whole step
         ("phi_start_curve", REAL, (candidates,)),
         ("phi_end_curve", REAL, (candidates,)),
     )
@@ -271,7 +283,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # for the complex shifts, one of each conjugate pair, the data that ``scratch`` contains for the real
+    # data for the complex shifts, one of each conjugate pair; ``scratch`` contains the same data for the real
     # shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
@@ -279,29 +291,31 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("load", loads_dtype(links, sites, COMPLEX)),
         ("motion", vectors_dtype(place_count(links, sites), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(links),)),
-        ("x", COMPLEX, (extended,)),  # right-hand side of a system, later the solution
+        ("x", COMPLEX, (extended,)),  # right-hand side of a linear system, and later its solution
     )
     return record(
         ("start", REAL, (extended,)),  # extended state z at the start of a step
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
         # the extended state that is evaluated; in `correct_stages` the largest changes of its entries
         ("z", REAL, (extended,)),
-        # weights of errors in z, 1/(tolerance × scale); in an explicit step the scales of y and clearances
+        # weights 1/(tolerance × scale) of errors in z; in an explicit step the scales of y and of clearances
         ("weight", REAL, (extended,)),
-        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start to the nodes
+        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start of the step to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
-        # residuals in the eigenvectors of the matrix Q, later corrections (kernel/ode/radau.py)
+        # residuals in the eigenvectors of the matrix Q, and later the corrections (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
-        ("last", REAL, (RADAU_STAGES, extended)),  # the increments of the last step
-        ("listing", INTEGER),  # value of `touch.listings` for which ``last`` can be extrapolated
-        ("iterations", INTEGER),  # number of iterations in the tried step
-        ("correction", REAL),  # largest component of the last correction, relative to the tolerance
-        ("contraction", REAL),  # last convergence rate θ of the iteration
-        ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
+        # increments of z from the start of the last step to its nodes
+        ("last", REAL, (RADAU_STAGES, extended)),
+        # value of `touch.listings` for which the stages in ``last`` can be extrapolated
+        ("listing", INTEGER),
+        ("iterations", INTEGER),  # number of Newton iterations in the tried step
+        ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance
+        ("contraction", REAL),  # last convergence rate θ of Newton's iteration
+        ("thirds", REAL, (2, state)),  # corrections of the dense output at the two thirds of the step
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
-        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of these contacts, packed
+        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts with a force law, packed
         # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the

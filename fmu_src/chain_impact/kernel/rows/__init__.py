@@ -1,1 +1,1 @@
-"""The points and joints at which forces act on the chain, the chain's response there, and constraints."""
+"""The rows (places and directions) at which forces act on the chain, its response there, and constraints."""

@@ -1,8 +1,8 @@
 """The response of the chain to impulses: a linear solver for implicit steps, rigid walls and sticking.
 
-J contains the rows of the constraints: normals of active contacts, tangents of sticking elements.
-D = diag(D_k) are the impedances of the constraints, and K = s C + s² S is the joints' resistance for a time
-s, with dampers C and springs S. The module solves in O(N) the equation
+J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
+diag(D_k) are the impedances of the constraints, and K = s C + s² S is the resistance of the joints for a time
+s, with the damping matrix C and the stiffness matrix S of the joints. The module solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + q,
 
@@ -28,12 +28,12 @@ from chain_impact.kernel.rows.geometry import (
     normal_row,
 )
 
-# The least mobility of a point, relative to the mobility of all links as one mass: a bound on the effective
+# The least mobility (1/effective mass) of a point, relative to 1/(mass of the chain): it bounds the effective
 # mass. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
-# infinite. A million times the chain's mass has the same effect.
+# infinite. A mass a million times the chain's has the same effect.
 LEAST_MOBILITY = 1e-6
-# The number of iterations of constraints.py for sticking elements if no rigid wall holds a point. It is
-# fixed, because a varying number would let the forces jump.
+# The number of iterations, in constraints.py, for sticking elements if no rigid wall holds a point. The
+# number is fixed, because the forces would jump if it varied.
 STICKING_PASSES = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
@@ -42,12 +42,15 @@ RELATIVE_IMPEDANCE = 1e6
 
 
 def mean_mass(d):
-    """Return the mass [kg] of the chain, with carriage and armatures, divided by the number of links."""
+    """Return the mean mass of a link [kg].
+
+    It is the mass of chain, carriage and armatures, divided by the number of links.
+    """
     return d.model.energy_scale / (d.model.longest_link * d.model.longest_link * d.links)
 
 
 def holding_impedance(d):
-    """Return an impedance [kg] that leaves a link of mean mass about a millionth of its free motion."""
+    """Return an impedance [kg] that leaves a held link of mean mass a millionth of its free motion."""
     return RELATIVE_IMPEDANCE * mean_mass(d)
 
 
@@ -67,9 +70,9 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, row, impedance):
-    """Factorize M + Jᵀ D J, with the mass matrix M, in a ``row`` of ``scratch.factors``.
+    """Factorize M + Jᵀ D J, with the mass matrix M; store the factors in a ``row`` of ``scratch.factors``.
 
-    ``impedance`` contains D_k [kg] of each constraint, packed.
+    ``impedance`` contains the impedance D_k [kg] of each constraint k.
     """
     no_impedance(d, d.scratch.impedance)
     for k in range(constraint_count(d)):
@@ -100,7 +103,7 @@ def solve_space(d, link_vectors, space, row, change):
 
 
 def solve_contacts(d, row, impulse, change):
-    """Find the response Δ to the impulses p_k [N·s] of the constraints in ``impulse``, packed."""
+    """Find the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k."""
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):
         add_along(constraint_row(d, k), d.scratch.load, impulse[k])
@@ -108,7 +111,7 @@ def solve_contacts(d, row, impulse, change):
 
 
 def accelerations_with_armatures(d, y, rate):
-    """Solve for the accelerations of a chain with armatures: M also contains the inertia of the rotors.
+    """Solve for the accelerations of a chain with armatures: here M also contains the inertia of the rotors.
 
     The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
     of mass; a_C is the acceleration that this centre has at constant angular velocities. The loads at the
@@ -166,6 +169,6 @@ def effective_mass(d, c):
     clear_loads_of(d, scratch.load)
     add_along(row, scratch.load, 1.0)
     solve_space(d, scratch.link, scratch, FREE, scratch.change)
-    # in a toggle position no impulse moves the point: its mobility is 0
+    # in a toggle position no impulse moves the point: the point's mobility is 0
     mobility = LEAST_MOBILITY * d.model.longest_link * d.model.longest_link / d.model.energy_scale
     return 1.0 / max(mobility, along(row, scratch.motion))

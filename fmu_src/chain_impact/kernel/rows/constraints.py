@@ -1,8 +1,8 @@
 """Constraints: the impulses or forces that bring touching points to a target motion.
 
 A rigid wall has no force law. The touching candidates k have normal motions u_k, which are positions, rates
-or accelerations, and impulses p_k change them by the response of the recursion: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻
-+ W p, W = J M⁻¹ Jᵀ. Two problems come up:
+or accelerations, and impulses p_k change these motions by the response of the chain: M Δ = Jᵀ p, u = u⁻ + J Δ
+= u⁻ + W p, W = J M⁻¹ Jᵀ. Two problems come up:
 
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
@@ -54,46 +54,46 @@ from chain_impact.kernel.rows.geometry import (
 # multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass of a link; with a larger D the
 # residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # the part of the residual that shows a fold if the first iteration leaves more of it
-# The impedance D of the first iteration for sticking elements without a rigid wall, relative to the mean mass
-# of a link. This iteration finds the forces to a thousandth. Without this iteration, the round-off of the
-# whole motion, times the large D of the other iterations, would remain in the forces against motions that can
-# hardly be constrained, and steps at tight tolerances would be short.
+FOLD_RESIDUAL = 1e-3  # near a fold (folds.py), the first iteration leaves more of the residual
+# The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
+# mean mass of a link. This iteration finds the forces up to a relative error of a thousandth. Without this
+# iteration, the round-off of the whole motion, times the large D of the other iterations, would remain in the
+# forces against motions that can hardly be constrained, and steps at tight tolerances would be short.
 FIRST_IMPEDANCE = 1e3
-# The least mobility W, times the mean mass of a link, for which one point at a rigid wall is solved directly.
-# A smaller W, as near a toggle position, has lost digits, and the iteration is used instead.
+# The least product of the mobility W and the mean mass of a link for which the force on a single held point
+# is m/W. Near a toggle position W is smaller and has lost digits, and the iteration finds the force instead.
 LEAST_SINGLE_MOBILITY = 1e-3
-# The factor on the impedance D of sticking elements for one solution in place of n = STICKING_PASSES. With
-# x = D W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much if
-# a = ((1 + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
+# The factor on the impedance D of sticking elements if one solution replaces n = STICKING_PASSES. With x = D
+# W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much if a = ((1
+# + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
-# The residual of a constrained motion that may be round-off, relative to the largest motion. If it is
-# much smaller, the forces of sticking elements contain round-off times D, and a chain at rest changes its
-# energy.
+# The largest residual of a constrained motion that counts as round-off, relative to the largest motion. With
+# a much smaller limit, the forces of sticking elements contain round-off times D, and a chain at rest changes
+# its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
-# The largest motion that may remain to sticking elements, relative to the squared tolerance times the largest
-# motion. Impulses against a smaller motion, which can hardly be constrained, would end the sticking again and
+# The largest motion that sticking elements may keep, relative to the squared tolerance times the largest
+# motion. Impulses against smaller motions, which can hardly be constrained, would end the sticking again and
 # again.
 NEGLIGIBLE_MOTION = 0.1
-# the largest impulse or motion of wrong sign that does not change the active set, relative to the largest
-# impulse or motion
+# the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
+# relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of successive pivots without a new least number of violated candidates; after one more, only one
-# candidate changes in a pivot. Single changes terminate for a positive definite W, but take more pivots.
+# The number of successive pivots that may fail to reduce the violations. After more such pivots only one
+# candidate changes in a pivot. Single changes terminate for a positive definite W, but take longer.
 MAX_STALLED_PIVOTS = 3
 # the least impedance of a sticking element, relative to that of the element with the largest limit
-LEAST_STICKING_IMPEDANCE = 1e-2  # with a smaller impedance, the residual falls too slowly
-# values of d.constraints.unsolved, the result of the search for constraint forces. MOVING: a held point still
-# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room
+LEAST_STICKING_IMPEDANCE = 1e-2  # with a smaller impedance, the residual would fall too slowly
+# Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
+# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# the largest number of pivots, in addition to 4 for each row; far more than was ever observed
+# the largest number of pivots, in addition to 4 for each row; a search that needs more has failed
 EXTRA_PIVOTS = 30
 
 
 def set_impedance(d, amount):
-    """Set the impedance of each constraint: ``amount`` [kg] in the active set, else `constraints.resistance`.
+    """Set the impedance [kg] of each constraint: ``amount`` in the active set, else its resistance.
 
     Sticking elements get a part of ``amount``, in proportion to their limits of friction.
     """
@@ -105,7 +105,7 @@ def set_impedance(d, amount):
 
 
 def scale_sticking_impedances(d):
-    """Scale the impedances of sticking elements by limit over largest limit, or by a least ratio."""
+    """Scale impedances of sticking elements by their limits of friction over the largest limit."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -115,7 +115,7 @@ def scale_sticking_impedances(d):
 
 
 def set_single_solution_impedances(d):
-    """Set the impedances with which one solution acts about as STICKING_PASSES iterations do."""
+    """Set the impedances with which one solution has about the effect of STICKING_PASSES iterations."""
     for k in range(d.touch.compliant_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
@@ -130,7 +130,7 @@ def factorize_free(d):
 
 
 def solve_equality(d, scale):
-    """Find the impulses that bring the active set from ``start`` to ``target``; others have no impulse.
+    """Find the impulses that bring the active set from ``start`` to ``target``; other impulses are 0.
 
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
@@ -163,11 +163,11 @@ def solve_equality(d, scale):
 
 
 def iterate_impulses(d, scale, impedance):
-    """Iterate until the residual is round-off, or no ``impedance`` [kg] reduces it further.
+    """Iterate until the residual is round-off, or no larger ``impedance`` [kg] reduces the residual.
 
     The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual, makes
-    D grow, or follows one in which D has grown; D grows at most twice. The first pass with a larger D adds
-    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_PASSES iterations.
+    D grow, or follows a pass in which D has grown; D grows at most twice. The first pass with a larger D adds
+    round-off, which the next pass removes. Sticking elements alone get STICKING_PASSES iterations.
 
     Returns:
         The largest residual.
@@ -218,7 +218,7 @@ def single_active(d):
 
 
 def solve_single(d, row):
-    """Solve the problem of ``solve_equality`` for one constraint: p = m/W. Return if W is large enough."""
+    """Solve the problem of ``solve_equality`` for a single constraint; return whether W is large enough."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, row), d.scratch.load, 1.0)
@@ -240,12 +240,12 @@ def solve_single(d, row):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return whether so many iterations suffice if the residual is round-off; dual numbers need more."""
+    """Return whether enough iterations are done if the residual is round-off; dual numbers need more."""
     return True
 
 
 def clear_impulses(d):
-    """Set all impulses to zero, and the motion to the motion without impulses."""
+    """Set all impulses to zero, and each constraint's motion to its motion without impulses."""
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0
@@ -254,7 +254,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set the residual target − motion of each constraint in the active set; return the largest size."""
+    """Find the residual target − motion of each constraint in the active set; return the largest size."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_count(d)):
         left = constraints.target[k] - constraints.reached[k]
@@ -289,7 +289,7 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Replace the impulses by those in ``impulse``, and find the change of the coordinates that follows."""
+    """Replace the impulses by those in ``impulse``, and find the resulting change of the coordinates."""
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
@@ -303,9 +303,9 @@ def solve_lcp(d, scale):
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
     the active set and those with u < target enter it. All of these candidates change at once as long as their
-    number falls; otherwise only the one with the highest number changes, which terminates if W is positive
-    definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is recorded
-    as unsolved. The arguments are those of ``solve_equality``.
+    number falls; otherwise only the candidate with the highest number changes, which terminates if W is
+    positive definite (Murty 1974, Linear Algebra Appl 9:65). If the search does not terminate, the problem is
+    recorded as unsolved. The arguments are those of ``solve_equality``.
     """
     constraints, first = d.constraints, d.touch.compliant_count
     count = d.touch.active_count - first
@@ -326,7 +326,7 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Forget unsolved problems; a tried step with an unsolved problem is rejected."""
+    """Clear the note of an unsolved problem; a tried step with such a note is rejected."""
     d.constraints.unsolved = SOLVED
 
 
@@ -343,21 +343,21 @@ def note_moving(d, tolerated):
 
 
 def note_squeezed(d, tolerated):
-    """Record SQUEEZED if a held point stays deeper in its rigid wall than is ``tolerated`` [m]."""
+    """Record SQUEEZED if a held point lies deeper in its rigid wall than ``tolerated`` [m]."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.constraints.target[k] - d.constraints.reached[k] > tolerated:
             d.constraints.unsolved = SQUEEZED
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of wrong candidates so far, and how many more pivots may fail to reduce it."""
+    """Return the least number of violated candidates, and how many pivots may still not reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):
-    """Mark and count violations by more than round-off: p < 0 in the active set, u < target outside it."""
+    """Count and mark violations above round-off: p < 0 in the active set, or u < target outside of it."""
     constraints, largest, wrong = d.constraints, 0.0, 0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(constraints.impulse[k]))
@@ -389,7 +389,7 @@ def activate_all(d):
 
 
 def add_to_active_set(d, k, target):
-    """Put constraint k into the active set; ``target`` is the least motion that it requires."""
+    """Put constraint k into the active set; ``target`` is the least motion that the constraint requires."""
     d.constraints.in_active_set[k] = 1
     d.constraints.target[k] = target
 

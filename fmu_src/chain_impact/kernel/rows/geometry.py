@@ -13,8 +13,8 @@ The normals are computed once, at initialization, so that the code in loops has 
 
 A row is a place (chain/kinematics.py) and a direction (n_x, n_y) at this place: the normal of a contact or
 stop, the tangent along which dry friction acts, or a joint's own angle. J of a row maps the vectors of all
-places to the component of this place along this direction. The functions return g, ġ, g̈ and the tangential
-motion relative to a moving wall, so contacts need not know its motion.
+places to the component, at this place, along this direction. The functions of this module return g, ġ, g̈ and
+the tangential motion relative to a moving wall, so contacts need not know its motion.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
@@ -38,8 +38,8 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
 
 
-# [m] the largest depth of a point or a base in a wall that counts as touching: round-off of positions and
-# sines
+# [m] the largest depth in a wall at which a point, or a base, at the start of a run counts as touching the
+# wall: the round-off of positions and sines
 OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
@@ -47,7 +47,7 @@ STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2
 """Name of a stop → the value of candidate.stop; its sign is the side of the stop, see ``stop_sign``."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
 STOP_COUNT = len(STOP_CODES)
-AT_WALL = 0  # value of candidate.stop for a candidate that is no stop
+AT_WALL = 0  # value of candidate.stop for a candidate at a wall, which is no stop
 
 
 def set_candidate_rows(d):
@@ -72,7 +72,7 @@ def set_box_wall(d, c, wall):
     candidate = d.candidate
     nx, ny = NORMALS[wall]
     candidate.normal_x[c], candidate.normal_y[c] = nx, ny
-    # the normal has a single component: nx or ny is 0
+    # the normal has a single component: either nx or ny is 0
     candidate.offset[c] = (nx + ny) * d.model.wall[wall]
 
 
@@ -122,20 +122,23 @@ def at_joint_stop(d, c):
 
 
 def stop_sign(d, c):
-    """Return the direction of the normal of a stop: 1.0 at a lower limit, −1.0 at an upper limit."""
+    """Return the sign of the normal of a stop: 1.0 at a lower limit, −1.0 at an upper limit."""
     return 1.0 if d.candidate.stop[c] > AT_WALL else -1.0
 
 
 def joint_stop_moment(d, c, force):
     """Return the moment [N·m] of the ``force`` [N] of a joint's stop, or the angular impulse of an impulse.
 
-    It is positive at the lower limit, and negative at the upper limit.
+    The result is positive at the lower limit, and negative at the upper limit.
     """
     return stop_sign(d, c) * lever_of_candidate(d, c) * force
 
 
 def first_stop(d, c):
-    """Return c − 1 if c is the second stop, at the upper limit, of a joint with two stops; else c."""
+    """Return the index of the first stop, at the lower limit, of a joint with two stops.
+
+    ``c`` is one of its stops. For any other candidate the result is c.
+    """
     candidate = d.candidate
     second = (
         c > 0
@@ -147,7 +150,7 @@ def first_stop(d, c):
 
 
 def candidate_within_bounds(d, c):
-    """Return whether the numbers of stop, point, place and wall of candidate c are possible in this scene."""
+    """Return whether the numbers of stop, point, place and wall of candidate c are valid in this scene."""
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
     first, last = (1, d.links) if at_joint_stop(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
@@ -179,8 +182,8 @@ def tangent_row(d, e):
 def row_of_drive(d, i):
     """Return the row along the coordinate of drive i: the base along the slider's line, or a joint's place.
 
-    The x of this place is the joint's angle times the longest link s. A force F at this place is a moment
-    s F.
+    The coordinate x of a joint's place is the joint's angle times the longest link s; a force F at this place
+    is the moment s F.
     """
     if is_slider(d, i):
         return 0, d.slider.ux, d.slider.uy
@@ -188,7 +191,7 @@ def row_of_drive(d, i):
 
 
 def constraint_count(d):
-    """Return the number of constraints: active contacts, then sticking elements."""
+    """Return the number of constraints: the active contacts plus the sticking elements."""
     return d.touch.active_count + d.friction.stuck_count
 
 
@@ -198,27 +201,30 @@ def any_sticking(d):
 
 
 def constraint_row(d, k):
-    """Return the row of constraint k: the active contacts come first, packed, then the sticking elements."""
+    """Return the row of constraint k.
+
+    The constraints are numbered: first the active contacts, then the sticking elements.
+    """
     if k < d.touch.active_count:
         return normal_row(d, d.touch.active_index[k])
     return tangent_row(d, d.element.stuck[k - d.touch.active_count])
 
 
 def along(row, vectors):
-    """Return the component J v of the vectors v of all places along a row."""
+    """Return J v of a row: the component, along the row, of the vectors v of all places."""
     place, nx, ny = row
     return nx * vectors.x[place] + ny * vectors.y[place]
 
 
 def add_along(row, vectors, amount):
-    """Add Jᵀ F of a row, for an ``amount`` F, to the vectors of all places."""
+    """Add Jᵀ F of a row to the vectors of all places; ``amount`` is F."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
     vectors.y[place] += ny * amount
 
 
 def add_impedance(row, impedance, amount):
-    """Add Jᵀ D J of a row, for an ``amount`` D [kg], to the impedances of all places."""
+    """Add Jᵀ D J of a row to the impedances of all places; ``amount`` is D [kg]."""
     place, nx, ny = row
     impedance.xx[place] += nx * nx * amount
     impedance.xy[place] += nx * ny * amount
@@ -273,7 +279,7 @@ def constraint_acceleration(d, k):
 def add_joint_loads(d, load):
     """Add the load at each joint's place, times its lever arm, the longest link, to the moment in the joint.
 
-    The place of a joint is no point of the chain: its x is the angle of the joint times this arm.
+    The place of a joint is no point of the chain: x of this place is the joint's angle times the lever arm.
     """
     if d.model.has_joint_places:
         for i in range(d.links):
@@ -281,7 +287,7 @@ def add_joint_loads(d, load):
 
 
 def add_joint_impedances(d, impedance):
-    """Add to the impedance of each joint the rotor of its drive and the impedance at its place."""
+    """Add to each joint's impedance the inertia of the drive's rotor, and the impedance at its place."""
     if d.model.has_joint_places or d.model.has_armatures:
         square = d.model.longest_link * d.model.longest_link
         for i in range(d.links):
@@ -307,7 +313,10 @@ def largest_velocity(d):
 
 
 def largest_coordinate(d):
-    """Return the largest coordinate [m] of any place, at least the longest link: the scale of round-off."""
+    """Return the largest coordinate [m] of any place, but at least the longest link.
+
+    This is the scale of the round-off of positions.
+    """
     return max(d.model.longest_link, largest_component(d, d.scratch.position))
 
 
@@ -321,11 +330,14 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return a bound on the lengths of the velocities or accelerations of all places with clearances."""
+    """Return a bound on the lengths of the velocities or accelerations of all places.
+
+    Only places with clearances count.
+    """
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.model.has_joint_stops:  # the places of other joints have no clearances
+    if d.model.has_joint_stops:  # the places of joints without stops have no clearances
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -334,7 +346,7 @@ def length_bound(d, vectors):
 
 
 def coordinates_size(d, c, y):
-    """Return the sum [m] of the sizes of the coordinates whose round-off enters g of candidate c."""
+    """Return the sum [m] of the sizes of the coordinates whose round-off enters candidate c's clearance g."""
     point = d.candidate.point[c]
     if at_joint_stop(d, c):
         return d.model.longest_link * coordinates_of_drive(d, y, point - 1)
@@ -352,14 +364,14 @@ def link_of(d, c):
 
 
 def lever_of_candidate(d, c):
-    """Return the ratio of clearance to angle at a joint's stop, the lever arm [m]; else 1."""
+    """Return the lever arm [m] of a joint's stop, the ratio of clearance to angle; 1 for other candidates."""
     return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint_stop(d, c) else 1.0
 
 
 def faces_base(d, c):
     """Return whether candidate c is the first one of its wall, and the wall can meet the pinned base.
 
-    Wall and base can meet if one of the two moves.
+    Wall and base can meet if one of them moves.
     """
     # the candidates of each wall are in the order of the points
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]

@@ -23,7 +23,8 @@ forces are at their limits:
 
     (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ_{others} Jᵀ (limit − p),    p⁺ = p + D (m − J z).
 
-The rows inside are found one by one, as in bounded least squares (Stark & Parker 1995, Comput Stat 10:129).
+The rows inside their limits are found one by one, as in bounded least squares (Stark & Parker 1995, Comput
+Stat 10:129).
 """
 
 import math
@@ -43,8 +44,8 @@ from chain_impact.kernel.rows.geometry import along, constraint_count, constrain
 def find_limited_forces(d):
     """Find forces within the limits of friction that satisfy the constraints as far as possible.
 
-    Call ``add_constraint_forces`` in forces/holding.py just before: it sets the constraints. Afterwards
-    ``at_limit`` is the sign of each sticking element's force that is at its limit, else 0.
+    The caller must call ``add_constraint_forces`` of forces/holding.py before, which sets the constraints.
+    Afterwards ``at_limit`` is the sign of each sticking element's force that is at its limit, else 0.
     """
     limited, scale = d.limited_forces, largest_start(d)
     set_impedance(d, holding_impedance(d))
@@ -91,7 +92,8 @@ def lower_limit(d, k):
 def upper_limit(d, k):
     """Return the upper limit [N] of the force of row k.
 
-    It is µ F_n for an element, because an element at its limit slides; infinite for a point at a rigid wall.
+    For an element the limit is µ F_n of sliding friction, because an element at its limit slides. For a point
+    at a rigid wall the limit is infinite.
     """
     first = d.touch.active_count
     if k < first:
@@ -110,9 +112,9 @@ def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
     The forces inside their limits move toward the solution with the other forces fixed. The first force that
-    reaches a limit stays there. When the solution is reached, the row at a limit whose force tends inward
-    most is released. The minimized function decreases with each change, so no set of rows occurs twice, and
-    the search ends.
+    reaches a limit stays there. When the solution is reached, the row whose force most tends from its limit
+    to the inside is released. The minimized function decreases with each change, so no set of rows occurs
+    twice, and the search ends.
     """
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
@@ -131,7 +133,9 @@ def minimize_within_limits(d, scale):
 
 
 def first_at_limit(d):
-    """Return the row whose force is the first to reach a limit on the way to the unlimited forces, or −1.
+    """Return the row whose force is the first to reach a limit on the way to the unlimited forces.
+
+    The row is −1 if there is none.
 
     Also return the part of the way at which this force reaches its limit, or 1.
     """
@@ -146,7 +150,10 @@ def first_at_limit(d):
 
 
 def row_to_release(d, scale):
-    """Return the row at a limit whose force tends inward most, or −1 if none exceeds round-off."""
+    """Return the row whose force most tends from its limit to the inside.
+
+    The result is −1 if no force does so by more than round-off.
+    """
     limited, row, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
         largest = max(largest, abs(limited.force[k]))
@@ -161,7 +168,7 @@ def row_to_release(d, scale):
 def solve_inside(d):
     """Store in ``unlimited`` the forces p + D m⁺ of all rows, before they are limited.
 
-    The residuals m⁺ are those with the forces of the rows not inside fixed at their limits.
+    The residuals m⁺ belong to these forces, with the forces of rows at their limits unchanged.
     """
     limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):

@@ -1,1 +1,1 @@
-"""Derivatives of a run with respect to parameters, computed together with it in dual numbers."""
+"""Derivatives of a run with respect to parameters; dual numbers compute them together with the run."""

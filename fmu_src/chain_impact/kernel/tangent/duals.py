@@ -12,9 +12,9 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import SETTABLE
 
-# [1/s] the least rate of which a reciprocal is computed: 1 divided by a smaller rate may overflow
+# [1/s] the least rate whose reciprocal is computed: 1 divided by a smaller rate may overflow
 LEAST_RATE = 1e-300
-DIRECTIONS = 4  # number of directions of one instance of dual numbers; more directions need several instances
+DIRECTIONS = 4  # number of directions of one tangent instance; more directions need several instances
 
 
 def dual_dtype(dtype):
@@ -29,23 +29,25 @@ def dual_dtype(dtype):
     return dtype
 
 
-# the time up to which the derivatives can be trusted, see kernel/tangent/trust.py
+# layout of the time up to which the derivatives can be trusted, and of the reason, see
+# kernel/tangent/trust.py
 TRUST = np.dtype(
     [
-        # 0: the derivatives are trusted up to now; else the reason why not, a number of trust.py
+        # 0: the derivatives are trusted up to now; else the number in trust.py of the reason why they are not
         ("reason", np.int64),
         ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
-        # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: none
+        # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: no
+        # such point
         ("point", np.int64),
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider
         ("wall", np.int64),
-        # sum of the changes of a position that friction has left open, relative to the largest derivative of
-        # a position (friction.py)
+        # sum of the neglected changes of a position that friction has left open, relative to the largest
+        # derivative of a position (friction.py)
         ("neglected", np.float64),
         (
             "split",
             np.int64,
-        ),  # 1: the derivatives of friction impulses are unknown (``mark_split``)
+        ),  # 1: the derivatives of the impulses of friction are not known (``mark_split``)
         # 1: the motion has no derivative in this direction (rises.py)
         ("missing", np.int64, (DIRECTIONS,)),
     ]
@@ -64,20 +66,20 @@ def value(number):
 
 
 def dual_with_slope(number, slope, argument):
-    """Return a dual number with the value ``number`` and the derivatives of ``argument`` times ``slope``."""
+    """Return a dual number of the value ``number`` with the derivatives of ``argument`` times ``slope``."""
     return argument.carried(number, slope)
 
 
 def reciprocal(rate):
     """Return 1/rate for a real number, or 0 if 1/rate would overflow.
 
-    With the result 0, an event time −φ′/φ̇ gets derivatives of zero.
+    With the result 0, an event time with the derivatives −φ′/φ̇ gets derivatives of zero.
     """
     return 1.0 / rate if abs(rate) > LEAST_RATE else 0.0
 
 
 def slope(number, direction):
-    """Return the derivative of a dual number in a direction, counted from 0."""
+    """Return the derivative of a dual number in one direction; the directions are counted from 0."""
     return number.slope[direction]
 
 
@@ -87,12 +89,12 @@ def with_slope(number, direction, slope):
 
 
 def has_slope(number):
-    """Return whether a dual number has any derivative that is not zero."""
+    """Return whether any derivative of a dual number is not zero."""
     return number.varies()
 
 
 def block(d, number):
-    """Return tangent instance ``number`` of d; the first has the number 0."""
+    """Return tangent instance ``number`` of the primal instance d; the first one has the number 0."""
     return d.tangent_instances[number]
 
 
@@ -107,8 +109,8 @@ def as_words(part):
 def copy_values(source, target):
     """Copy the values of a part of the primal instance to the same part of a tangent instance.
 
-    Derivatives stay unchanged. All fields are copied, including those of nested records, so a parameter that
-    is added to the record needs no change here.
+    The derivatives of the tangent instance stay unchanged. All fields are copied, including those of nested
+    records, so a parameter that is added to the record needs no change here.
     """
     target.copy_values(source)
 

@@ -19,7 +19,7 @@ from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 
 
 def for_all(act):
-    """Return a function that calls ``act`` for an instance and each of its tangent instances.
+    """Return a function that calls ``act`` for an instance together with each of its tangent instances.
 
     Afterwards the derivatives of all tangent instances end at the earliest end among them, if one has ended.
     """
@@ -60,7 +60,7 @@ def observe_trial_of_tangent(_d, t):
 
 
 def forget_missing(t):
-    """Set the derivatives of the outputs in the directions without derivatives to NaN."""
+    """Set the derivatives of the outputs to NaN in the directions in which the motion has no derivatives."""
     words = as_words(t.output)
     for k in range(DIRECTIONS):
         if t.trust.missing[k]:
@@ -78,7 +78,7 @@ def forget_slopes(words):
 def truncate_tangent(d, t):
     """End the last step of t at the communication point, and log its active contacts up to this point.
 
-    The state there is stored, so that trials of new input values can return to it.
+    The function stores the state there, so that trials of new input values can return to this state.
     """
     set_own_output_time(t, d.step.time)
     store_output_state(t)

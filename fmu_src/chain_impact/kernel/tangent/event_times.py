@@ -21,7 +21,8 @@ from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
 # the time over which a rate is found by differences, relative to the length of the last step
 TIME_DIFFERENCE = 1e-3
-# number of Newton iterations for a delay: each multiplies its relative error by that of the differences
+# number of Newton iterations for a delay: each iteration multiplies the delay's relative error by that of the
+# differences
 NEWTON_ITERATIONS = 2
 
 
@@ -31,7 +32,7 @@ def step_length(t):
 
 
 def along_motion(function):
-    """Return two functions that give φ(t, c) and its rate φ̇ along the motion, for ``function`` φ.
+    """Return two functions that give a function φ(t, c) and its rate φ̇ along the motion; ``function`` is φ.
 
     φ uses located points and known forces. The state after the end of the last step is extrapolated by ẏ.
 
@@ -60,8 +61,8 @@ def along_motion(function):
 def delay_along_motion(after):
     """Return a function of (t, c, rate) that returns the delay [s] of the zero of φ at the last step's end.
 
-    ``after`` is the first function that ``along_motion`` returns for φ, ``rate`` is φ̇ at the zero. The
-    function sets points and forces to those at the end of the last step again.
+    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the zero.
+    Afterwards points and forces are again those at the end of the last step.
     """
 
     def delay(t, c, rate):
@@ -90,10 +91,10 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """Return the delay [s] of an onset, an end or a new v₀ of candidate c, as a dual number of value 0."""
+    """Return the delay [s] of an onset, an end or a new v₀ of candidate c: a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
-        # a new impact speed v₀: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀
+        # for a new impact speed v₀, φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀
         change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
@@ -110,13 +111,13 @@ def delay_without_force_jump(t, c, kind):
 
 
 def delay_of_saturation(t):
-    """Return the delay [s] of the time at which a drive reaches its limit, or falls below its limit."""
+    """Return the delay [s] of the time at which a drive reaches its limit or falls below the limit."""
     rate = _margin_rate(t, 0)
     return _delay_of_margin(t, 0, rate if rate != 0.0 else math.inf)
 
 
 def delay_of_segment(t):
-    """Return the delay [s] of the end of a signal's segment at the end of the last step; 0 if none ends."""
+    """Return the delay [s] of the end of a signal's segment, if one ends with the last step; else 0."""
     for j in range(t.signals):
         if has_ended(t, j):
             return dual_with_slope(0.0, 1.0, segment_end(t, j) - t.step.end)

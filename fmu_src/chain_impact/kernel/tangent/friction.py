@@ -1,4 +1,4 @@
-"""Derivatives of dry friction: the times of mode changes, and modes that rounding or tolerance leave open.
+"""Derivatives of dry friction: the times at which modes change, and modes that errors leave open.
 
 The tangent instance takes the modes of the primal run. Sliding ends where the tangential speed t·v is 0.
 Sticking ends where µ_s F_n − |F_t| = 0, with µ_s the coefficient of static friction, F_n the normal and F_t
@@ -52,13 +52,14 @@ from chain_impact.kernel.tangent.trust import (
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. The derivatives
-# end at this event if the element is STOPPED and its limit is at most NEARLY_SLIPPING_RATIO times the excess.
+# end at this event if the element is marked STOPPED, and its limit of friction is at most
+# NEARLY_SLIPPING_RATIO times the excess.
 NEARLY_SLIPPING_RATIO = 1000.0
 # The largest ``trust.neglected``: the changes of a position that a run may neglect, relative to the largest
 # derivative of a position. A fit to a position at rest needs an accuracy of some percent.
 MOST_NEGLECTED = 1e-2
-# value of ``element.undecided``: the element sticks since an onset at zero speed; sticking sets the
-# derivatives of the speed to zero, too
+# value of ``element.undecided``: the element has stuck since an onset at zero speed; sticking also sets the
+# derivatives of the speed to zero
 STOPPED = 2
 
 
@@ -92,27 +93,27 @@ def delay_of_rest(t, e):
 
 
 def acceleration_may_be_error(t, e):
-    """Return whether the acceleration of element e, now at zero speed, may be an error of the solver."""
+    """Return whether the acceleration of element e, whose speed is now zero, may be a solver's error."""
     return abs(value(tangential_acceleration(t, e))) <= value(largest_acceleration_error(t, e))
 
 
 def largest_acceleration_error(t, e):
     """Return the acceleration [m/s²] of element e up to which the acceleration may be an error of the solver.
 
-    It is OPEN_DISTANCE times the tolerance times the acceleration that the friction of the element could
+    The result is OPEN_DISTANCE times the tolerance times the acceleration that the element's friction could
     cause.
     """
     return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
 
 
-# the margin φ = µ_s F_n − |F_t| of static friction as a function of time, and the rate of φ, for
+# margin φ = µ_s F_n − |F_t| of static friction as a function of time, and its rate φ̇, for
 # ``delay_of_sliding``
 margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
 delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """Return −φ′/φ̇ of φ = µ_s F_n − |F_t|: the delay [s] of the time at which element e begins to slide."""
+    """Return the delay −φ′/φ̇ [s], φ = µ_s F_n − |F_t|, of the time at which element e begins to slide."""
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
         end_derivatives(t, FROM_REST, e)
@@ -120,7 +121,7 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if friction_drops(t, e) and step_length(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # a drop of friction that is early or late by the delay changes the speed: negligibly, or the
+            # the drop of friction is early or late by the delay, and so changes the speed: negligibly, or the
             # derivatives end
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_derivatives(t, SLOW_CHANGE, e)
@@ -132,7 +133,7 @@ def negligible(t, speed):
     """Return whether the derivatives of a ``speed`` [m/s], now zero, may be neglected.
 
     Their product with the settling time, relative to the largest derivative of a position, is then added to
-    ``trust.neglected``. This sum must not exceed MOST_NEGLECTED.
+    ``trust.neglected``; the sum must not exceed MOST_NEGLECTED.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -151,13 +152,13 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """Return a time [s] in which a chain settles, √(L/(g + L/s²)) with its size L and gravity g."""
+    """Return a time [s] in which a chain settles: √(L/(g + L/s²)), with the chain's size L and gravity g."""
     size = value(t.model.longest_link)
     return math.sqrt(size / (value(t.model.gravity_size) + size))
 
 
 def friction_drops(t, e):
-    """Return whether the friction of element e drops when the element begins to slide."""
+    """Return whether the friction force of element e drops when the element begins to slide."""
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
@@ -166,7 +167,7 @@ def friction_drops(t, e):
 def check_changes(t, time):
     """End the derivatives unless all mode changes at the last step's end have the delay ``time`` [s].
 
-    Other delays are allowed if their effect is negligible.
+    A change with another delay is allowed if its effect is negligible.
 
     Args:
         t: the tangent instance, with the points located at the end of the last step.
@@ -183,7 +184,7 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
                 end_derivatives(t, SLOW_CHANGE if acceleration_may_be_error(t, e) else TOGETHER, e)
-    # the derivatives of the impulses of friction are then unknown: for example, the times at which the two
+    # the derivatives of the impulses of friction are then not known: for example, the times at which the two
     # ends of a rod on a floor stop determine the friction of each end
     if stopped > 1 or slowly:
         mark_split(t)
@@ -197,9 +198,9 @@ def check_changes(t, time):
 
 
 def slips_for_nearby_parameters(t, e, time):
-    """Return whether the margin of element e, now zero, is zero a ``time`` [s] later for nearby parameters.
+    """Return whether the margin of element e, now zero, stays zero for nearby parameters.
 
-    All derivatives of the margin at that time must be small.
+    The margin is examined a ``time`` [s] later: all of its derivatives at that time must be small.
     """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
@@ -220,7 +221,7 @@ def any_stops_sliding(t):
 def stays_at_rest(t, after, time):
     """Return whether an element at rest is still at rest a ``time`` [s] later, for nearby parameters.
 
-    ``after`` is its speed at that time; all derivatives of this speed must be small.
+    ``after`` is the element's speed at that time; all derivatives of this speed must be small.
     """
     most = value(largest_component(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
@@ -231,7 +232,7 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative, in a direction, of any component of the vectors of all places."""
+    """Return the largest derivative, in one direction, of any component of the vectors of all places."""
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -239,14 +240,14 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative of a position in a direction, divided by a link length."""
+    """Return the largest derivative of a position in one direction, divided by a link length."""
     return largest_slope(t.scratch.position, direction) / value(t.model.longest_link)
 
 
 def choose_modes(t):
     """Take the modes of dry friction from the primal run, in place of those in ``element.mode``.
 
-    The derivatives end if such a mode is open.
+    The derivatives end if errors leave such a mode open.
     """
     for e in range(t.elements):
         # the element slides because its sticking has ended, so its mode is not undecided
@@ -266,7 +267,7 @@ def choose_modes(t):
 
 
 def any_begins_to_stick(t):
-    """Return whether any element sticks now that slid before."""
+    """Return whether any element sticks now that slid before this event."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -275,10 +276,10 @@ def any_begins_to_stick(t):
 
 
 def clear_sticking_speeds(t):
-    """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
+    """Set the derivatives of the speeds of sticking elements to zero; contacts do not resist this change.
 
-    The projection of the state would not do that: contacts resist it, so a part of the derivatives would stay
-    as long as the elements stick, for example for a rod that lies almost flat.
+    The projection of the state would not reach zero: contacts resist the projection, so a part of the
+    derivatives would stay as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     set_start_to_state(t, 1)
@@ -310,7 +311,7 @@ def contact_resistance(t):
     """Return the contacts' resistance [kg] to a projection: 0 at an onset where an element is STOPPED.
 
     Friction stops the speed there while the forces of the contacts are still small. Elsewhere the resistance
-    is that of the replaced function.
+    is the result of the function that this one replaces.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -337,7 +338,7 @@ def check_coefficients(t):
 def is_nearly_at_limit(t, e):
     """Return whether the force that would hold element e at rest nearly equals the limit of friction.
 
-    If the effect of the choice is negligible, the result is false.
+    If the effect of the choice between sticking and sliding is negligible, the result is false.
     """
     limit, errors = value(t.element.limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):
@@ -354,7 +355,7 @@ def is_nearly_at_limit(t, e):
 def end_derivatives(t, reason, e):
     """Record that derivatives do not exist from the end of the last step on, because of element e.
 
-    Nothing changes if they have ended before. ``reason`` says why they end.
+    Nothing changes if the derivatives have ended before. ``reason`` says why they end.
     """
     if t.trust.reason == TRUSTED:
         mark_untrusted(t, reason, e, value(t.step.end))

@@ -13,7 +13,8 @@ from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
 
-# The round-off of a contact's force at the end of a step, relative to the contact's peak force.
+# the largest difference of a contact's forces at the end of a step that counts as round-off, relative to the
+# contact's peak force
 FORCE_ROUND_OFF = 1e-9
 
 
@@ -47,7 +48,10 @@ def forget_peaks(t, delay):
 
 
 def with_unknown_slopes(number, delay):
-    """Return a number with the derivative NaN where that of ``delay`` is not 0; its others stay."""
+    """Return a number whose derivatives are NaN in the directions in which ``delay`` has derivatives.
+
+    The other derivatives stay.
+    """
     for k in range(DIRECTIONS):
         if slope(delay, k) != 0.0:
             number = with_slope(number, k, math.nan)

@@ -122,7 +122,8 @@ def reinit_tangent(d, t):
     """Re-initialize t as d was, at the communication point, where ``truncate_tangent`` has ended its step."""
     reset_step(t, t.step.end, t.step.state_end)
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
-    # the part of the run after this point is dropped, so derivatives that ended only there go on
+    # the part of the run after this point is dropped, so derivatives that ended only in this part are valid
+    # again
     if t.trust.time > value(t.step.end):
         mark_trusted(t)
     copy_given_and_modes(d, t)
@@ -156,7 +157,8 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-# The iteration ends if its last correction, relative to the derivatives, is at most this times the tolerance.
+# The iteration of derivatives ends if the last correction, relative to the derivatives, is at most this
+# factor times the tolerance.
 CONVERGED_SLOPES = 0.01
 # The rule to stop an iteration of derivatives that does not converge. The least correction must fall by the
 # factor LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; it may rise in between, as the direction of
@@ -164,10 +166,11 @@ CONVERGED_SLOPES = 0.01
 # round-off and accepted; a larger one is a failure.
 LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
-# A correction is relative to the derivatives, but at least to this part of ``speed_by_friction``: smaller
+# A correction is relative to the derivatives or, if larger, to this part of ``speed_by_friction``: smaller
 # derivatives may be round-off.
 LEAST_SLOPE = 1e-3
-UNLIMITED_CORRECTION = 1e300  # the relative correction if the derivatives are zero or not finite
+# value of a relative correction if the derivatives are zero or not finite, which never counts as converged
+UNLIMITED_CORRECTION = 1e300
 
 
 def make_implicit(d, t, h):
@@ -178,7 +181,7 @@ def make_implicit(d, t, h):
     copy_stages(d, t, size)
     copy_jacobian_data(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
-    # derivatives that cannot be trusted any more are not needed
+    # the derivatives are not needed: they cannot be trusted from an earlier time on
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
@@ -222,7 +225,7 @@ def iterate_slopes(d, t, h, size):
 
 
 def solve_slopes(d, t, h, size):
-    """Solve the linear systems of the step for the derivatives in t, in place, one direction at a time."""
+    """Solve the linear systems of the step for the derivatives in t, in place, direction by direction."""
     for k in range(DIRECTIONS):
         for i in range(RADAU_STAGES):
             for j in range(size):
@@ -234,7 +237,7 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """Return the largest last correction, over all directions, of the derivatives, relative to their size."""
+    """Return the largest last correction of the derivatives in any direction, relative to the derivatives."""
     implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
@@ -254,7 +257,7 @@ def last_correction(d, t, size):
 def speed_by_friction(d, t, direction):
     """Return the derivative of the speed that friction at its limits could give in the step.
 
-    It is multiplied by the largest error weight of a speed.
+    The result is multiplied by the largest error weight of a speed.
     """
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
@@ -274,7 +277,7 @@ def replay(d, t):
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
     if limit_ends_step:
         fix_start(t)
-    # the derivatives of the inputs stay, which are with respect to constants added to the inputs
+    # the derivatives of the inputs stay: they are with respect to constants that are added to the inputs
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
@@ -305,7 +308,7 @@ def replay(d, t):
 
 
 def repeat_step(d, t, h):
-    """Make a step of size h as d did, but without error control."""
+    """Make a step of size h as the primal instance did, but without error control."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
@@ -328,8 +331,8 @@ def ends_regularized(d):
 def copy_end_values(d, t):
     """Set the values of t at the end of the last step to the values of d; the two differ by round-off.
 
-    The rate there is the first stage of the next explicit step. With the rate's own round-off, long
-    steps at rest would multiply this error from step to step, although the motion itself is stable.
+    The rate there is the first stage of the next explicit step. If t kept its own rate, long steps at rest
+    would multiply the round-off of this rate from step to step, although the motion itself is stable.
     """
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = dual_with_slope(d.step.state_end[j], 1.0, t.step.state_end[j])

@@ -23,13 +23,14 @@ from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
-LACKING = 0.5  # ∫ (1 − r) dx over a rise, x from 0 to 1, with r = 10 x³ − 15 x⁴ + 6 x⁵
-# the largest sine or cosine of a phase that is round-off of 0
+# ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the lacking part of the rise
+LACKING = 0.5
+# the largest sine or cosine of a phase that counts as round-off of 0
 PHASE_ROUND_OFF = 1e-12
 
 
 def check_rises(t):
-    """Note in ``trust.missing`` the directions in which there is no derivative, because of a rise of 0."""
+    """Mark in ``trust.missing`` the directions in which a rise of 0 leaves no derivative."""
     for k in range(DIRECTIONS):
         t.trust.missing[k] = 0
     for j in range(t.signals):
@@ -41,7 +42,7 @@ def check_rises(t):
 
 
 def is_sudden(t, j):
-    """Return whether signal j is a sine whose rise is 0 and has derivatives."""
+    """Return whether signal j is a sine whose rise is 0 but has derivatives."""
     rise = t.signal.rise[t.signal.source[j]]
     return t.signal.form[j] == SINE and value(rise) == 0.0 and has_slope(rise)
 
@@ -53,14 +54,15 @@ def is_differentiable(t, j):
     if begins < 0.0:
         return True
     jump, speed = at_begin(t, j)
-    moves = signal.input[j] == CHANNEL and signal.integrals[j] == 0  # the input is a position
+    # the input is a position: the signal moves a base or a wall directly
+    moves = signal.input[j] == CHANNEL and signal.integrals[j] == 0
     if jump == 0.0 and (speed == 0.0 or not moves):
         return True
     if begins > 0.0 or signal.input[j] == TARGET:
         return False
     if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
-    # a wall that goes to its place at once, back by −J, must not meet a point on its way
+    # a wall that goes to its place at once, back by −J, must not meet a point on the way
     return is_linear(t) and (not moves or nearest(t) > -jump)
 
 
@@ -90,7 +92,7 @@ def nearest(t):
 
 
 def delay_jumps(t):
-    """Give the start of the run the derivatives by rises of 0: sines begin with a jump that is delayed."""
+    """Apply the derivatives by rises of 0 at the start of the run: sines begin with a delayed jump."""
     for j in range(t.signals):
         i = t.signal.source[j]
         jump, _ = at_begin(t, j)

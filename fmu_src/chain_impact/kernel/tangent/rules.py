@@ -16,9 +16,10 @@ from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, recipr
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
-# relative increment of an argument of a user's law, for derivatives by differences
+# relative increment of an argument of a user's law, by which differences give derivatives
 ARGUMENT_DIFFERENCE = 1e-3
-FORCE_ITERATIONS = 3  # number of iterations for the forces of constraints
+# number of iterations for the forces of constraints, in which their derivatives converge
+FORCE_ITERATIONS = 3
 
 
 def exp(x):
@@ -129,13 +130,16 @@ def fraction(t, time):
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
-    # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with
-    # ṫ = dt/dθ; where a contact begins or ends ṫ = 0, and the derivatives of θ are set to 0
+    # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
+    # dt/dθ; where a contact begins or ends, ṫ = 0, and the derivatives of θ are set to 0
     return dual_with_slope(theta, -reciprocal(max(0.0, rate)), error)
 
 
 def event_fraction(t):
-    """Return 0 with the derivatives of the fraction at which the event lies that begins the last step."""
+    """Return 0, with the derivatives of the fraction at which the first event of the last step lies.
+
+    The last step begins with this event.
+    """
     step = t.step
     rate = value(step.size)
     if step.regularized >= 0:
@@ -146,8 +150,8 @@ def event_fraction(t):
 def iterated_enough(_t, iterations):
     """Return whether so many ``iterations`` reduce the derivatives of any residual to round-off.
 
-    Each iteration reduces them to a millionth. The value of a residual does not tell: where it is zero, its
-    derivatives may be large.
+    Each iteration reduces the derivatives to a millionth. The value of a residual is no measure: where it is
+    zero, its derivatives may be large.
     """
     return iterations >= FORCE_ITERATIONS
 
@@ -176,7 +180,8 @@ def slope_along(argument, h, at):
     """Return the derivative of the user's law along one argument, by central differences of order 4."""
     if h == 0.0:
         return 0.0
-    # central difference of the forces F_j at j times the increment h: (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
+    # central difference, with the forces F_j after changes by j times the increment h: (8 (F₁ − F₋₁) − (F₂ −
+    # F₋₂))/(12 h)
     near = force_after_change(argument, h, at) - force_after_change(argument, -h, at)
     far = force_after_change(argument, 2.0 * h, at) - force_after_change(argument, -2.0 * h, at)
     return (8.0 * near - far) / (12.0 * h)

@@ -1,4 +1,4 @@
-"""The end of a step moves with the event that ends it, and the start of the next one with it.
+"""The derivatives of the time at which a step ends with an event, and the next step begins.
 
 The time of an event depends on the parameters (event_times.py). The end of the last step gets the derivatives
 of this time, so the search for peaks ends at the event: a force that jumps there may have its largest value
@@ -47,7 +47,8 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # a jump at the start of a step without length causes its event, so the event has no delay of its own
+    # a jump at the start of a step causes the event of a step without length, so this event has no delay of
+    # its own
     if not step_length(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -61,7 +62,10 @@ def move_end(t):
 
 
 def move_to_segment(t):
-    """Give the end of the last step the derivatives of the end of a signal's segment, if it ends the step."""
+    """Give the end of the last step the derivatives of the end of a signal's segment.
+
+    This applies if the end of the segment ends the step.
+    """
     delay = delay_of_segment(t)
     if ends_with_segment(t) and has_slope(delay):
         prepare_end(t)
@@ -78,7 +82,7 @@ def is_crossing(t, c):
 
 
 def prepare_end(t):
-    """Compute rate, points and dense output at the end of the last step, before this end moves."""
+    """Compute rate, points and dense output at the end of the last step, before derivatives move this end."""
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)
@@ -98,12 +102,15 @@ def move_along(t, time):
 
 
 def ends_at_limit(t):
-    """Return whether the last step ends where a drive reaches or leaves its limit, with no other event."""
+    """Return whether the last step ends where a drive reaches or leaves its limit.
+
+    No other event may end the step.
+    """
     return t.drive.event != 0 and not ends_with_contact(t)
 
 
 def ends_with_segment(t):
-    """Return whether the last step ends where a segment of a signal ends, and with no other event."""
+    """Return whether the last step ends where a segment of a signal ends, without any other event."""
     if t.drive.event != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
@@ -121,9 +128,9 @@ def ends_with_contact(t):
 
 
 def fix_start(t):
-    """Move the state after an event along the motion to a start time that has no derivatives.
+    """Move the state after an event, along the motion, to a start time that has no derivatives.
 
-    Otherwise, up to the next event, the derivatives at a fixed time would contain the error of the
+    Otherwise, until the next event, the derivatives at a fixed time would contain the error of the
     interpolant's slope times the derivatives of the start time. The search for peaks in the next step begins
     at the event.
     """

@@ -18,13 +18,13 @@ from chain_impact.kernel.tangent.duals import has_slope, value
 
 TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
-NO_IMPACT = -1  # the value of ``c`` in ``mark_untrusted`` if the reason is no impact and no element
-JOINT = -1  # value of ``trust.wall``: the reason is dry friction in a joint or of the slider
+NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if the reason is neither an impact nor an element
+JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
 # A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN_DISTANCE
 # times the tolerance away, relative to the scale of the bound.
 OPEN_DISTANCE = 100.0
-# A law's force jumps at rest if its values at the rates ±NEAR_REST v₀ have a relative difference of more than
-# RELATIVE_JUMP.
+# The force of a law counts as jumping at rest if its values at the rates ±NEAR_REST v₀ differ by more than
+# RELATIVE_JUMP, relative to the force.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
 
@@ -47,7 +47,7 @@ def check_onsets(t):
             and cannot_be_less(t.law.static_friction[c])
         ):
             mark_untrusted(t, NO_LESS, c, value(t.step.end))
-    # no contact has begun if ``first`` is negative or the rates are not finite
+    # no contact has begun if ``first`` is negative, or if the rates are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
@@ -61,7 +61,7 @@ def check_onsets(t):
 def near_least_speed(t, c, speed):
     """Return whether the approach ``speed`` [m/s] of candidate c equals the least v₀ of its law up to errors.
 
-    At a smaller speed the law uses the least v₀, at a larger one the speed.
+    At a smaller speed the law uses the least v₀, at a larger speed this speed.
     """
     errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
@@ -76,7 +76,8 @@ def fastest_speed(t):
     """Return the speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
-        if not t.links < k <= 2 * t.links:  # the places of joints have no speed of a point
+        # the places of joints are left out, because they are no points that move with this speed
+        if not t.links < k <= 2 * t.links:
             x, y = value(velocity.x[k]), value(velocity.y[k])
             most = max(most, math.sqrt(x * x + y * y))
     return most
@@ -116,18 +117,18 @@ def mark_untrusted(t, reason, c, time):
 
 
 def mark_trusted(t):
-    """Mark the derivatives as valid: forget the reason for which they have ended, if there is one."""
+    """Mark the derivatives as valid, and clear the reason for which they have ended, if there is one."""
     t.trust.reason = TRUSTED
 
 
 def begin_trust(t):
-    """Mark the derivatives as valid at the start of a run, where friction has left nothing open."""
+    """Mark the derivatives as valid at the start of a run, where friction has not left anything open."""
     t.trust.neglected, t.trust.split = 0.0, 0
     mark_trusted(t)
 
 
 def mark_split(t):
-    """Record that the derivatives of the impulses of friction are not known from now on.
+    """Record that the derivatives of friction impulses are not known from now on.
 
     The stop of a neglected speed changes these impulses, and the distribution of friction between sticking
     elements.
