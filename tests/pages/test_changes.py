@@ -92,8 +92,8 @@ KEPT = function_of("changes", "keptByEdit")
 def kept(script, scene, changed, edit, *at):
     """Return what is known of an edited scene.
 
-    This is its contents before the changes, its changes, old name → new name, its names, and the signals that
-    the edit has removed.
+    This is its contents before the changes, its changes, old name → new name, its names, and words for the
+    signals and their inputs that the edit has removed.
     """
     return script.evaluate(KEPT, [page_contents(scene), changed, edit, [*at]])
 
@@ -186,8 +186,17 @@ def test_a_signal_goes_with_the_input_that_an_edit_removes(script, removed, edit
     contents |= {key: DRIVEN[key] for key in ("walls", "signals")}
     scene = scene_from_dict(contents, "driven.toml")
     after, *_, signals = kept(script, scene, {}, edit, *at)
-    assert signals == [removed]
+    assert signals == [f"signal {removed}"]
     assert after["signals"].keys() == DRIVEN["signals"].keys() - {removed}
+
+
+def test_an_edit_tells_the_inputs_of_signals_that_it_removes(script):
+    contents = scene_to_dict(load_scene("pinned_arm"))
+    inputs = [f"joint[{k}].torque" for k in (1, 2)]
+    contents["signals"] = {"push": {"input": inputs, "form": "ramp", "final": 0.1, "duration": 1.0}}
+    after, *_, removed = kept(script, scene_from_dict(contents, "driven.toml"), {}, "removeLink", 1)
+    assert removed == ["joint[2].torque of signal push"]
+    assert after["signals"]["push"]["input"] == inputs[:1]
 
 
 def test_changes_stay_with_points_whose_numbers_change(script):

@@ -38,7 +38,7 @@ def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worke
 def told(page, name):
     """Return the value of an output beside its name, without its unit."""
     row = page.locator("#outputs-over-time div").filter(has=page.get_by_text(name, exact=True))
-    return float(row.locator("dd").inner_text().split("\u202f")[0])
+    return float(row.locator("dd").inner_text().split("\u202f")[0].replace("\u2212", "-"))
 
 
 def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
@@ -60,12 +60,12 @@ def test_the_values_of_one_quantity_have_the_same_decimals(show):
     *heights, count = page.locator("#outputs-over-time dd").all_inner_texts()
     assert {len(text.split("\u202f")[0].split(".")[1]) for text in heights} == {3}
     assert count.isdigit()
-    assert not any(text.startswith("-0.000\u202f") for text in heights)
+    assert not any(text.startswith("\u22120.000\u202f") for text in heights)
 
 
 WRITTEN = {
     "point[1].y": ([2.1, 0.5], "0.500"),
-    "point[2].y": ([0.03, -0.02], "-0.020"),
+    "point[2].y": ([0.03, -0.02], "\u22120.020"),
     "contact[2].y_min.penetration": ([4e-4, 3.217e-4], "0.0003217"),
     "contact[4].y_min.penetration": ([1e-5, 2e-6], "0.0000020"),
     "contact[2].x_max.penetration": ([2e-10, 1.2346e-10], "1.235e-10"),

@@ -1,6 +1,6 @@
 """No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
-# Tests: pages/explore.py
+# Tests: pages/explore.py, pages/browser/explore/whole_charts.js
 
 import pytest
 
@@ -82,6 +82,36 @@ def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
     assert rows >= 3
     assert page.locator("#impacts tbody tr").count() > 3
     assert left < 24 + 8, "there is room for one more row"
+
+
+CUT_CHARTS = function_of("layout", "cutCharts")
+
+
+@pytest.mark.parametrize(
+    ("model", "hash_"),
+    [
+        ("four_link_box", ""),
+        ("cart_pole", ""),
+        ("stick_slip_belt", ""),
+        ("four_link_box", "#curves=point[*].y,contact[*].y_min.force"),
+    ],
+)
+def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
+    page = show(model, hash_=hash_)
+    for width, height in ((1366, 768), (1280, 720), (1440, 900)):
+        page.set_viewport_size({"width": width, "height": height})
+        until(page, f"({CUT_CHARTS})().length === 0")
+        heights = page.locator("aside .chart").evaluate_all("all => all.map((one) => one.clientHeight)")
+        assert min(height for height in heights if height) >= 90 + 26 + 8, "with the axis of the time"
+    page.locator("aside").evaluate("column => column.scrollTo(0, 1e4)")
+    assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper"])
+def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
+    page = show(model, viewport=PHONE, has_touch=True)
+    stage, caption = (page.locator(name).bounding_box() for name in ("#stage", "#caption"))
+    assert caption["x"] + caption["width"] <= stage["x"] + stage["width"] - 10.0
 
 
 def test_the_map_is_whole_in_a_low_window(show):

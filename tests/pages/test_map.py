@@ -269,6 +269,24 @@ def test_an_axis_of_a_stiffness_goes_by_decades(show):
     assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)
 
 
+def test_a_map_has_the_unit_of_its_own_runs(show):
+    """The unit of a stiffness follows the exponent of the runs, which the present scene may have no more."""
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    page.locator("#map-x-name").select_option("contact.stiffness")
+    page.locator("#map-y-name").select_option("contact.exponent")
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
+    assert "Stiffness, N/m^exponent" in page.locator("#map-scales text").all_text_contents()
+    page.locator("#map-y-name").select_option("initial.angle[1]")
+    draw_map(page)
+    page.locator("#map-canvas").press("ArrowRight")
+    assert re.search(r"contact\.stiffness = \S+\sN/m¹·⁵,", page.text_content("#map-text"))
+    page.keyboard.press("Escape")
+    page.evaluate("chainImpact.show({ 'contact.exponent': 2 })")
+    page.get_by_role("button", name="Map…").click()
+    assert "Stiffness, N/m¹·⁵" in page.locator("#map-scales text").all_text_contents()
+
+
 def test_the_map_of_a_scene_without_walls_shows_an_energy(show):
     page = show("simple_pendulum", MAP)
     page.get_by_role("button", name="Map…").click()

@@ -18,6 +18,7 @@ LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
+COMMENT = re.compile(r"^ *(?://.*|/\*\*[\s\S]*?\*/)\n", re.MULTILINE)  # whole lines
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
@@ -50,11 +51,12 @@ def program(*names: str) -> str:
 
 
 def joined(*names: str) -> str:
-    """Return modules and all modules that they import, joined to one script without imports.
+    """Return modules and all modules that they import, joined to one script without imports and comments.
 
     No two of its modules have the same name at their top level.
     """
-    return "\n".join(EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    return COMMENT.sub("", "\n".join(texts))
 
 
 def modules(*names: str) -> list[str]:

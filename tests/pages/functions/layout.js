@@ -52,3 +52,12 @@ export const overlappingCards = () => {
 
 /** Return whether a table needs more width than the card has in which it is. */
 export const isCutOff = (card) => document.getElementById(card).scrollWidth > document.getElementById(card).clientWidth;
+
+/** Return the charts of the column that the list of impacts covers in part. */
+export const cutCharts = () => {
+  const edge = document.getElementById("list").getBoundingClientRect().top;
+  return [...document.querySelectorAll("aside .chart")].filter((chart) => {
+    const { top, bottom } = chart.getBoundingClientRect();
+    return top < edge && bottom > edge;
+  }).map(({ id, className }) => id || className);
+};

@@ -60,9 +60,10 @@ export function largestIn(arrays, least = 0) {
  */
 export function writerOf(arrays) {
   const largest = largestIn(arrays);
-  if (largest > 0 && largest < LEAST_WITH_DECIMALS) return (value) => (value === 0 ? "0" : value.toExponential(DECIMALS_OF_LARGEST));
+  const isTiny = largest > 0 && largest < LEAST_WITH_DECIMALS;
+  if (isTiny) return (value) => withMinus(value === 0 ? "0" : value.toExponential(DECIMALS_OF_LARGEST));
   const decimals = Math.max(DECIMALS_OF_LARGEST - Math.floor(Math.log10(largest || 1)), 0);
-  return (value) => fixed(value, decimals);
+  return (value) => withMinus(fixed(value, decimals));
 }
 
 /** Return the number of an impact, what touches, and where. */

@@ -45,22 +45,23 @@ function namesAfter({ file }, kit, before, after) {
   return (name) => (names.has(name) ? names.get(name) : name);
 }
 
-/** Let signals drive the same inputs, as far as these are still there; remove signals without inputs, and return their names. */
+/** Let signals drive the same inputs, as far as these are still there; remove signals without inputs. Return words for what is removed. */
 function keepSignals(contents, nameOf, open) {
   const { scene: { inputs, still } } = open({ ...contents, signals: {} });
   const there = new Set([...inputs, ...still]);
-  for (const signal of Object.values(contents.signals)) {
-    signal.input = [signal.input].flat().map(nameOf).filter((name) => there.has(name));
-  }
-  const removed = Object.keys(contents.signals).filter((name) => !contents.signals[name].input.length);
-  removed.forEach((name) => delete contents.signals[name]);
-  return removed;
+  return Object.entries(contents.signals).flatMap(([name, signal]) => {
+    const before = [signal.input].flat();
+    const [kept, lost] = [true, false].map((isKept) => before.filter((input) => there.has(nameOf(input)) === isKept));
+    signal.input = kept.map(nameOf);
+    if (!kept.length) delete contents.signals[name];
+    return kept.length ? lost.map((input) => `${input} of signal ${name}`) : [`signal ${name}`];
+  });
 }
 
 /**
  * Return the scene of edited contents with the reader's changes in it: `whole` and `scene`, as `open` returns them for contents, with the
- * values before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and the names
- * of the signals that are `removed`, because the edit has removed their inputs. A value that the edit has replaced is not a change. If
+ * values before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for
+ * the signals, and the inputs of signals, that are `removed`. A value that the edit has replaced is not a change. If
  * the scene cannot be without the changes, only those of inputs stay changes.
  *
  * @param before from `partsOf`, for the contents before the edit.

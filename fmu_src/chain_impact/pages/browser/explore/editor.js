@@ -63,8 +63,8 @@ export class Editor {
     const before = partsOf(file);
     this.#try(() => {
       edit(file);
-      const signals = this.openScene.openEdited(file, before);
-      return signals.length ? `Also removed, because its input is removed: signal ${signals.join(", ")}.` : "";
+      const removed = this.openScene.openEdited(file, before);
+      return removed.length ? `The edit also removes: ${removed.join(", ")}.` : "";
     }, "", (error) => `Not taken: ${error.message}.`);
   }
 

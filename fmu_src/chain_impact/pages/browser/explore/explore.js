@@ -19,6 +19,7 @@ import { OpenScene } from "./open_scene.js";
 import { showParameterList } from "./parameters/parameter_list.js";
 import { showMainParameters } from "./parameters/sliders.js";
 import { Simulation } from "./simulation.js";
+import { keepChartsWhole } from "./whole_charts.js";
 
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is the larger of
 // its width and height.
@@ -78,4 +79,5 @@ find("map-open").addEventListener("click", () => new GridMap(beginEngine, change
 find("reset-all").addEventListener("click", () => changes.replace({}, {}));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
+keepChartsWhole();
 simulation.begin();

@@ -27,7 +27,7 @@ export class OpenScene {
 
   /**
    * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error says which key is
-   * wrong. `before`: the parts before the edit. Return the names of the signals that the edit removes.
+   * wrong. `before`: the parts before the edit. Return words for what the edit removes.
    */
   openEdited(contents, before) {
     const { changes, choice, kit } = this;

@@ -61,6 +61,7 @@ export class ImpactList {
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
     const table = make("table");
+    element.parentElement.style.setProperty("--rows", recording.impacts.length);
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
     const heads = columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
     table.createTHead().insertRow().append(...heads);

@@ -45,18 +45,14 @@ export class Changes {
     return Object.keys({ ...this.values, ...this.inputSteps }).length;
   }
 
-  valueOf(name) {
-    return this.#valueIn(this.values, name);
-  }
-
   /**
    * Return the value of `name` with the changes `values`: the changed value; else, if the parameter follows from
    * others, the value that follows from theirs; else the scene's value.
    */
-  #valueIn(values, name) {
+  valueOf(name, values = this.values) {
     const { derived } = this.parameters.get(name) ?? {};
     if (name in values || !derived) return values[name] ?? this.starts[name];
-    return sumOf(derived, (factor) => this.#valueIn(values, factor));
+    return sumOf(derived, (factor) => this.valueOf(factor, values));
   }
 
   /** Return the value of an input at a time, or of any other parameter. */
@@ -105,7 +101,7 @@ export class Changes {
   /** Refuse values that are each valid, but not together, as the scene does. */
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
-    const valueAt = (path) => (nameAt(path) ? this.#valueIn(values, nameAt(path)) : inFile(this.scene.file, path));
+    const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
     const rules = SHARED.rules.FILE.filter((rule) => !rule.in_kernel);
     keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
   }

@@ -1,7 +1,7 @@
 // The map: an output at the end of each run, as a colour over a grid of two parameters.
 
 import { find } from "../../base/dom.js";
-import { numberText, readable, unitText } from "../../base/format.js";
+import { numberText, readable, withMinus } from "../../base/format.js";
 import { parameterText, signalText } from "../../scene/words.js";
 import { pictureOf, save } from "../export.js";
 import { presentUnit } from "../parameters/parameter_fields.js";
@@ -135,10 +135,10 @@ export class GridMap {
     return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
-  /** Return the factor and the unit in which an axis shows a parameter. */
-  #unitOf(name) {
+  /** Return the factor and the unit in which a parameter is shown, with the changed `values`. */
+  #unitOf(name, values) {
     const shown = shownIn(this.changes.parameters.get(name));
-    return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name) } : shown;
+    return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name, values) } : shown;
   }
 
   #range(k) {
@@ -184,7 +184,7 @@ export class GridMap {
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
-      : `A preview of ${points} × ${points} runs. Press Simulate for ${POINTS} × ${POINTS}.`;
+      : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
     const stopped = `Stopped after ${shown.rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
@@ -289,8 +289,10 @@ export class GridMap {
   }
 
   #drawScales() {
-    const { names } = this.shown;
-    const units = names.map((name) => ({ ...this.#unitOf(name), isLogarithmic: isLogarithmic(name) }));
+    const { names, values } = this.shown;
+    const varied = names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]); // of no one value
+    const common = { ...values, ...Object.fromEntries(varied) };
+    const units = names.map((name) => ({ ...this.#unitOf(name, common), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
     this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
@@ -348,19 +350,20 @@ export class GridMap {
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
     const value = this.shown.results[index];
-    const parameters = Object.entries(this.#valuesAt(index)).map(([name, given]) => this.#valueText(name, given));
+    const at = this.#valuesAt(index);
+    const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { faults, output } = this.shown;
     const { factor, text } = scaledTo(output, this.shown.scale);
-    const number = [numberText(Number((factor * value).toPrecision(5))), text].filter(Boolean).join("\u202f");
+    const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }
 
-  /** Return a value of a parameter with its unit; for an angle, also in degrees. */
-  #valueText(name, value) {
-    const parameter = this.changes.parameters.get(name);
-    const { factor, text } = shownIn(parameter);
-    const degrees = factor === 1 ? "" : ` (${numberText(Number((factor * value).toPrecision(4)))}\u202f${text})`;
-    return `${name} = ${[numberText(Number(value.toPrecision(5))), unitText(parameter.unit)].filter(Boolean).join("\u202f")}${degrees}`;
+  /** Return a value of a parameter with its unit, among the changed `values`; for an angle, also in degrees. */
+  #valueText(name, value, values) {
+    const { factor, text } = this.#unitOf(name, values);
+    const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
+    const unit = presentUnit(this.changes, name, values);
+    return `${name} = ${[withMinus(numberText(Number(value.toPrecision(5)))), unit].filter(Boolean).join("\u202f")}${degrees}`;
   }
 
   /** Open a run; the first touch of a run with a finger only shows its values. */

@@ -1,6 +1,6 @@
 // The drawing of the map: a colour for each run, axes, the scale of the colours, and marks.
 
-import { digits, numberText, ticksOf } from "../../base/format.js";
+import { digits, numberText, ticksOf, withMinus } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { colourAt, VIRIDIS } from "./map_colours.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
@@ -82,7 +82,7 @@ export class MapDrawing {
   }
 
   #write(text, x, y, anchor) {
-    return this.scales.plain(text).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
+    return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
   /** Draw the scale of the colours, with its numbers and its title, which tells the extremes beyond the ends of the colours. */
@@ -127,5 +127,5 @@ function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
 /** Return words for the extremes that lie beyond the ends of the colours; "" if none does. */
 function beyondEnds({ extremes: [least, most], ends: [low, high] }, factor) {
   const words = [["down to", least, least < low], ["up to", most, most > high]];
-  return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${digits(factor * value)}` : "")).join("");
+  return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${withMinus(digits(factor * value))}` : "")).join("");
 }

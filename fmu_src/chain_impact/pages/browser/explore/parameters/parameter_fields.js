@@ -28,10 +28,10 @@ export function explain(row) {
   row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
 }
 
-/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law. */
-export function presentUnit(changes, name) {
+/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law, among the changed `values`. */
+export function presentUnit(changes, name, values = changes.values) {
   const { unit } = changes.parameters.get(name);
-  return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent")))) : unitText(unit);
+  return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);
 }
 
 /** Return a field for a number or a choice, and a function that shows the present value in it. */

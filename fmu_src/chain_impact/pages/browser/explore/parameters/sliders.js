@@ -48,7 +48,9 @@ function rounded(value) {
 /** Return the label of a main parameter, with functions that return and show its unit. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  const label = make("label", { className: "main-parameter-label", textContent: words, title: name });
+  // a line does not end before a number
+  const textContent = words.replace(/ (?=\d)/g, "\u00a0");
+  const label = make("label", { className: "main-parameter-label", textContent, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = (shown) => {
