@@ -25,11 +25,11 @@ BROADEST_FLAT = 3.5  # the largest ratio of width to height of the panel of moti
 # the height of the panel of motion beside others, relative to the width of a wide or narrow figure
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
-# contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_HEIGHT: the
-# height of the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
+# contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
+# room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
 # it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one the panel is higher. All
 # are relative to the height of the panel of energies.
-RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_HEIGHT, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
+RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
 # HIGHEST: the largest height of the panel of motion, relative to the width of the figure
 HIGHEST = 0.4
 # [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
@@ -72,7 +72,7 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     if "friction" in timed:
         known["friction"] += RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
     has_colours = timed and len(timed) < len(shown)
-    return [known.get(name, 1.0) for name in timed] + ([CLOCK_HEIGHT] if has_colours else [])
+    return [known.get(name, 1.0) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
 
 
 def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:

@@ -21,6 +21,7 @@ SHORTEST_ARROW = 0.02  # the shortest arrow, relative to the smaller side of the
 # marks; both relative to the length of the ruler
 FIRST_MARK, MARK_GAP = 0.1, 0.3
 NUMBER_SPACE = 0.5  # the least space between two numbers, relative to their height
+SCALE_NAME = "force (cube root)"
 TICK = 3.0  # [points] half of the length of a mark
 
 
@@ -57,7 +58,7 @@ class ArrowScale:
         return marks
 
     def draw(self, axes: Axes, y: float, colour: str) -> None:
-        """Draw the ruler, with marks and the word "force"; it begins at the left edge of axes.
+        """Draw the ruler, with marks and its name; it begins at the left edge of axes.
 
         ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
@@ -67,7 +68,7 @@ class ArrowScale:
         marks |= {"transform": place, "clip_on": False}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
-        axes.annotate("force", (end, y), (4.0, 0.0), ha="left", **text_look)
+        axes.annotate(SCALE_NAME, (end, y), (4.0, 0.0), ha="left", **text_look)
         free = math.inf
         for at, text in self.marks():
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}

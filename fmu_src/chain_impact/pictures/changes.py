@@ -18,7 +18,7 @@ from chain_impact.pictures.figures import settle
 from chain_impact.pictures.impact_speeds import IMPACT_DOT
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import SEEN_CONTACT, impact_lines, mark_impacts
+from chain_impact.pictures.over_time import SEEN_CONTACT, impact_lines, mark_impacts, name_time
 from chain_impact.pictures.style import (
     GREY,
     INK,
@@ -66,9 +66,10 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         mark_unknown(axes, recording, sensitivities)
         axes.tick_params(labelbottom=True)
         give_ticks(axes)
+    end = float(recording.time[-1])
     for axes in panels[-across:]:
         axes.set_xlabel(
-            "; ".join(filter(None, ("time [s]", impact_lines(recording, *recording.time[[0, -1]]))))
+            "; ".join(filter(None, (name_time(axes, end), impact_lines(recording, *recording.time[[0, -1]]))))
         )
     legend_at_foot(figure, panels[0].get_legend_handles_labels()[0])
     figure.supxlabel(
@@ -150,7 +151,7 @@ def draw_changes(
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"change of {output}{in_brackets(sensitivities.units[output])}")
+    axes.set_ylabel(f"Δ {output}{in_brackets(sensitivities.units[output])}")
     fit_scale(axes, changes[calm(recording)], NO_CHANGE * np.ptp(recording.columns[output]))
 
 
@@ -164,7 +165,7 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
                 axes.plot(sensitivities.impacts["onset"][rows], values[rows], marker, **style)
     mixed = stopped.any() and not stopped.all()
     unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
-    axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
+    axes.set_ylabel(f"Δ impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
     fit_scale(axes, changes, NO_CHANGE * recording.impacts["impact_speed"].max(initial=0.0))
     if not len(sensitivities.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=INK)

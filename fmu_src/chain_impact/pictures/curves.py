@@ -16,7 +16,7 @@ from chain_impact.pictures.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import hit, write_head
-from chain_impact.pictures.over_time import ENERGIES, energy_look, impact_lines, mark_impacts
+from chain_impact.pictures.over_time import ENERGIES, energy_look, impact_lines, mark_impacts, name_time
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
 from chain_impact.recording.curves import Curves
@@ -37,6 +37,7 @@ QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W
 # the line at the end of an impact mixes this fraction of the text colour with the ground's colour
 END_LINE = 0.5
 MOST_NAMED = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
+LONGEST = 14  # a name with more characters has two lines beside its panel
 SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
 
 
@@ -142,7 +143,7 @@ def draw_all(
     """Draw the panels into the axes of a grid; ``beside``: whether legends may stand beside the axes."""
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
-    start, factor, label = 0.0, 1.0, "time [s]"
+    start, factor, label = 0.0, 1.0, ""
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
         label = f"time after the onset at {curves.onset:.6f} s [ms]"
@@ -150,7 +151,7 @@ def draw_all(
     ends = time[[0, -1]]
     if curves.onset is None:
         ends = np.array([shown.start, shown.end])
-        label = "; ".join(filter(None, (label, impact_lines(recording, *ends), shown.note)))
+        label = "; ".join(filter(None, (impact_lines(recording, *ends), shown.note)))
     else:
         is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
         others = impact_lines(recording, *(start + ends / factor))
@@ -175,14 +176,18 @@ def draw_all(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
         )
         quantity = shared_part(names) or QUANTITIES.get(curves.units[names[0]], "")
-        axes.set_ylabel(f"{quantity}{in_brackets(unit)}".lstrip())
+        is_alone = len(names) == 1 and len(names[0]) <= WIDEST
+        axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
-        axes.set_xlabel(label)
+        of_time = name_time(axes, ends[-1]) if curves.onset is None else ""
+        axes.set_xlabel("; ".join(filter(None, (of_time, label))))
         axes.margins(y=0.08)
         give_ticks(axes)
         widest = max(map(len, names))
+        if is_alone:
+            continue
         if wide and len(names) <= SIDE and widest <= WIDEST:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         else:
@@ -204,6 +209,12 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     numbers = [number if number >= 0 else next(free) for number in known]
     places |= zip(owners, numbers, strict=True)
     return numbers
+
+
+def whole_name(name: str) -> str:
+    """Return the name of the only curve of a panel; a long name has its quantity in a second line."""
+    quantity = shared_part([name])
+    return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
 
 
 def look_of_energy(name: str) -> dict[str, Any]:

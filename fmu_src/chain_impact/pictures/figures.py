@@ -39,6 +39,8 @@ FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label
 USUAL_AXES_HEIGHT = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
+EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
+SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
 NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
 LIMIT_ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
 # if a figure is too low, larger heights are tried: multiples of STEP [inch], fewer than HIGHER
@@ -246,7 +248,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
-    for _ in range(2):
+    for _ in range(SETTLINGS):
         if scaled is not None:
             scaled.set_aspect("auto")
         if engine is not None:
@@ -276,8 +278,9 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             label.set_text(label.get_text().replace(" [", "\n["))
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
-        # the label is centred on its axes, and must not reach beyond the figure
-        longest = min(LONGER * inside.width, 2.0 * middle, 2.0 * (figure.bbox.x1 - middle))
+        # the label is centred on its axes, and must keep its distance from the figure's edge
+        edge = EDGE * figure.dpi
+        longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
         if label.get_window_extent().width > longest:
             label.set_text(label.get_text().replace("\n", " "))
             in_lines(label, longest, "; ")

@@ -42,7 +42,8 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     At most MOST_COLOURED_POINTS points have a colour of their own: those with the fastest impacts. The
     others are grey.
 
-    Thick, pale lines at the foot, a row for each colour, show the contacts that are long enough to be seen.
+    Thick, pale lines below the speeds, a row for each colour, show the contacts that are long enough to be
+    seen; the axis of time is below them.
     If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
@@ -61,6 +62,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         if len(goes_on):
             draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
             lanes += 1
+    axes.spines["bottom"].set_position(("outward", lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
@@ -81,15 +83,15 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
 
 def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int, **look: Any) -> None:
-    """Draw contacts from their starts to their ends [s] as lines in a row at the foot of axes.
+    """Draw contacts from their starts to their ends [s] as lines in a row below axes.
 
-    ``lane`` is the number of the row, from 0 at the axis.
+    ``lane`` is the number of the row, from 0 at the axes.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    height = (0.5 + lane) * ROW / 72.0  # [inch]
-    raised = axes.get_xaxis_transform() + ScaledTranslation(0.0, height, figure.dpi_scale_trans)
-    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": raised}
+    depth = (0.5 + lane) * ROW / 72.0  # [inch]
+    lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
+    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered, "clip_on": False}
     axes.hlines(np.zeros(len(starts)), starts, ends, **look)
 
 

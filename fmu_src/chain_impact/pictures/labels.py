@@ -39,6 +39,7 @@ OWN_LINE = 4.5
 # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 CROSSING = 2
 LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
+BEYOND = 36.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 LABEL_LAYER = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
@@ -264,7 +265,7 @@ def _place(
     labels free, then at all positions.
 
     Args:
-        axes: the axes inside which the text stays.
+        axes: the axes inside which the text stays; with leaders, it may also be beyond their right edge.
         label: its position, and the best direction from it.
         homes: the best positions of the labels that are written later, shape (H, 2, 2).
         sizes: the texts, the best first → half of the width and of the height of each [pixels].
@@ -275,6 +276,9 @@ def _place(
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, inside = figure.dpi / 72.0, axes.get_window_extent()
+    may_lead = FAR[-1] in steps
+    beyond = min(inside.x1 + BEYOND * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
+    highest = np.array([max(inside.x1, beyond), inside.y1])
     at = np.asarray(axes.transData.transform(label.position))
     style: dict[str, Any] = {
         "textcoords": "offset points",
@@ -283,7 +287,6 @@ def _place(
         "ma": "center",
         "in_layout": False,
     }
-    may_lead = FAR[-1] in steps
     grounds = (False, True) if may_lead else (False,)
     outline: Any = {True: {"path_effects": [withStroke(linewidth=LABEL_RIM, foreground="white")]}, False: {}}
     tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
@@ -291,7 +294,8 @@ def _place(
         half = sizes[words]
         ways = directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
-        is_inside = ((low >= inside.min) & (high <= inside.max)).all(axis=-1)
+        is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
+        is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
         for home in spared:
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)

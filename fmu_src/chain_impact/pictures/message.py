@@ -11,11 +11,18 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.style import headline, is_narrow, raised
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import number, plural
+from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
 
 NO_LOSS = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
+
+SHORT_TIME = 0.1  # [s] a shorter time has a unit with a prefix
+
+
+def time_unit(span: float) -> tuple[float, str]:
+    """Return a factor, and the unit into which it converts seconds: ms for a time shorter than SHORT_TIME."""
+    return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
 
 
 def message(recording: Recording, *, short: bool = False) -> str:
@@ -23,8 +30,11 @@ def message(recording: Recording, *, short: bool = False) -> str:
 
     For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
     """
-    count, span = recording.impact_count, recording.time[-1] - recording.time[0]
-    text = f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {span:g} s"
+    count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
+    factor, unit = time_unit(span)
+    text = (
+        f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
+    )
     return text if short else ", ".join(filter(None, (text, dissipated(recording))))
 
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
+from matplotlib.transforms import Bbox
 
 from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.pictures.bands import hides, plot_curves
+from chain_impact.pictures.bands import MOST_GREY, fill_band, hides, plot_curves
 from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.message import time_unit
 from chain_impact.pictures.names import short_names
 from chain_impact.pictures.rest import shade_rests, shown_time
 from chain_impact.pictures.style import (
@@ -54,6 +58,10 @@ ENERGIES = {
 """Energy → colour, in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE_ELASTIC = 0.01
+# energies whose values all are less than this, relative to the range of all energies, look like one line: if
+# the total and two others do, they are a band
+TINY = 0.05
+CLOCK_HEIGHT = 0.045  # [inch] the height of the colours of time
 # the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
@@ -67,6 +75,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     """Draw the colours that the motion has at each time, above the label of the axis of time."""
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
+    axes.set_axes_locator(_slim)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     label_time(axes, recording, "the same colours as in the motion" if is_full(axes) else "")
     axes.set_yticks([])
@@ -75,20 +84,42 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     give_ticks(axes)
 
 
+def _slim(axes: Any, _: Any) -> Bbox:
+    """Return the place of axes, which keep their upper edge and have the height CLOCK_HEIGHT."""
+    figure, place = axes.get_figure(root=True), axes.get_position(original=True)
+    assert figure is not None
+    return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
+
+
 def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
     """Give axes of time their label, with words on a rest or else the ``note``, and their limits."""
     shown = shown_time(recording)
     margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
     axes.set(
-        xlabel="; ".join(filter(None, ("time [s]", shown.note or note))),
+        xlabel="; ".join(filter(None, (name_time(axes, shown.end), shown.note or note))),
         xlim=(shown.start - margin, shown.end + margin),
     )
+
+
+def name_time(axes: Axes, end: float) -> str:
+    """Return the name of an axis of time until ``end`` [s], with the unit of its numbers."""
+    factor, unit = time_unit(end)
+    if factor != 1.0:
+        numbers = FuncFormatter(lambda time, _: f"{factor * time:.10g}".replace("-", "−"))
+        axes.xaxis.set_major_formatter(numbers)
+    return f"time [{unit}]"
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """Draw the energies over time, with lines at impacts."""
     mark_impacts(axes, recording)
-    plot_curves(axes, recording.time, energy_curves(recording))
+    curves = energy_curves(recording)
+    tiny = tiny_curves(curves)
+    plot_curves(axes, recording.time, [curve for k, curve in enumerate(curves) if k not in tiny])
+    if tiny:
+        values = [curves[k][0] for k in tiny]
+        names = ", ".join(curves[k][1]["label"] for k in tiny)
+        fill_band(axes, recording.time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
     over_all_time(axes, recording)
     legend_above(axes)
@@ -115,6 +146,14 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
         (energy, energy_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
         for name, energy in shown.items()
     ]
+
+
+def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
+    """Return the indices of curves that would look like one line at 0, if there are more than MOST_GREY."""
+    sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
+    is_part = [look["label"] in ENERGY_PARTS for _, look in curves]
+    tiny = [k for k, size in enumerate(sizes) if size < TINY * max(sizes) and not is_part[k]]
+    return tiny if len(tiny) > MOST_GREY else []
 
 
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:

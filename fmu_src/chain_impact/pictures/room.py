@@ -27,7 +27,7 @@ FARTHEST = 1.0
 # FLAT_MARGIN: the margin above and below it, relative to its height
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
 SLIMMEST = 0.3  # the least ratio of the shorter to the longer side of the view
-GROWN = 1.2  # the largest factor by which the height of the view grows to fill its axes
+GROWN = np.array([1.4, 1.2])  # the largest factors by which width and height of the view grow to fill axes
 # a wall counts as parallel to the x axis or y axis if a component of its unit normal is larger than this
 STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
@@ -92,7 +92,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     sides = np.ptp(view, axis=0)
     least = np.full(2, SLIMMEST * sides.max())
     wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
-    wanted[1] = min(wanted[1], GROWN * max(sides[1], least[1]))
+    wanted = np.minimum(wanted, GROWN * np.maximum(sides, least))
     before, is_open = open_shares(near.values())
     more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
     view = view + more * np.stack([-before, 1.0 - before])

@@ -23,6 +23,7 @@ from chain_impact.pictures.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.over_time import name_time
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
@@ -87,25 +88,26 @@ def plot_comparison(
 @styled()
 def fill(figure: Figure, comparison: LawRuns) -> None:
     """Draw the two panels on an empty figure."""
-    looks = looks_of(comparison)
-    headline(figure, message(comparison), conditions(comparison, looks))
-    loops, energy = figure.subplots(*((2, 1) if is_narrow(figure) else (1, 2)))
+    small = is_narrow(figure)
+    looks = looks_of(comparison, small=small)
+    headline(figure, message(comparison, small=small), conditions(comparison, looks))
+    loops, energy = figure.subplots(*((2, 1) if small else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     legend_at_foot(figure, legend_handles(energy, looks))
     settle(figure)
 
 
-def message(comparison: LawRuns) -> str:
-    """Return a headline: how much the laws differ in the first impact."""
+def message(comparison: LawRuns, *, small: bool = False) -> str:
+    """Return a headline: how much the laws differ in the first impact; ``small``: of a narrow figure."""
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not restitutions:
         return f"{name}: no law finished its first impact"
     span = f"{min(restitutions):.2f} to {max(restitutions):.2f}"
-    return (
-        f"{name}: restitution {span} in the first impact, for e = {e:g}, {plural(len(restitutions), 'law')}"
-    )
+    text = f"{name}: restitution {span}"
+    more = f"in the first impact, for e = {e:g}, {plural(len(restitutions), 'law')}"
+    return f"{text} for e = {e:g}" if small else f"{text} {more}"
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -154,8 +156,8 @@ def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
-def looks_of(comparison: LawRuns) -> Looks:
-    """Return colour, line and label of each law.
+def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
+    """Return colour, line and label of each law; ``small``: in the label only the reference has its reason.
 
     If two laws have the same force, the second law has no line, but shares the label of the first law.
     """
@@ -168,6 +170,8 @@ def looks_of(comparison: LawRuns) -> Looks:
     for first, laws in twins.items():
         reasons = [why[law] for law in laws if law in why]
         first_reason = next(filter(None, reasons), "")
+        if small and comparison.reference not in laws:
+            first_reason = ""
         restitution = comparison[first].restitution
         reached = f"e′ = {restitution:.2f}" if math.isfinite(restitution) else ""
         told = ", ".join(filter(None, (first_reason, reached)))
@@ -225,12 +229,18 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
     return grey if len(grey) > MOST_GREY else []
 
 
-def band_label(comparison: LawRuns, band: Sequence[str]) -> str:
-    """Return the label of the band: how many laws it has, and which have the extreme restitutions e′."""
+def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False) -> str:
+    """Return the label of the band: how many laws it has, and which have the extreme restitutions e′.
+
+    ``small``: in short words.
+    """
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
-    extremes = " to ".join(f"{law} (e′ = {comparison[law].restitution:.2f})" for law in (order[0], order[-1]))
-    return f"{plural(len(band), 'other law')}: {extremes}"
+    before = "" if small else "e′ = "
+    extremes = " to ".join(
+        f"{law} ({before}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
+    )
+    return f"{len(band)} others: {extremes}" if small else f"{plural(len(band), 'other law')}: {extremes}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
@@ -255,7 +265,9 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     if results:
         time = max((result.time for result in results), key=len)
         curves = [np.interp(time, result.time, result.energy["total"], right=np.nan) for result in results]
-        fill_band(axes, time, curves, band_label(comparison, band))
+        figure = axes.get_figure(root=True)
+        small = figure is not None and is_narrow(figure)
+        fill_band(axes, time, curves, band_label(comparison, band, small=small))
     courses = {
         law: np.array([result.time, result.energy["total"]])
         for law in looks
@@ -265,7 +277,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     every = [run.result for run in comparison.runs if run.result is not None]
     shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
     end = max(time.end for time in shown)
-    axes.set(xlabel="time [s]" + (f"; at rest until {last:g} s" if end < last else ""))
+    axes.set(xlabel=name_time(axes, end) + (f"; at rest until {last:g} s" if end < last else ""))
     axes.set(ylabel="total energy [J]", xlim=(min(time.start for time in shown), end))
     give_ticks(axes)
 

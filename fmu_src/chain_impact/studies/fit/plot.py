@@ -21,11 +21,13 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, draw_bars
 from chain_impact.pictures.curves import axis_unit
-from chain_impact.pictures.figures import draw_figure
+from chain_impact.pictures.figures import draw_figure, settle
 from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.over_time import name_time
 from chain_impact.pictures.sizes import Size
 from chain_impact.pictures.style import (
     GREY,
+    INK,
     PALE,
     PALETTE,
     VERMILLION,
@@ -39,7 +41,7 @@ from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import above_best, fits_equally, heading, misfit, rounded
+from chain_impact.studies.fit.report import fits_equally, heading, misfit, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
@@ -53,6 +55,7 @@ AROUND_LAWS, LAW_HEIGHT = 0.7, 0.17
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
 MODEL = VERMILLION  # the colour of the model beside one data set
+HARDLY = 10.0  # data hardly support a law from this ΔAIC on (Burnham & Anderson 2004)
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
 
@@ -78,7 +81,8 @@ def plot_fit(
     """Draw the picture; see ``Fit.plot``."""
     count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
-    height = 0.7 + math.ceil(count / 2) * PANEL_HEIGHT + _ranking_height(fit)
+    is_free = count > 1 and count % 2 == 1  # a cell of the grid, which then has the ranking
+    height = 0.7 + math.ceil(count / 2) * PANEL_HEIGHT + (0.0 if is_free else _ranking_height(fit))
     return draw_figure(partial(fill, fit=fit), path, size, (width, height))
 
 
@@ -92,43 +96,69 @@ def fill(figure: Figure, fit: Estimates) -> None:
     """Draw all panels on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
-    down = math.ceil(len(names) / across)
     results = [_model(fit, k) for k in range(len(fit.data))]
-    heights = [PANEL_HEIGHT * down, *filter(None, [_ranking_height(fit)])]
-    whole = figure.add_gridspec(len(heights), 1, height_ratios=heights)
-    grid = whole[0].subgridspec(down, across)
-    has_lines = [_panel(grid[k // across, k % across], fit, name, results) for k, name in enumerate(names)]
-    if fit.ranking:
-        draw_ranking(figure.add_subplot(whole[1]), fit)
+    cells, of_ranking = _cells(figure, fit, len(names), across)
+    if of_ranking is not None:
+        draw_ranking(figure.add_subplot(of_ranking), fit)
+    has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
     labels = [_estimate_text(fit, label) for label in fit.values]
-    more = [f"{len(labels) - MOST_ESTIMATES} more parameters"] if len(labels) > MOST_ESTIMATES else []
+    more = [f"best of {len(fit.ranking)} laws"] if fit.ranking else []
+    if len(labels) > MOST_ESTIMATES:
+        more.append(f"{len(labels) - MOST_ESTIMATES} more parameters")
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
-    more.append(f"±: standard error; {marks}: ± {USUAL:g} σ")
+    more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
     if any(has_lines):
         more.append("grey lines: impacts of the model")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
+    settle(figure)
+
+
+def _cells(
+    figure: Figure, fit: Estimates, count: int, across: int
+) -> tuple[list[SubplotSpec], SubplotSpec | None]:
+    """Return the cells of the panels with data, and that of the ranking if there is one.
+
+    A panel that would be alone in a row beside an empty cell has the ranking there, or the whole row.
+    """
+    is_alone = count > across and count % across > 0
+    rows = count // across if is_alone else math.ceil(count / across)
+    last = PANEL_HEIGHT if is_alone else _ranking_height(fit)
+    heights = [PANEL_HEIGHT * rows, *filter(None, [last])]
+    whole = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+    grid = whole[0].subgridspec(rows, across)
+    cells = [grid[k // across, k % across] for k in range(min(count, rows * across))]
+    if not is_alone:
+        return cells, whole[1] if fit.ranking else None
+    row = whole[1].subgridspec(1, 2 if fit.ranking else 1)
+    return [*cells, row[0]], row[1] if fit.ranking else None
 
 
 def draw_ranking(axes: Axes, fit: Estimates) -> None:
-    """Draw a bar for each contact law, as long as its misfit, the best law first; ΔAIC is at the right.
+    """Draw ΔAIC of each contact law as a dot at the end of a bar, the best law first.
 
-    The data cannot tell the laws with blue bars apart. A law without a fit has no bar.
+    The axis is logarithmic from HARDLY on. A law without a fit has no bar.
     """
-    misfits = [math.nan if entry.fit is None else misfit(entry.fit, fit) for entry in fit.ranking]
-    told = ["–" if entry.fit is None else above_best(entry.fit, fit) for entry in fit.ranking]
+    above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
+    told = ["–" if entry.fit is None else number(misfit(entry.fit, fit), 2) for entry in fit.ranking]
     bars = Bars(
         names=[entry.law for entry in fit.ranking],
-        values=misfits,
+        values=above,
         texts=told,
-        label="misfit of each law: rms residual [σ]",
-        heading="ΔAIC",
+        label=f"ΔAIC; blue: as good as the best law; from {HARDLY:g} on (dashed): hardly supported",
+        heading="rms residual [σ]",
         colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
     )
-    draw_bars(axes, bars, (0.0, np.nanmax(misfits)), small=True)
+    most = float(np.nanmax(above))
+    draw_bars(axes, bars, (0.0, most or 1.0), small=True)
+    axes.scatter(above, range(len(above)), 12.0, bars.colours, zorder=3.0, clip_on=False)
+    axes.axvline(HARDLY, color=INK, linewidth=0.8, linestyle="--")
+    if most > HARDLY:
+        axes.set_xscale("symlog", linthresh=HARDLY)
+        axes.set_xlim(0.0, 2.0 * most)
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -178,8 +208,10 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
         )
     values.set_ylabel(f"{name}{in_brackets(unit)}")
-    residuals.set_ylabel("model −\ndata [σ]")
-    residuals.set_xlabel("number of the impact" if over_impacts else "time [s]")
+    values.tick_params(labelbottom=True)
+    residuals.set_ylabel("Δ [σ]")
+    last = max((float(np.nanmax(part.at, initial=0.0)) for part in parts), default=0.0)
+    residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
         if np.isfinite(numbers).any():  # else the model has none of the impacts

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.dark import SKY
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.style import INK, give_ticks
+from chain_impact.pictures.style import COUNT_STEPS, INK, give_ticks
 from chain_impact.recording.map_colours import spread
 from chain_impact.scene.unit_text import with_unit
 from chain_impact.studies.sweep.maps import NEVER, WIDE_RANGE
@@ -48,7 +48,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
         legend_above(axes)
         give_ticks(axes)
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
 
 
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.figures import draw_figure, settle
@@ -24,6 +25,7 @@ from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.sizes import Size, figure_size
 from chain_impact.pictures.style import (
     BLACK,
+    COUNT_STEPS,
     PALETTE,
     give_ticks,
     headline,
@@ -107,9 +109,14 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     """Draw all panels on an empty figure."""
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
-    parts = [conditions(runs, varying), constants(runs, results)]
+    told = [conditions(runs, varying), constants(runs, results)]
     mark = " (×)" if kind in (DOTS, CURVES) else ""
-    headline(figure, title(runs, results, mark), "; ".join(filter(None, parts)))
+    head, *parts = title(runs, results, mark)
+    if is_narrow(figure):  # the results are below the panels, so that the headline has one line
+        told = [", ".join(parts), *told]
+    else:
+        head = ", ".join([head, *parts])
+    headline(figure, head, "; ".join(filter(None, told)))
     # parameters that are numbers come before choices
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
     across = _across(len(quantities), kind, figure.get_figwidth())
@@ -161,15 +168,15 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
     return usual, 0.6 + 2.7 * math.ceil(count / _across(count, kind, width or usual))
 
 
-def title(runs: Runs, results: Results, mark: str) -> str:
-    """Return the headline: a summary of the results of the runs."""
+def title(runs: Runs, results: Results, mark: str) -> list[str]:
+    """Return the parts of the headline: the number of runs, and a summary of their results."""
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
         values = quantity.of(runs)
         values = values[~np.isnan(values)]
         if quantity.in_headline and values.any():
             parts.append(quantity.range_text(values))
-    return ", ".join(parts + ([f"{failed} failed{mark}"] if failed else []))
+    return parts + ([f"{failed} failed{mark}"] if failed else [])
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
@@ -255,7 +262,8 @@ def _curves(
     if choice:
         handles, labels = panels[0].get_legend_handles_labels()
         if is_narrow(figure):
-            legend_at_foot(figure, handles, title=choice.name)
+            name = Line2D([], [], linestyle="", label=f"{choice.name}:")
+            legend_at_foot(figure, [name, *handles])
         else:
             figure.legend(handles, labels, loc="outside right center", title=choice.name)
 
@@ -273,7 +281,7 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
         axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
         axes.set_xlabel(quantity.label)
         if quantity.is_count:
-            axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
     panels[0].set_yticks(rows, names)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
 
@@ -285,7 +293,7 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
     if not finite.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
     elif finite.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
         if is_over_log or spread(finite) >= WIDE_RANGE:
