@@ -30,6 +30,8 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one the panel is higher. All
 # are relative to the height of the panel of energies.
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
+# HIGH_ROWS: more rows than this number have the height LOW_ROW, relative to that of the panel of energies
+HIGH_ROWS, LOW_ROW = 2, 0.24
 # HIGHEST: the largest height of the panel of motion, relative to the width of the figure
 HIGHEST = 0.4
 # [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
@@ -70,7 +72,8 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     timed = [name for name in shown if is_over_time(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}
     if "friction" in timed:
-        known["friction"] += RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
+        count = len(rubbing_places(recording)[:MOST_ROWS])
+        known["friction"] += (RUBBING_ROW if count <= HIGH_ROWS else LOW_ROW) * count
     has_colours = timed and len(timed) < len(shown)
     return [known.get(name, 1.0) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
 

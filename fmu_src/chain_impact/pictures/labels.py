@@ -39,7 +39,7 @@ OWN_LINE = 4.5
 # [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
 CROSSING = 2
 LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
-BEYOND = 36.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
+BEYOND = 64.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
 PAD = 1.0  # [points] free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 LABEL_LAYER = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
