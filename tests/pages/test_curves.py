@@ -127,7 +127,9 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     assert page.get_by_role("button", name="At impact").get_attribute("aria-pressed") == "false"
     page.get_by_role("button", name="At impact").click()
     impact = result.impacts[0]
-    shown = told(page, "contact[2].y_min.force") / impact["peak_force"]
+    unit = page.locator("#outputs-over-time .curve-unit")
+    assert unit.inner_text() == "kN", "as in the chart of the contact"
+    shown = 1e3 * told(page, "contact[2].y_min.force") / impact["peak_force"]
     assert shown == pytest.approx(1.0, abs=0.01), "the largest force"
     assert page.text_content("#outputs-impact") == page.text_content("#contact-name").split(",")[0]
     charts = page.locator("#outputs-over-time .u-over").first
@@ -138,7 +140,7 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
         page, f"Math.abs(Number(document.getElementById('time').textContent.slice(0, 7)) - {middle}) < 5e-5"
     )
     assert page.evaluate(NOW) == pytest.approx(0.5, abs=0.01)
-    assert 0.5 < told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
+    assert 0.5 < 1e3 * told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
     page.get_by_role("button", name="Pin").click()
     soft = {"contact.stiffness": 1e7}
     lower = simulate(load_scene("four_link_box").with_values(soft)).impacts

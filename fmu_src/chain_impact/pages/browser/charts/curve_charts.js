@@ -11,14 +11,12 @@ const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
+const KILO = 1e3; // least force [N] or moment [N·m] that is shown in kN or kN·m
 const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
 
-/**
- * Return curves with 0 for values that are round-off of the largest value; for forces, of the recording's largest force if it is
- * larger.
- */
-function withoutRoundOff(curves, { peakForce }) {
-  const scale = largestIn(curves.map(({ values }) => values), curves[0].unit === "N" ? peakForce : 0);
+/** Return curves with 0 for values that are round-off of `largest`, or of their largest value. */
+function withoutRoundOff(curves, largest) {
+  const scale = largestIn(curves.map(({ values }) => values), largest);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
 }
 
@@ -50,15 +48,18 @@ class UnitChart extends TimeChart {
   get comparedCurves() {
     return this.compared.flatMap(({ recording, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) => ({ points: [time, values], ...line }));
+      return curves.filter(({ name }) => this.names.includes(name)).map(({ values }) =>
+        ({ points: [time, values.map((value) => this.factor * value)], ...line }));
     });
   }
 
   show(recording, curves) {
-    const { time } = this.curvesOf(recording);
-    Object.assign(this, { recording, time, curves: withoutRoundOff(curves, recording) });
-    this.writers = writersOf(this.curves);
-    this.isOfCounts = this.curves.every(isCount);
+    const [{ time }, [{ unit }]] = [this.curvesOf(recording), curves];
+    this.factor = (unit === "N" || unit === "N.m") && largestIn(curves.map(({ values }) => values)) >= KILO ? 1 / KILO : 1;
+    this.unit.textContent = `${this.factor === 1 ? "" : "k"}${unitText(unit)}`;
+    const scaled = curves.map((curve) => ({ ...curve, values: curve.values.map((value) => this.factor * value) }));
+    Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
+    Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });
     const data = [time, ...this.curves.map(({ values }) => values)];
     if (curves.map(({ name }) => name).join() === this.names.join()) this.plot.setData(data);
     else this.makeCurves(curves, data);
@@ -74,9 +75,9 @@ class UnitChart extends TimeChart {
     const row = Math.min(lastBefore(this.time, now), this.time.length - 2);
     const share = Math.min(Math.max((now - this.time[row]) / (this.time[row + 1] - this.time[row]), 0), 1);
     this.values.forEach(([, value], k) => {
-      const { values, unit, isStepped } = this.curves[k];
+      const { values, isStepped } = this.curves[k];
       const number = isStepped ? values[row + Math.floor(share)] : values[row] + share * (values[row + 1] - values[row]);
-      value.textContent = [this.writers[k](number), unitText(unit)].filter((text) => text !== "").join("\u202f");
+      value.textContent = [this.writers[k](number), this.unit.textContent].filter((text) => text !== "").join("\u202f");
     });
   }
 }
@@ -102,8 +103,7 @@ export class CurveCharts {
     const units = [...new Set(curves.map(({ unit }) => unit))];
     if (JSON.stringify(units) !== JSON.stringify([...this.charts.keys()])) { // a count has the unit ""
       this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
-      const parts = [...this.charts].flatMap(([unit, { element, entries }]) =>
-        [make("small", { className: "curve-unit", textContent: unitText(unit) }), element, entries]);
+      const parts = [...this.charts.values()].flatMap(({ unit, element, entries }) => [unit, element, entries]);
       this.element.replaceChildren(...parts);
       this.compare(this.#compared);
     }
@@ -124,7 +124,8 @@ export class CurveCharts {
     const [element, entries] = [make("div", { className: "chart curve-chart" }), make("dl", { className: "entries" })];
     element.setAttribute("role", "img");
     element.setAttribute("aria-label", `${this.label} over time; click to go to a time`);
-    return Object.assign(new UnitChart(element, 104, entries, this.seek), { curvesOf: this.curvesOf });
+    const unit = make("small", { className: "curve-unit" });
+    return Object.assign(new UnitChart(element, 104, entries, this.seek), { unit, curvesOf: this.curvesOf });
   }
 
   compare(recordings) {
