@@ -1,4 +1,4 @@
-"""Angles: text in degrees in a file, and hints for angles that may be in degrees or off by whole turns."""
+"""Angles: text in degrees in a file, and hints for angles that may be in degrees, or wrong by whole turns."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 def degrees_pattern(unit: str) -> str | None:
     """Return the regular expression for an angle as text, ``"90 deg"``.
 
-    None if the unit is not one of angles.
+    The result is None if the unit is not a unit of angles.
     """
     return rf"\s*({_NUMBER})\s*{DEGREES[unit]}\s*" if unit in DEGREES else None
 
@@ -27,14 +27,17 @@ def in_radians(value: Any, unit: str) -> Any:
 
 
 def or_degrees(unit: str) -> str:
-    """Return words for an error: that a text, "90 deg", is allowed, too; "" for a unit not of angles."""
+    """Return the words of an error that say that a text such as "90 deg" is allowed.
+
+    The result is "" if the unit is not a unit of angles.
+    """
     return f', or text in degrees as "90 {DEGREES[unit]}"' if unit in DEGREES else ""
 
 
 def radians_hint(name: str, value: float, unit: str) -> str | None:
     """Return a hint that an angle of more than one turn may be in degrees by mistake.
 
-    None for a smaller angle, and for a value in another unit.
+    The result is None for a smaller angle, and for a value in another unit.
     """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None
@@ -45,7 +48,8 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
 def turns_hint(joint: float, low: float, high: float) -> str:
     """Return a hint for a joint's angle beyond its stops ``low`` and ``high``, all in [rad].
 
-    It names the angle between the stops that differs by whole turns; "" if there is none.
+    The hint names the angle between the stops that differs by whole turns; it is "" if there is no such
+    angle.
     """
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau

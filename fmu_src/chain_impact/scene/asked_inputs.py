@@ -19,7 +19,7 @@ from chain_impact.scene.table_file import read_table, samples_of
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
     """Yield the names of the inputs that the scene asks for, with or without a signal that drives them.
 
-    With ``asked = False``, yield all that it could ask for.
+    With ``asked = False``, yield all inputs that the scene could ask for.
     """
     templates = [
         name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names
@@ -41,7 +41,7 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
 
 
 def how_asked(scene: Contents, name: str) -> str:
-    """Return words for an error on an input that is not there: how to get it, or which inputs are there."""
+    """Return words for an error on a missing input: how to get it, or which inputs the scene has."""
     key, there = input_key(name), list(inputs_of(scene))
     possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
     if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:

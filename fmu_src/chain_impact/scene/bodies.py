@@ -40,7 +40,7 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return one half of the hull, from the first of the sorted corners up to the last, which is left out."""
+    """Return one half of a convex hull, from the first of the sorted corners up to the last, left out."""
     hull: list[tuple[float, float]] = []
     for x, y in corners:
         while len(hull) > 1:
@@ -143,7 +143,7 @@ class Rail:
     def stops(self) -> dict[str, HalfPlane]:
         """The half-planes in which the existing stops keep the drawn carriage, by the stops' names.
 
-        The edge of each is half a carriage beyond ``low`` or ``high``, the limit for the base.
+        The edge of each half-plane is half a carriage beyond ``low`` or ``high``, the limit for the base.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half

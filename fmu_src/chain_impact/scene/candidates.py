@@ -12,7 +12,7 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
     """Return the pairs (point, index in ``scene.wall_names``) that can touch.
 
     The pairs of a point and an existing wall come first. The stops of joints follow, with the number of the
-    joint's link in place of a point. The stops of a slider come last, with point 0.
+    joint's link in place of the number of a point. The stops of a slider come last, with point 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
     joints = stop_pairs(scene)
@@ -20,7 +20,9 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
 
 
 def parts_in_words(scene: Contents) -> list[str]:
-    """Return words for each part of a scene that can be the reason for a fault, numbered as ``fault.part``.
+    """Return words for each part of a scene that can be the reason for a fault.
+
+    The parts are numbered as in ``fault.part``.
 
     These parts are the candidates, then the links, the joints and the slider, then the base at the wall of
     each pair of a point and a wall.

@@ -84,7 +84,7 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """The number of corners of the link's shape, 0 without one; they are the first of its points."""
+        """The number of corners of the link's shape, which are its first points; 0 without a shape."""
         return CORNERS if self.shape else 0
 
 

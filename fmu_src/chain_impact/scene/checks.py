@@ -114,7 +114,7 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return path → the values of each table with properties of a contact law, with those of this law."""
+    """Return a table from path to values, with the values of the law, for each table of a contact law."""
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
@@ -188,7 +188,7 @@ def check_start(scene: Contents) -> None:
 
 
 def _position(x: float, y: float) -> str:
-    """Return a position as text; a coordinate that is round-off is 0."""
+    """Return a position as text; a coordinate that is only round-off is written as 0."""
     x, y = (0.0 if abs(coordinate) <= OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 
@@ -218,7 +218,7 @@ def angle_hints(scene: Contents) -> list[str]:
 
 
 def hints(scene: Contents) -> list[str]:
-    """Return sentences on values that are allowed but are probably mistakes."""
+    """Return sentences on values that are allowed, but are probably mistakes of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
@@ -250,7 +250,10 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each value of initial.position that a pinned base with a signal does not have."""
+    """Return a sentence for each coordinate of initial.position that a signal of the base contradicts.
+
+    The base is pinned.
+    """
     if scene.chain.base != "pinned":
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
@@ -258,14 +261,17 @@ def start_hints(scene: Contents) -> list[str]:
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
-    """Return the sentence of ``start_hints`` on one coordinate: it is ``start``, not ``given`` [m]."""
+    """Return the sentence of ``start_hints`` on one coordinate.
+
+    The base is at ``start`` [m], although the file says ``given`` [m].
+    """
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
 def base_hints(scene: Contents) -> list[str]:
     """Return a sentence for each wall beyond which a pinned base is at the start.
 
-    This is allowed, because the base cannot touch.
+    Such a start is allowed, because a pinned base does not touch walls.
     """
     if scene.chain.base != "pinned":
         return []
@@ -282,8 +288,8 @@ def base_hints(scene: Contents) -> list[str]:
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     """Return a sentence, in a list, if changes set the absolute angle of a link, but not of the next link.
 
-    Only for a scene that gives ``initial.joint_angles``: its user may not expect that all further links keep
-    their absolute angles.
+    Only a scene that gives ``initial.joint_angles`` has such a sentence: the user may not expect that all
+    further links keep their absolute angles.
     """
     if not scene.has_joint_angles:
         return []

@@ -1,4 +1,4 @@
-"""Completion of a scene that was read: values that follow from other keys, and contents of other files."""
+"""The completion of a scene: values that follow from other keys, and the contents of other files."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
 def with_angles(scene: AnyScene) -> AnyScene:
     """Return the scene with an angle for each wall that is given by a normal; the normal becomes None.
 
-    Refuse a wall with both or neither of them, and a normal of length 0.
+    Refuse a wall with both an angle and a normal, or with neither, and a normal of length 0.
     """
     walls = []
     for i, wall in enumerate(scene.walls):
@@ -54,7 +54,10 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_radii(scene: AnyScene) -> AnyScene:
-    """Return the scene with the derived radius ``contact.radius`` for link points that have none."""
+    """Return the scene with a radius for each point of links.
+
+    Points without their own radius get the derived ``contact.radius``.
+    """
     links, paths = [], [*scene.derived_paths]
     for i, link in enumerate(scene.chain.links):
         points = []
@@ -72,7 +75,10 @@ def with_radii(scene: AnyScene) -> AnyScene:
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with absolute initial angles, also if the file gives joint angles; refuse both."""
+    """Return the scene with absolute initial angles, also if the file gives joint angles.
+
+    Refuse a file that gives both.
+    """
     initial, paths = scene.initial, scene.derived_paths
     if initial.joint_angles is None:
         return scene
@@ -84,9 +90,9 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material for each existing wall; a material has None for a value not given.
+    """Return the scene with a material for each existing wall.
 
-    Refuse a material of a wall that does not exist.
+    A value that is not given is None in the material. A material of a wall that does not exist is refused.
     """
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}

@@ -34,7 +34,7 @@ from chain_impact.scene.tables import (
 )
 
 # a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
-# normal is smaller than this round-off
+# normal is smaller than this value, which is round-off
 PARALLEL = 1e-12
 
 
@@ -81,7 +81,7 @@ class Contents:
 
     @property
     def has_joint_stops(self) -> bool:
-        """Whether a joint has a stop; only then the keys of [stops] are not None."""
+        """Whether a joint has a stop; only with a stop, the keys of [stops] have values."""
         return self.stops.exponent is not None
 
     @property
@@ -93,7 +93,7 @@ class Contents:
     def may_touch(self) -> bool:
         """Whether any point may touch walls.
 
-        In a scene with walls, only points count that can reach one of them: see ``keeps_distance``.
+        In a scene with walls, only points that can reach a wall count: see ``keeps_distance``.
         """
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
@@ -114,7 +114,10 @@ class Contents:
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point never reaches a wall: it is at a base that slides parallel to the wall."""
+        """Return whether a point never reaches a wall.
+
+        Such a point is at a base that slides parallel to the wall.
+        """
         slider = self.chain.slider
         if slider is None:
             return False
@@ -198,10 +201,10 @@ class Contents:
 
 
 def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str | None:
-    """Return a hint with the right name for a name that has a point's name in place of its number.
+    """Return a hint for a name that contains a point's name in place of the point's number.
 
-    For example "toe is the name of a point: point[4].x" for ``toe.x`` or ``point[toe].x``. None if the right
-    name is not in ``known``.
+    For example "toe is the name of a point: point[4].x" for ``toe.x`` or ``point[toe].x``. The result is None
+    if the right name is not in ``known``.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):

@@ -10,7 +10,9 @@ from chain_impact.scene.key_rules import Derived
 
 
 def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
-    """Return the rule for a default: the sum of products of a table's values (``terms``) / ``divisor``.
+    """Return the rule for a default that is a sum of products of a table's values, divided by ``divisor``.
+
+    ``terms`` has the factors of each product.
 
     For a link that is a box, the rule ``of_box`` applies, if there is one.
     """

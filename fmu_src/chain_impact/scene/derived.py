@@ -34,7 +34,7 @@ def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterat
 
 
 def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
-    """Return the path in the data of a file for a path in the scene, where each link has its own entry."""
+    """Return the path in the data of a file for a path in the scene, in which each link has its own entry."""
     match path:
         case "chain", "links", int(i), *following:
             counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
@@ -53,7 +53,7 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 def above(paths: Iterable[Any]) -> set[DataPath]:
     """Return the paths of all tables and lists that contain a value at one of the ``paths``.
 
-    Whatever is not a path, such as a name, is ignored.
+    An entry of ``paths`` that is no path, such as a name, is ignored.
     """
     proper = [
         path
@@ -64,7 +64,10 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 
 
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at a path: ``rule``, or ``rule.of_box`` for a box."""
+    """Return the rule that derives the value at a path.
+
+    The rule is ``rule`` or, for a link that is a box, ``rule.of_box``.
+    """
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
             return rule.of_box
@@ -72,7 +75,10 @@ def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
-    """Return the rule that derives the value at a path; ``rules``: key (``scene_keys``) → dataclass field."""
+    """Return the rule that derives the value at a path.
+
+    ``rules`` maps a key of ``scene_keys`` to its dataclass field.
+    """
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]
     return rule

@@ -11,8 +11,8 @@ from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# MARGIN: the free border around the drawing; NEAR: the distance beyond which no wall is drawn; both relative
-# to the size of the chain
+# MARGIN: the width of the free border around the drawing; NEAR: the distance from the chain beyond which no
+# wall is drawn; both relative to the size of the chain
 MARGIN, NEAR = 0.15, 1.0
 # LINE, THIN: widths of links and of other lines; POINT: radius of a point; all relative to the longer side of
 # the drawing

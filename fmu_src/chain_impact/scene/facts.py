@@ -1,8 +1,8 @@
-"""The table of the facts and lists of a scene: what it has, by rules (rules.py), each told once.
+"""The table of the facts and lists of a scene, such as whether it has friction, each by one rule.
 
-A page evaluates the same table (pages/browser/scene/owners.js). Each language finds only some LISTS by
-itself. Example: a link with ``joint_friction`` is a member of "links" with ``has_friction``, which makes the
-facts "joint_friction" and "friction" hold.
+A page evaluates the same table (pages/browser/scene/owners.js); rules.py has the language of the rules.
+Python and JavaScript each find some LISTS without a rule. Example: a link with ``joint_friction`` is a member
+of "links" with ``has_friction``, which makes the facts "joint_friction" and "friction" hold.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ ALWAYS = "always"
 
 
 class Members(NamedTuple):
-    """A list of a scene: what its members are, and how they follow from another list, if they do.
+    """A list of parts of a scene: the meaning of its members, and the rule by which parts are members.
 
     Attributes:
         meaning: what the members are, and the values that each member has.
@@ -71,7 +71,7 @@ LISTS = {
 
 
 class Fact(NamedTuple):
-    """A fact of a scene: the rule by which it holds, or its number, and its meaning."""
+    """A fact of a scene: its meaning, and the rule by which it holds or has a number."""
 
     rule: str
     meaning: str
@@ -125,7 +125,7 @@ too, as ``inputs.tip_force``."""
 class SceneFacts(dict[str, Any]):
     """The facts and lists of a scene by name, each found when it is first asked for.
 
-    Also the flags ``inputs.tip_force`` and so on: the keys of [inputs] and [outputs].
+    The mapping also has the flags of [inputs] and [outputs], such as ``inputs.tip_force``.
     """
 
     def __init__(self, scene: Contents) -> None:
@@ -148,7 +148,7 @@ class SceneFacts(dict[str, Any]):
         return value
 
     def value_of(self, name: str) -> Any:
-        """Return the value of a name in a rule: a key of the scene's file has a dot."""
+        """Return the value for a name in a rule; a name with a dot is a key of the scene's file."""
         return value_at(self.scene, name) if "." in name else self[name]
 
     def _members(self, row: Members) -> list[dict[str, Any]]:

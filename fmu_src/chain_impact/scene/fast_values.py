@@ -1,4 +1,4 @@
-"""The fast path of ``with_values`` for numbers that only a few checks depend on.
+"""The fast path of ``with_values``: numbers on which few other values depend change without a full check.
 
 Reading a whole scene again takes longer than a short simulation.
 """
@@ -38,7 +38,10 @@ _TABLES: dict[DataPath, Any] = {
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
-    """Return path or name of each value that may change alone → its path, and the metadata of its key."""
+    """Return a table of the values that may change alone.
+
+    It leads from a value's path or name to its path and the metadata of its key.
+    """
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
         rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
@@ -50,7 +53,7 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 
 
 def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
-    """Return the keys of a table that have the rule ``alone``: key → metadata."""
+    """Return the keys of a table whose rule is ``alone``, as a table from key to metadata."""
     return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
 
@@ -93,7 +96,7 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
-    """Return the scene with the number or choice at a path changed; None if the whole scene must be read."""
+    """Return the scene with another number or choice at a path; None if the whole scene must be read."""
     match path:
         case "chain", "links", int(i), str(key):
             return _with_link(scene, i, key, value)
@@ -111,8 +114,9 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
-    """Return whether other values of the scene follow from a number, or must be checked with it."""
-    if path == ("simulation", "stop_time"):  # the last piece of a signal's table may depend on the stop time
+    """Return whether other values of the scene depend on a number, or must be checked together with it."""
+    # the last piece of a signal's table may depend on the stop time of the simulation
+    if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)
 
@@ -120,7 +124,7 @@ def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
     """Return the scene with a number of a link changed; a derived inertia follows the mass.
 
-    Returns None if the link does not exist, or its inertia would not be a finite number > 0.
+    The result is None if the link does not exist, or if its inertia would not be a finite number > 0.
     """
     links = scene.chain.links
     if i >= len(links):

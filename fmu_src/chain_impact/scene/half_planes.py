@@ -51,6 +51,6 @@ def half_planes(
 def direction(normal: tuple[float, float]) -> float:
     """Return the angle [rad] of a wall from its normal, which may have any length.
 
-    The normal points to the left of someone who looks along the wall in the direction of this angle.
+    For someone who looks along the wall in the direction of this angle, the normal points to the left.
     """
     return math.atan2(-normal[0], normal[1]) + 0.0  # adding 0.0 turns −0 into 0

@@ -13,7 +13,8 @@ from typing import Any, TypedDict, Unpack, get_args
 
 from chain_impact.scene.unit_text import in_brackets
 
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # rule → test whether a value keeps the rule
+# table from a rule's name to the test whether a value keeps the rule
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {
     "minimum": operator.ge,
     "above": operator.gt,
     "maximum": operator.le,
@@ -25,23 +26,27 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # rule → test whether a valu
 class KeyRules(TypedDict, total=False):
     """The rules of a key's value, or of each value of a list."""
 
-    minimum: float  # value >= minimum
-    above: float  # value > above
-    maximum: float  # value <= maximum
+    minimum: float  # least allowed value
+    above: float  # lower limit; the value must be larger
+    maximum: float  # largest allowed value
     choices: tuple[str, ...]
     # regular expression for the whole text, and the meaning of this expression in words
     pattern: tuple[str, str]
-    per_link: bool  # the list has one value for each link
-    entries: tuple[int, int]  # lowest and highest number of entries of a list
-    or_true: bool  # in a list of names, `true` stands for all names and is read as the name "*"
-    alone: bool  # `with_values` can change the key without reading the scene again: fast_values.py
-    or_one: bool  # a single value stands for a list with this value
+    per_link: bool  # whether the list has one value for each link
+    entries: tuple[int, int]  # least and largest number of entries of the list
+    # whether `true` is allowed for a list of names: it stands for all names, and is read as the name "*"
+    or_true: bool
+    # whether `with_values` may change the key without reading the scene again, see fast_values.py
+    alone: bool
+    or_one: bool  # whether a single value may stand for a list with this value
     label: str  # the head of the key's column in the editor of a page, which changes only keys with a label
-    file_only: bool  # the key is a short form of other keys, which replace it when a file is read
-    # name of another key, in the same table or as "table.key"; if that key names a file, the file's name
-    # without its suffix is one more choice, such as the law of a user
+    # whether the key is a short form of other keys, which replace the key when a file is read
+    file_only: bool
+    # name of another key, in the same table or as "table.key"; if that key names a file, the name of the file
+    # without its suffix is one more choice, as for the law of a user
     extended_by: str
-    # function that returns the unit from the values of the keys read before, if these keys decide the unit
+    # function that returns the unit, from the values of the keys read before, where these keys decide the
+    # unit
     unit_by: Callable[[Mapping[str, Any]], str]
 
 
@@ -56,8 +61,8 @@ class Derived:
         terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
             the terms, divided by the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
-        constant: whether the default always has the same content; other values only decide its length, or if
-            there is a default.
+        constant: whether the default always has the same content; other values only decide its length, or
+            whether there is a default.
         of_box: the other rule for a link that is a box, if there is one.
         or_key: the key of the same table that can be given in place of this key, if there is one.
         with_stops: the constant default in a scene with stops of joints, if there is one.
@@ -114,7 +119,7 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` of a key, completed by the values of other keys.
+    """Return the metadata `rule` of a key, completed with the values of other keys.
 
     The name of a user's law becomes a choice, and a unit may depend on another key.
 

@@ -29,11 +29,11 @@ def line_of(text: str, path: DataPath) -> int | None:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the best line so far: how many steps of the path it matches, and the number of the line
+    # the best line so far: the number of steps of the path that it matches, and the line's number
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
-    inside = ""  # the quotes of a text that continues over several lines
+    inside = ""  # the quotes with which a text over several lines has begun; "" outside of such a text
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
             table = _within(counts, _steps(head[2]))
@@ -54,7 +54,7 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of a table from the ``steps`` of its head, which name lists of tables without an index.
+    """Return the path of a table from the ``steps`` of its head, in which a list of tables has no index.
 
     A table in a list belongs to the list's last entry so far, whose index is in ``counts``.
     """

@@ -1,8 +1,8 @@
 """The names of the values of a scene, which are the same everywhere for users.
 
 A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Other
-values have the dotted key of the file: ``simulation.stop_time``, ``contact.points``. Links count from 1, at
-the base.
+values have the dotted key of the file as their name: ``simulation.stop_time``, ``contact.points``. Links
+count from 1, at the base.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def point_label(number: int, names: Mapping[int, str]) -> str:
 def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
 
-    For the template of a path, return the template of the name.
+    For the template of a path, the result is the template of a name.
     """
     match path:
         case "gravity", int(j):
@@ -69,7 +69,9 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: DataPath) -> DataPath:
-    """Return the path with the steps of a name: ("signal", "a", "time", 0) for ("signals", "a", "times", 0).
+    """Return the path of a signal's key with the words of a name in place of the keys.
+
+    ("signals", "a", "times", 0) becomes ("signal", "a", "time", 0).
 
     A path that does not lead to a key of a signal is returned unchanged.
     """
@@ -82,7 +84,7 @@ def _of_signal(path: DataPath) -> DataPath:
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
     """Return the name of a wall at any angle; None if ``walls`` has no text for it.
 
-    For the template of a wall, return the template of the name.
+    For the template of a wall, the result is the template of a name.
     """
     name = "{name}" if number == AT else walls[int(number)]
     return name if isinstance(name, str) else None
@@ -96,7 +98,8 @@ def fmu_name(name: str) -> str:
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    except (IndexError, ValueError):  # the list has no entry with this number, or there are too many digits
+    # the list has no entry with this number, or the number has too many digits
+    except (IndexError, ValueError):
         return name
 
 
@@ -136,7 +139,10 @@ _PARTS = re.compile(
 
 
 def name_parts(name: str) -> NameParts:
-    """Return the parts of a variable's name; of a name of another form, only the quantity."""
+    """Return the parts of a variable's name.
+
+    If the name has another form, all of it is the quantity.
+    """
     at = _PARTS.fullmatch(name)
     if not at:
         return NameParts("", 0, "", name)
@@ -145,7 +151,10 @@ def name_parts(name: str) -> NameParts:
 
 
 def by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
-    """Return owner, number and name (see ``NameParts``) → quantity → value, for values by name."""
+    """Return a table of values by owner, number and name (see ``NameParts``), and then by quantity.
+
+    The argument has the values by the whole names.
+    """
     owned: dict[tuple[str, int, str], dict[str, Any]] = {}
     for whole, value in values.items():
         owner, n, name, quantity = name_parts(whole)
@@ -219,7 +228,7 @@ VALUE_WITHOUT_DRIVE = {
 
 
 def input_hint(name: str, how: str) -> str:
-    """Return a hint for the name of an input that is set like a parameter: ``how`` to give it instead."""
+    """Return a hint for an input that is set like a parameter; ``how`` says how to give the input instead."""
     hint = f"it is an input: give it over time {how}"
     for template, parameter in VALUE_WITHOUT_DRIVE.items():
         if is_like(name, template):
@@ -231,7 +240,7 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint for a name that cannot be set: what to do in its place; None if no hint is known.
+    """Return a hint for a name that cannot be set: what to do instead; None if no hint is known.
 
     Args:
         name: the name.

@@ -18,8 +18,8 @@ from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, proposed
 from chain_impact.scene.unit_text import number_hint
 
-# the least similarity, 0 to 1, of a key that the message on an unknown key proposes; with less, proposals are
-# useless
+# the least similarity, from 0 to 1, of a key that the message on an unknown key proposes; less similar keys
+# would be useless
 ALIKE = 0.7
 SHOWN = 60  # largest number of characters of a value that a message shows
 
@@ -50,7 +50,7 @@ def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
 
 
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
-    """Return the error for a key that names no existing wall; its sentence starts with ``value``."""
+    """Return the error for a key that names no existing wall; the sentence starts with ``value``."""
     if not walls:
         return refusal(path, "no_walls")
     return refusal(path, "no_wall", value=value, walls=", ".join(walls))
@@ -60,7 +60,7 @@ def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneErr
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
     """Replace a value's other name by the typed name in the message of a SceneError in the ``with`` block.
 
-    ``names`` are the names that the user typed; entries that are no text are ignored.
+    ``names`` are the names that the user typed; entries that are not texts are ignored.
     """
     try:
         yield
@@ -75,13 +75,13 @@ def as_typed(names: Iterable[Any]) -> Iterator[None]:
 
 
 class SceneWarning(UserWarning):
-    """Warns of a value or motion of a scene that is valid, but probably a mistake; one line."""
+    """The warning of a value or motion of a scene that is valid, but probably a mistake; it is one line."""
 
 
 class UnknownNameError(SceneError, KeyError):
     """Raised for a name that does not exist; the message gives a hint, or the most similar name."""
 
-    __str__ = Exception.__str__  # the message as it is; KeyError would add quotes
+    __str__ = Exception.__str__  # The message is shown as it is; the method of KeyError would add quotes.
 
     def __init__(
         self,
@@ -93,7 +93,7 @@ class UnknownNameError(SceneError, KeyError):
         *,
         otherwise: str = "`chain-impact info` lists the names",
     ) -> None:
-        """Say that ``name`` is ``what``, for example "not a parameter", and add the ``hint``.
+        """Make the message that ``name`` is ``what``, for example "not a parameter", with the ``hint``.
 
         Without a hint, the message gives the most similar of the ``names``, or ``otherwise`` if no name is
         similar.
@@ -153,7 +153,7 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of the entries of a tuple, or of the values of a mapping; else ``kind`` itself."""
+    """Return the type of a tuple's entries, or of a mapping's values; for another type, ``kind`` itself."""
     item, *others = get_args(kind) or (kind,)
     return others[0] if get_origin(kind) is Mapping else item
 
@@ -206,7 +206,7 @@ class Reader:
     def _value(
         self, kind: Any, rule: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
-        """Return `value` as the type `kind` if it keeps the `rule`; else raise a SceneError."""
+        """Return `value` as the type `kind` if the value keeps the `rule`; else raise a SceneError."""
         kind = without_none(kind)
         if is_dataclass(kind):
             return self._table(kind, value, path, tables)
@@ -279,7 +279,10 @@ class Reader:
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on a table in place of a list: where the keys belong that ``item`` lacks."""
+        """Return advice on a table that stands in place of a list: where the keys of the table belong.
+
+        These are the keys that ``item`` does not have.
+        """
         moved = [
             self._keys()[key]
             for key in value
@@ -288,7 +291,7 @@ class Reader:
         return "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
 
     def _keys(self) -> dict[str, str]:
-        """Return last part of a key → whole key.
+        """Return a table from the last part of a key to the whole key.
 
         Of several keys with the same last part, only the first one is returned. Keys of tables to which users
         give names, such as signals, are left out.
@@ -300,7 +303,10 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """Return the origin of a type: tuple for ``tuple[int, ...]``; typing's function for this is slow."""
+    """Return the origin of a type, such as tuple for ``tuple[int, ...]``.
+
+    The function of the module typing is slower.
+    """
     return get_origin(kind)
 
 
@@ -318,7 +324,10 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write a number that is a text with a unit or a decimal comma; "" for others."""
+    """Return a hint how to write a number that is a text with a unit or a decimal comma.
+
+    The hint is "" for any other text.
+    """
     return number_hint(value, [unit]) or decimal_comma(value) if isinstance(value, str) else ""
 
 
@@ -338,7 +347,7 @@ def value_text(value: Any) -> str:
     """Return the text of a value for a message: one line of limited length."""
     try:
         text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())
-    # the value is an integer of too many digits, or a list of too many levels
+    # an integer with too many digits, or a list with too many levels, has no text
     except (ValueError, RecursionError):
         text = f"<{type(value).__name__}>"
     return text if len(text) <= SHOWN else text[:SHOWN] + "..."

@@ -77,16 +77,15 @@ SENTENCES = {
 class Rule(NamedTuple):
     """A rule that refuses a value which does not go together with others.
 
-    Attributes:
-        fault: the fault that the value then is, a key of SENTENCES.
+    Attributes: fault: the fault of such a value, a key of SENTENCES.
         key: the refused key; its value is the word ``value`` of the sentence.
         condition: the rule (rules.py) by which the value is refused; its names are keys and facts.
         least: the number whose value is the word ``least`` of the sentence; its text is the word ``bound``.
         of: the tables to which the key belongs: "" the whole file, "link" each link, "law" [contact], each
             table in [contact.wall], and [stops]. A missing coefficient of friction or value of a stop is that
             of [contact]. ``law`` is the contact law of the table; a law of the user has no properties here.
-        in_kernel: whether the kernel has the rule, too: a page leaves it to the kernel when its reader
-            changes a value, who may change the other value next.
+        in_kernel: whether the kernel also has the rule: a page then leaves the rule to the kernel when its
+            reader changes a value, because the reader may change the other value next.
     """
 
     fault: str

@@ -122,7 +122,7 @@ def names_in(part: Tree) -> Iterator[str]:
 
 
 def holds(rule: str, value_of: ValueOf) -> bool:
-    """Return whether a rule holds; ``value_of`` returns the value of a name."""
+    """Return whether a rule holds; the function ``value_of`` returns the value for a name."""
     return _is_so(_function(rule)(value_of))
 
 
@@ -139,7 +139,10 @@ def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
-    """Return the members of the list that a rule stands for; for a number, as many members without values."""
+    """Return the members of the list that a rule stands for.
+
+    If the rule stands for a number, the result has as many members without values.
+    """
     value = _function(rule)(value_of)
     return [{}] * value if isinstance(value, int) else _members(value)
 
@@ -150,7 +153,7 @@ def _function(rule: str) -> Callable[[ValueOf], Any]:
 
 
 def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
-    """Return the function that returns the value of a part of a rule, None if it is missing."""
+    """Return the function that computes the value of a part of a rule; the value None means missing."""
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
@@ -173,7 +176,10 @@ def _of_members(
     names: Sequence[str],
     value_of: ValueOf,
 ) -> Any:
-    """Return whether a part of a rule holds for any member, or its sum over all members."""
+    """Return the value of any(…) or sum(…).
+
+    It is whether a rule holds for any member, or the sum of a number over all members.
+    """
     values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":
         return any(map(_is_so, values))
@@ -183,7 +189,10 @@ def _of_members(
 def _for_members(
     of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
 ) -> list[Any]:
-    """Return the value of a part of a rule for each member; members with equal values of names share it."""
+    """Return the value of a part of a rule for each member.
+
+    Members whose names have equal values share one evaluation.
+    """
     found, values = dict[tuple[Any, ...], Any](), []
     for order, member in enumerate(members):
         own = member.get if isinstance(member, dict) else partial(getattr, member)
@@ -204,7 +213,7 @@ def _of_two(
 
 
 def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
-    """Return for each member of a list the function that returns the value of a name (``value_within``)."""
+    """Return for each member of a list the function from a name to its value (``value_within``)."""
     return [partial(value_within, member, order, value_of) for order, member in enumerate(members)]
 
 

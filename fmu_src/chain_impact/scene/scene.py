@@ -47,12 +47,12 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 class Scene(Contents):
     """All values that a simulation needs.
 
-    ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return it checked.
+    ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return a checked scene.
     """
 
     @property
     def derived(self) -> dict[str, str]:
-        """The derived values: name of a value that is not given → its rule, such as "length / 2".
+        """The derived values, as a table from the name of a value to its rule, such as "length / 2".
 
         Defaults that are always the same number are left out.
         """
@@ -67,7 +67,7 @@ class Scene(Contents):
     def values(self) -> dict[str, Any]:
         """Every single value by its name, for ``with_values``.
 
-        The entry is None for a value that the scene does not have, such as the position of a missing wall.
+        A value is None if the scene does not have it, such as the position of a missing wall.
         """
         walls = [wall.name for wall in self.walls]
         return {name_of(path, walls): value for path, value in _leaves(self)}
@@ -167,7 +167,8 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     """Return the checked scene for data.
 
-    An error has the path of the key; without ``in_file``, the name of the value, unless links have counts.
+    An error has the path of the key in the file or, without ``in_file``, the name of the value, unless links
+    have counts.
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
@@ -280,7 +281,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
-        names = functools.cache(lambda: _paths_by_name(scene))  # takes longer than most changes
+        # making these names takes longer than most changes, so they are made only once
+        names = functools.cache(lambda: _paths_by_name(scene))
         changed = _with_any(scene, [_path_and_value(scene, names, *change) for change in changes.items()])
     hints_before = checks.hints(scene)
     warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
@@ -318,7 +320,7 @@ def _path_and_value(
 ) -> tuple[DataPath, Any]:
     """Return the path and the value of a change by path or by name; refuse an unknown name.
 
-    ``every`` returns name → path for all names of the scene.
+    ``every`` returns the table from name to path for all names of the scene.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
@@ -341,7 +343,10 @@ def fixed_hint(scene: Scene, name: str) -> str | None:
 
 @functools.cache
 def _keys() -> dict[str, DataPath]:
-    """Return dotted key → path; leave out keys in lists of tables and in tables that users name."""
+    """Return a table from dotted key to path.
+
+    Keys in lists of tables, and in tables that users name, are left out.
+    """
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
 
@@ -357,7 +362,7 @@ def _leaves(
     """Yield the path and the value of every single value.
 
     Each entry of a list of quantities is a single value. If ``value`` is a list, its first ``apart`` entries
-    are left out: the corners of a box, which follow from its length and height.
+    are left out: these are the corners of a box, which follow from length and height.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
@@ -375,7 +380,7 @@ def _leaves(
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return the value; for the number of a choice in the FMU, counted from 1, return the choice."""
+    """Return the value; if it is the number of a choice in the FMU, counted from 1, return the choice."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         return value
     laws = dict.fromkeys(("contact.model", "stops.model"), scene.law_names)

@@ -54,7 +54,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """Return words for how a wall's material differs from ``contact``; "" if it does not differ."""
+    """Return words for the differences between a wall's material and ``contact``; "" if there are none."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)

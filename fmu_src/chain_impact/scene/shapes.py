@@ -40,7 +40,7 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace the corners of boxes by the mark ``_APART`` in the plain data of a scene.
+    """Replace the corners of boxes, in the plain data of a scene, by the mark ``_APART``.
 
     With ``given``, the corners stay as ordinary points, and the link is no longer a box.
     """

@@ -55,8 +55,8 @@ _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in 
 def unit_of(name: str) -> str:
     """Return the unit of an input.
 
-    A misspelt name is refused only after the values are read. Until then it has the unit of the nearest
-    input, or "1" if no input is near.
+    A misspelt name is refused only after the values are read. Until then it has the unit of the input with
+    the most similar name, or "1" if no name is similar.
     """
     template = next((known for known in _UNITS if is_like(name, known)), nearest(name, _UNITS))
     return _UNITS[template] if template else "1"
@@ -86,7 +86,7 @@ class Samples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A signal, which drives inputs over time; a key that its form does not have is None."""
+    """A signal, which drives inputs over time; a key that does not exist in its form is None."""
 
     input: tuple[str, ...] = quantity(
         "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True

@@ -61,7 +61,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 def _check_numbers(name: str, signal: Signal) -> None:
     """Refuse times that do not increase, and lists of times and values that are empty or differ in length.
 
-    Also refuse a periodic table that does not fit its period.
+    The function also refuses a periodic table that does not fit its period.
     """
     times, values = signal.times, signal.values
     if signal.samples is not None:
@@ -76,9 +76,10 @@ def _check_numbers(name: str, signal: Signal) -> None:
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a table longer than its period, or with a last row one period after a different first row.
+    """Refuse a periodic table that is longer than its period, or that does not close.
 
-    With the interpolation ``hold`` these two rows may differ.
+    It does not close if its last row is one period after the first row, with other values; with the
+    interpolation ``hold`` these values may differ.
     """
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
@@ -98,9 +99,10 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse an interpolation with which the velocity of base or wall jumps, and a period of accelerations.
+    """Refuse an interpolation that lets the velocity of base or wall jump, and a period of accelerations.
 
-    The velocity could grow with each period. ``order`` says how many times the input is integrated.
+    With a period of accelerations, the velocity could grow with each period. ``order`` says how many times
+    the input is integrated.
     """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
@@ -125,7 +127,7 @@ def _quoted(text: str) -> str:
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
     """Refuse a signal that makes the position or velocity of base or wall jump.
 
-    Also refuse a sine of frequency 0 for an input that is integrated.
+    The function also refuses a sine of frequency 0 for an input that is integrated.
     """
     order, moves = family(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))

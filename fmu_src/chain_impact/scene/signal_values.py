@@ -1,4 +1,4 @@
-"""The rows of signals in the record, and the values of signals at the start, by the kernel's functions.
+"""The rows of signals in the record, and the values of signals at the start; the kernel's functions are used.
 
 kernel/chain/signals.py evaluates the rows.
 """
@@ -20,7 +20,8 @@ NUMBERS = (
     *("start", "rise", "initial", "final", "duration"),
 )
 """The keys of signals that are numbers. The record has 0 for a key that the form does not use."""
-# the largest gap between the last row of a table and the end of the period, relative to the period
+# The largest time, relative to the period, between the last row of a table and the end of the period that
+# counts as zero.
 CLOSED = 1e-9
 
 
@@ -84,7 +85,7 @@ def joined_by(signal: Signal, driven: str) -> str:
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table is one period after the first row.
+    """Return whether the last row of a periodic table lies one period after the first row.
 
     Both rows then stand for the same time in the period, and must have the same values.
     """
@@ -137,7 +138,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         powers = np.insert(powers / np.arange(1.0, powers.shape[1] + 1.0), 0, 0.0, axis=1)
         grown = np.cumsum(_at(powers, ends - at))
         powers[1:, 0], gain = grown[:-1], float(grown[-1])
-        # the integral must be 0 at t = 0, the start of the run
+        # the integral must be 0 at t = 0, where the run starts
         powers[:, 0] -= values_of(at, powers, np.array([begin])) + periods * gain
     return at, powers, gain if period else 0.0
 
@@ -147,7 +148,8 @@ def _interpolated(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the starts of polynomials and the end, shape (R + 1,) [s], and the coefficients, shape (R, P).
 
-    The coefficients are for powers of the time since the start of the polynomial. A single row has none.
+    The coefficients are for powers of the time since the start of the polynomial. A table with a single row
+    gives no polynomial.
     """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
@@ -183,7 +185,7 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     begin = "clamped" if at[0] > 0.0 else "not-a-knot"
     powers = CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T
     h = 0.5 * (at[-1] - at[-2])
-    # a, b, c, d: the terms of the powers of the time after h
+    # a, b, c, d: the coefficients of the powers 0 to 3 of the time since the start of the interval h
     a, b, c, d = powers[-1] * h ** np.arange(4.0)
     last = d
     if at[-1] < stop:
@@ -199,7 +201,7 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
     """Return the values of a piecewise polynomial at some ``times``; its pieces begin at the times ``at``.
 
-    At a jump, ``side`` says which value is returned: the value of the left or of the right piece.
+    At a jump, ``side`` says whether the value of the left or of the right piece is returned.
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _at(powers[k], times - at[k])

@@ -42,7 +42,7 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """How many times the input must be integrated to give the first of the ``outputs``."""
+        """The number of integrations of the input over time that give the first of the ``outputs``."""
         return self.outputs.index(self.input)
 
 
@@ -61,7 +61,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 def family(name: str) -> tuple[str, ...]:
     """Return the names of an input's integrals, the input, and its derivatives, in this order.
 
-    Only names of inputs are returned, but "" for the integral of a belt's speed.
+    All returned names are names of inputs, except "" for the integral of a belt's speed.
     """
     head, _, last = name.rpartition(".")
     if head == "base":
@@ -78,7 +78,8 @@ def family(name: str) -> tuple[str, ...]:
 def driven_alone(name: str) -> tuple[str, ...]:
     """Return the inputs that no second signal may drive if a signal drives the input ``name``.
 
-    For a motion these are the position, the velocity and the acceleration; else only the input itself.
+    For a motion these are the position, the velocity and the acceleration; for any other input only the input
+    itself.
     """
     return family(name) if is_motion(name) else (name,)
 
@@ -132,7 +133,10 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
 
 
 def _completed(name: str, signal: Signal) -> Signal:
-    """Return the signal with its defaults; refuse an unfit name, a missing key, and a key of another form."""
+    """Return the signal with its defaults.
+
+    An unsuitable name, a missing key, and a key of another form are refused.
+    """
     own = FORMS[signal.form]
     if not name.isidentifier():
         raise refusal(("signals", name), "signal_name")

@@ -19,8 +19,9 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     The first of these kinds that has a name decides:
 
     - names that differ by their numbers only: ``link[1].mass`` for ``link.mass``
-    - if ``name`` has one part, names whose last part has at least the similarity LIKE_LAST to it: one of
-      [contact], else the shortest: ``contact.stiffness`` for ``stifness``, ``link[1].length`` for ``lenght``
+    - if ``name`` has one part, names whose last part has at least the similarity LIKE_LAST to ``name``; a
+    name of [contact] comes first, then the shortest name: ``contact.stiffness`` for ``stifness``,
+    ``link[1].length`` for ``lenght``
     - names with the same last part, at least SAME_LAST: ``contact[1].y_min.force`` for ``joint[1].force``
     - all names with at least the similarity ``at_least``, from 0 to 1
     """
@@ -48,7 +49,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
 
 
 def longer(name: str, names: Iterable[str]) -> str | None:
-    """Return the shortest name that contains ``name`` as whole words, ``rod_drop`` for ``rod``; else None."""
+    """Return the shortest name that contains ``name`` as whole words: ``rod_drop`` for ``rod``; or None."""
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
     return min((known for known in names if name and words.search(known)), key=len, default=None)
 

@@ -6,8 +6,8 @@ import warnings
 from chain_impact.scene.reading import SceneWarning
 
 INCOMPRESSIBLE = 0.5  # Poisson's ratio of an incompressible material, the largest possible ratio
-LARGEST_RADIUS = 1.0  # [m] radius of the parts of large machines; a larger number is probably in mm
-SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably in GPa
+LARGEST_RADIUS = 1.0  # [m] radius of the parts of large machines; a larger number is probably a radius in mm
+SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably a modulus in GPa
 
 
 def sphere_plane_stiffness(

@@ -19,11 +19,11 @@ from chain_impact.scene.text_file import check_separator, likely_time, text_of
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
-# a table that lasts longer than the run by this factor cannot be in seconds: with times in milliseconds the
-# factor is 1000
+# The ratio of a table's duration to the run's from which on the table's times cannot be in seconds; times in
+# milliseconds make the ratio 1000.
 TOO_LONG = 990.0
-# rows seem to be missing where a step is longer than MISSING times the median step, in a table with at least
-# ROWS steps, half of which differ from the median by at most the factor EQUAL
+# Rows seem to be missing where a step of time is longer than MISSING times the median step. The table must
+# have at least ROWS steps, and half of the steps must differ from the median by at most the factor EQUAL.
 MISSING, ROWS, EQUAL = 10.0, 10, 0.01
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
@@ -158,7 +158,10 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
-    """Return a list: one sentence on the longest step if rows seem to be missing there, or nothing."""
+    """Return a sentence on the longest step of time, in a list, if rows seem to be missing there.
+
+    The list is empty if not.
+    """
     steps = np.diff(times)
     if len(steps) < ROWS:
         return []
@@ -183,9 +186,9 @@ def _column(table: Table, name: str) -> np.ndarray:
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
-    """Return the table if it has rows, a head line of different names, and as many cells in each row.
+    """Return the table if it is complete; refuse any other table.
 
-    Refuse any other table.
+    It must have rows, a head line of different names, and as many cells in each row as names.
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:

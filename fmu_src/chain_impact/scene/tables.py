@@ -151,7 +151,7 @@ class Inputs:
 
     @property
     def any(self) -> bool:
-        """Whether the scene asks for inputs, also if signals drive all of them."""
+        """Whether the scene asks for inputs; inputs that signals drive count, too."""
         return any(getattr(self, key) for key in INPUTS_OF)
 
 

@@ -1,4 +1,4 @@
-"""Units as a reader sees them: N·m and m/s², where FMUs have N.m and m/s2."""
+"""Units as people write them, such as N·m and m/s², where FMUs have N.m and m/s2."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def unit_text(unit: str | None) -> str:
 def of_power(unit: str, exponent: float | None) -> str:
     """Return the unit of a stiffness, a force divided by a power of a penetration: N/m^1.5, or N/m.
 
-    Without an ``exponent`` return the general form, N/m^exponent.
+    Without an ``exponent``, the result is the general form N/m^exponent.
     """
     if exponent is None:
         return f"{unit}^exponent"
@@ -53,7 +53,9 @@ def of_power(unit: str, exponent: float | None) -> str:
 
 
 def of_scene(unit: str, scene: Any) -> str:
-    """Return a unit with the exponent of [contact], or of [stops] if it ends with /rad, in place of the word.
+    """Return a unit with a number in place of the word "exponent".
+
+    The number is the exponent of [contact], or of [stops] if the unit ends with /rad.
 
     N/m^exponent becomes N/m^1.5 for the exponent 1.5; other units are returned unchanged.
     """

@@ -30,15 +30,15 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow, Variable
 
-# layout of a saved state's head: magic number, CRC-32 of what follows, digest of the scene, whether the chain
-# has made a step, numbers of contacts and of changes between sticking and sliding
+# layout of the head of a saved state: magic number, CRC-32 of the bytes after it, digest of the scene,
+# whether the chain has made a step, and the numbers of contacts and of changes between sticking and sliding
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """Where a variable is stored in the record, and which values it may have."""
+    """The place of a variable in the record, and the values that it may have."""
 
     row: TableRow
     whole: bool
@@ -51,7 +51,8 @@ class _Selection:
     """Several variables that are read together.
 
     ``words`` are their indices in the record, and ``whole`` says which of them are integers. ``observed``
-    says whether the outputs must be computed first: one variable is an output, or the solver may derive it.
+    says whether the outputs must be computed before: they must if a variable is an output, or if the solver
+    may derive it.
     """
 
     words: np.ndarray
@@ -122,8 +123,8 @@ class Chain:
         """
         self._ensure_initialized()
         before = self._reals.copy()
-        # `open_contacts` drops what the solver has computed beyond the present time, so the record is
-        # restored afterwards
+        # `open_contacts` drops the part of the motion that the solver has computed beyond the present time,
+        # so the record is restored afterwards
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
@@ -284,7 +285,7 @@ class Chain:
             self._initialized, self._observed = True, False
 
     def _observe(self) -> None:
-        """Fill the outputs; raise a SceneError if the run cannot continue with the values that were set."""
+        """Fill the outputs; raise a SceneError if the values that were set do not let the run continue."""
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
@@ -314,7 +315,10 @@ class Chain:
         return selection
 
     def _checked_value(self, name: str, value: Any) -> tuple[_Access, float]:
-        """Return where a variable is stored, and the checked value as a number; refuse other values."""
+        """Return the place of a variable and the checked value as a number.
+
+        A value that is not allowed is refused.
+        """
         access = self._accesses.get(name)
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
@@ -336,7 +340,10 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint what in the scene would make an absent variable exist; None if nothing would."""
+        """Return a hint on the part of a scene that would make an absent variable exist.
+
+        The result is None if no part would.
+        """
         if input_key(name):
             return how_asked(self.scene, name)
         return absent_hint(name) or fixed_hint(self.scene, name)

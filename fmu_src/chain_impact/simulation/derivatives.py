@@ -57,7 +57,7 @@ class DifferentiatedInstance(Instance):
     """An initialized instance with its derivatives.
 
     Attributes:
-        varied: the P parameters and inputs with respect to which it has derivatives.
+        varied: the P parameters and inputs with respect to which the instance has derivatives.
         parameters: the names of ``varied``.
     """
 
@@ -127,7 +127,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _directions(self) -> int:
-        """The number of derivatives that are computed: P, rounded up to a multiple of ``DIRECTIONS``."""
+        """The number of computed derivatives: P, rounded up to a multiple of ``DIRECTIONS``."""
         return len(self._tangents) * DIRECTIONS
 
     @property
@@ -152,20 +152,20 @@ class DifferentiatedInstance(Instance):
         rows = super().open_contacts()
         if len(rows):
             log, slots = self._log, self._lasting % self._log_at.room
-            # after a fault, these slots of the tangent instances may belong to other contacts; derivatives
-            # are then NaN
+            # after a fault, these rows of the logs of the tangent instances may belong to other contacts;
+            # derivatives are then NaN
             same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
             self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
         return rows
 
     @property
     def _log(self) -> np.ndarray:
-        """The logs of finished contacts of all tangent instances."""
+        """The logs of ended contacts of all tangent instances."""
         log: np.ndarray = self._tangents["contact_log"]
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
-        """Store the derivatives of the impacts in ``rows``, which are at some slots of the log.
+        """Store the derivatives of the impacts in ``rows``, which come from some ``slots`` of the log.
 
         Derivatives are NaN for an impact that is not ``valid``, for a value that is not finite, and for a
         value that is known only after the time from which on derivatives cannot be trusted.
@@ -190,7 +190,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _missing(self) -> np.ndarray:
-        """Whether the motion has no derivative by each parameter at all, shape (P,)."""
+        """Whether there is no derivative of the whole motion with respect to each parameter, shape (P,)."""
         missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
         return missing
 
@@ -257,7 +257,10 @@ class Differentiated:
 
 
 class DifferentiatedRun:
-    """Repeated runs of one scene with derivatives; each run has its own values of some parameters."""
+    """Repeated runs of one scene with derivatives.
+
+    Each run has its own values of some parameters.
+    """
 
     def __init__(
         self,

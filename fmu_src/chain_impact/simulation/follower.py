@@ -2,7 +2,7 @@
 
 A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. The ends of a piece are
 not among these points, so the exact value at a jump does not matter. A piece whose series does not converge
-is halved, or split where the function changes from one polynomial to another. A part around a jump or kink
+is halved, or divided where the function changes from one polynomial to another. A part around a jump or kink
 that is shorter than ``SHORTEST`` is dropped.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
@@ -24,44 +24,49 @@ from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions at these times, shape (T, M)."""
-# number of times in a run at which each function is called; a pulse shorter than their distance can be missed
+# number of times in a run at which each function is called at first; a pulse shorter than the time between
+# two calls can be missed
 CHECKED_TIMES = 2000
 POINTS = 16  # number of values of a function in a piece
 SHORTEST = 4e-13  # a piece shorter than this, relative to the length of the run, is dropped
-ALIKE = 1e-6  # the largest relative difference of two lengths that count as equal
+ALIKE = 1e-6  # the largest relative difference of the lengths of two pieces that count as equally long
 # an interval longer than 2^FAR times the last piece is halved at once, because a fit would probably fail
 FAR = 2
-# log₂ of the largest number of pieces that are fitted in one call; with more pieces, a fit that fails would
-# waste more calls
+# log₂ of the largest number of pieces that are fitted in one call of the functions; with more pieces, a fit
+# that fails would waste more calls
 TOGETHER = 4
-PATIENCE = 32  # after failed fits of a length, this many pieces at most are found before it is tried again
-NOISE = 4  # if more than NOISE parts in succession are shorter than SHORTEST, the functions are not smooth
+# after failed fits of intervals of one length, at most this number of pieces is found before the length is
+# tried again
+PATIENCE = 32
+# the largest number of successive parts shorter than SHORTEST; after more, the functions count as not smooth
+NOISE = 4
 # calls for a piece shorter than this, relative to the length of the run, count against the limit CALLS
 FINE = 1 / 65536
-CALLS = 15_000  # the largest number of calls in a run for short pieces, jumps and kinks; more raise an error
+# the largest number of calls in a run for short pieces, jumps and kinks; more calls raise an error
+CALLS = 15_000
 CALLS_PER_PIECE = 50  # the limit CALLS is raised by this number for each piece of the held signals
 SIMPLE = 5  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
-# a value belongs to the nearer of two polynomials only if its distance is less than NEARER times the other
-# distance
+# A value belongs to the nearer of two polynomials only if its distance from this one is less than NEARER
+# times its distance from the other.
 NEARER = 0.1
-NEWTON_STEPS = 4  # the number of Newton steps to the zero of a polynomial close by
-TINY = 1e-300  # a number > 0 that takes the place of an allowed error of 0
-# round-off of a time, relative to the time; because of it, each value of a function has an error, too
+NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that lies close by
+TINY = 1e-300  # a number > 0 that replaces an allowed error of 0, by which the code divides
+# round-off of a time, relative to the time; it also causes an error of each value of a function
 RESOLVED = 1e-14
 # if two pieces differ where they meet by more than this, relative to the allowed error, there is a jump
 JOINED = 10.0
-# a last coefficient smaller than this, relative to the allowed error, is left out
+# a last coefficient of a piece that is smaller than this, relative to the allowed error, is left out
 DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
 _NODES = np.cos(_ANGLES)
-# matrix: values at the nodes → coefficients of the Chebyshev series
+# matrix that maps the values at the nodes to the coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
-# matrix: coefficients of the Chebyshev series → coefficients of powers of x
+# matrix that maps the coefficients of the Chebyshev series to the coefficients of the powers of x
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
-    # T_m = 2 x T_{m−1} − T_{m−2}
+    # recurrence of Chebyshev polynomials: T_m = 2 x T_{m−1} − T_{m−2}
     _POWERS[1:, _m] = 2.0 * _POWERS[:-1, _m - 1]
     _POWERS[:, _m] -= _POWERS[:, _m - 2]
 
@@ -99,18 +104,19 @@ class Follower:
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, VALUE_ROUND_OFF)
         self._calls_left = CALLS
-        # for each function, the number of fits that failed because of it
+        # for each function, the number of fits that have failed because of this function
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
         # [s] length of the last interval without a fit: the fit failed, or ``_is_vain`` forbade it
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # _again: binary exponent of a length → number of found pieces at which a fit of this length is tried
-        # again; _patience: the same exponent → number of pieces by which the last failed fit delayed this
+        # _again: the binary exponent of a length → the number of found pieces at which a fit of this length
+        # is tried again; _patience: the same exponent → the number of pieces by which the last failed fit has
+        # delayed this fit
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
-        # start and end of an interval [s] → its fit, which was made in advance; _foreseen_until: the end [s]
-        # of the last of these intervals
+        # table: start and end of an interval [s] → the fit that was made in advance; _foreseen_until: the end
+        # [s] of the last of these intervals
         self._foreseen: dict[tuple[float, float], Piece | None] = {}
         self._foreseen_until = 0.0
 
@@ -131,7 +137,7 @@ class Follower:
         return pieces
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces of all signals: of the functions, and of the signals that are ``held``.
+        """Return pieces of all signals: of the functions, and of the ``held`` signals, which are samples.
 
         ``columns`` are the columns of the functions among all signals.
 
@@ -181,7 +187,7 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces are as long as the halves of the last interval without a fit.
+        """Return whether two pieces are both half as long as the last interval without a fit.
 
         Only the lengths are compared. Such pieces are not joined: one polynomial would probably not fit both.
         """
@@ -189,13 +195,13 @@ class Follower:
         return max(halves) - min(halves) <= ALIKE * halves[0]
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Yield the pieces of an interval in order; yield None for a part that is too short to matter."""
+        """Yield the pieces of an interval in order, and None for a part that is too short to matter."""
         if end - start <= self._shortest:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # simple: the interval does not follow a piece of a degree > SIMPLE; other intervals are not searched
-        # for a jump or kink
+        # simple: the interval does not follow a piece of a degree > SIMPLE; only simple intervals are
+        # searched for a jump or kink
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
         _, length = math.frexp(end - start)
@@ -219,7 +225,7 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether a fit is not tried now, because fits of intervals of its length have failed.
+        """Return whether a fit is left out now, because fits of intervals of this length have failed.
 
         ``length`` is the binary exponent of the length.
         """
@@ -232,8 +238,8 @@ class Follower:
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # the first round extrapolates polynomials from afar, to find on which side of the break a time is;
-        # the second round uses polynomials near the break, to locate it accurately
+        # the first round extrapolates polynomials from a distance, to find the side of the break on which a
+        # time lies; the second round uses polynomials near the break, to locate it accurately
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -269,10 +275,11 @@ class Follower:
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Return the last time [s] with values of the left piece, and the first with values of the right.
+        """Return the last time [s] with values of the left piece, and the first with values of the right one.
 
-        The search ends when the two times are closer than ``until``; in the first round of ``_break`` also at
-        a value that belongs to neither piece. If a value belongs to both pieces, its time is returned twice.
+        The search ends when the two times are closer than ``until``; in the first round of ``_break`` it also
+        ends at a value that belongs to neither piece. If a value belongs to both pieces, its time is returned
+        twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
@@ -308,7 +315,7 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Fit all pieces of an interval in one call, if halving it gives pieces as long as the last piece.
+        """Fit all pieces of an interval in one call, if halving it gives pieces as long as the last one.
 
         This is certain if ``_is_vain`` forbids fits of the longer pieces.
         """
@@ -327,7 +334,8 @@ class Follower:
         """Return P pieces between times [s], shape (P + 1,), and None in place of an inaccurate piece."""
         start, end = ends[:-1, np.newaxis], ends[1:, np.newaxis]
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        # two more times, close to the ends, show a change of the function between an end and the nearest node
+        # two more times, close to the ends of the piece, show a change of the function between an end and the
+        # nearest node
         inside = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inside, end - inside])
         called = self._called(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
@@ -358,7 +366,7 @@ class Follower:
 
 
 def _zero(powers: np.ndarray) -> float:
-    """Return the zero of a polynomial near 0, by Newton's method; infinity if the polynomial is constant."""
+    """Return a polynomial's zero near 0, by Newton's method; infinity if the polynomial is constant."""
     x, rates = 0.0, polynomial.polyder(powers)
     for _ in range(NEWTON_STEPS):
         rate = float(polynomial.polyval(x, rates))

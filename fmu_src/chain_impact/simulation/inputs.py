@@ -42,13 +42,13 @@ Given = Mapping[str, InputSource] | TableSource
 Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between the calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear", "spline")
-# the allowed error of an input that is followed, relative to its largest value, is FINER times the solver's
-# tolerance
+# FINER times the solver's tolerance is the allowed error of an input that is followed, relative to the
+# input's largest value
 FINER = 1e-3
 # the largest distance between a sample and a communication point that count as one time, relative to the stop
 # time
 SAME_TIME = 1e-12
-LISTED_NAMES = 8  # largest number of names that the sentence of an error lists
+LISTED_NAMES = 8  # largest number of names of inputs that the message of an error lists
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
@@ -67,7 +67,7 @@ class InputCourse:
             the path of the motion's coefficients.
         pieces: the inputs as polynomials.
         first: number of the first row of each piece, shape (P,). Row k has the inputs from ``times[k - 1]``
-            to ``times[k]``, row 0 those at the start.
+            to ``times[k]``, row 0 the inputs at the start.
         restarts: whether the solver re-initializes at each piece, shape (P,).
         slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
     """
@@ -113,7 +113,7 @@ class InputCourse:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
         # with ``hold``, motions follow values at communication points: the kernel itself then writes the
-        # settings of the motions' polynomials, and no other input needs them, as all others are constant
+        # settings of the motions' polynomials; all other inputs are constant, and need none
         steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or piece["order"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())
@@ -201,7 +201,7 @@ def _pieces_of(
     interpolation: str,
     run: np.ndarray,
 ) -> tuple[Pieces, np.ndarray]:
-    """Return the signals and, after them, the motions as polynomials; and the columns of the motions.
+    """Return the signals and, after them, the motions as polynomials; also the columns of the motions.
 
     Polynomials follow motions and, with the interpolations ``follow`` and ``spline``, functions; with
     ``spline`` also samples. All other signals are held or joined by lines between the points of a grid: the
@@ -244,12 +244,12 @@ def _pieces_of(
         resolved = np.where(is_force, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions; ``refuse_jumps`` checks them
+    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions, which ``refuse_jumps`` checks
     return pieces, moving
 
 
 def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
-    """Return inputs by their names; those in a table, for a run until ``stop`` [s], as samples."""
+    """Return the inputs by their names; the columns of a table, for a run until ``stop`` [s], as samples."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
     read = read_table(cast("TableSource", inputs))
@@ -259,7 +259,7 @@ def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
 
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
-    """Return a hint for a name that is not an input: what drives or makes it, or which inputs exist."""
+    """Return a hint for a name that is not an input: what drives or makes it, or a list of the inputs."""
     if name in prepared.signals_by_input:
         return f"signal.{prepared.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
@@ -314,7 +314,7 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
-    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
+    after = np.searchsorted(times, samples)  # now times[after − 1] < sample ≤ times[after]
     samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
     return np.union1d(times, samples[np.diff(samples, prepend=0.0) > same])
 
@@ -333,7 +333,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
 def _checked_signal(what: str, signal: Any) -> Any:
     """Return a signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0.
 
-    Refuse others.
+    Refuse any other value.
     """
     if callable(signal):
         return signal

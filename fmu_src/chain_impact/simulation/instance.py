@@ -29,7 +29,8 @@ from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-# largest number of rows, and largest number of bytes, that the kernel fills in one call
+# CHUNK and bytes: the largest number of rows, and the largest number of bytes, that the kernel fills in one
+# call
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
@@ -75,7 +76,7 @@ class Rows(Protocol):
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s] and fill rows from ``start`` on.
 
-        Returns the number of filled rows; ``Instance.trajectory`` says when it is smaller than that of times.
+        Returns the number of filled rows; ``Instance.trajectory`` says when fewer rows than times are filled.
         """
 
 
@@ -99,7 +100,8 @@ class WordRows:
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
             return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-        # rows without columns need not be filled, and rows do not change a run: one row at the end is enough
+        # rows without columns need not be filled, because rows do not change a run: one row at the end is
+        # enough
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
@@ -149,8 +151,8 @@ class Instance:
     ) -> None:
         """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
 
-        The instance has derivatives with respect to ``varied``; by default to the variables that the scene
-        names in ``outputs.sensitivities``.
+        The instance has derivatives with respect to ``varied``; by default, these are the variables that the
+        scene names in ``outputs.sensitivities``.
 
         Raises:
             SimulationError: when the scene cannot start.
@@ -190,7 +192,7 @@ class Instance:
         if not self.record["given"]["changed"]:
             status: int = self._kernel.observe_now(self._address)
             return status
-        tried = self._memory.copy()  # a copy, because reading outputs must not change the run
+        tried = self._memory.copy()  # the copy is needed because reading outputs must not change the run
         status = self._kernel.observe_now(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
@@ -208,7 +210,7 @@ class Instance:
     def advance(self, time: float) -> int:
         """Advance to a time [s], which must not be before the present time, and return the status."""
         status: int = PAUSED
-        while status == PAUSED:  # Python notices Ctrl-C between two calls
+        while status == PAUSED:  # the loop lets Python notice Ctrl-C between two calls
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
@@ -273,7 +275,7 @@ class Instance:
 
     @property
     def all_changes(self) -> np.ndarray:
-        """The collected changes between sticking and sliding, see ``CHANGE_DTYPE``."""
+        """The collected changes of friction between sticking and sliding, see ``CHANGE_DTYPE``."""
         return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
 
     def _take_changes(self) -> np.ndarray:
@@ -291,7 +293,8 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """Return the contacts that have not ended yet, with their peaks so far.
 
-        The call ends the last step at the present time, and so drops what the solver has computed beyond it.
+        The call ends the last step at the present time, and so drops the motion that the solver has computed
+        beyond this time.
         """
         self._kernel.log_contacts(self._address)
         return self._impacts(self._lasting)
@@ -307,7 +310,8 @@ class Instance:
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
-        # the log has the columns of LOG_DTYPE in the same order; after its last row it continues in its first
+        # the log has the columns of LOG_DTYPE in the same order; after its last row, the entries continue in
+        # the first row
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)

@@ -32,9 +32,11 @@ ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
 # a given velocity, acceleration or start contradicts the motion if it differs from the motion's value by more
-# than this, relative to the larger one
+# than this, relative to the larger value
 CONTRADICTS = 1e-3
-POSITION_ROUND_OFF = 1e-12  # of a position at the start, relative to the largest position
+# round-off of a position at the start, relative to the largest position; a larger difference is a
+# contradiction
+POSITION_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ def motion_of(
     *,
     interpolation: str,
 ) -> Motion:
-    """Return the motion of a channel: from its position if given, else from its velocity or acceleration.
+    """Return the motion of a channel: from the position if given, else from velocity or acceleration.
 
     If no input gives the motion, the channel stays at its start.
 
@@ -122,7 +124,7 @@ def motion_of(
 def as_function(
     name: str, signal: Any, called: Callable[[str, float], float], *, joined: str, stop: float = math.inf
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """Return a signal as a function of one or several times, and the times at which it may not be smooth.
+    """Return a signal as a function of one or several times, and the times where it may not be smooth.
 
     ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline", as the
     rows of a table are. ``stop`` is the end of the run [s].
@@ -192,7 +194,9 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
-    """Return whether the derivative of an ``order`` of K motions jumps at the start of P pieces, (P, K).
+    """Return whether the derivative of an ``order`` of K motions jumps at the start of P pieces.
+
+    The result has the shape (P, K).
 
     ``columns`` are the columns of the motions among the signals of the pieces.
     """

@@ -1,4 +1,4 @@
-"""The times of signals at the start of the run, whose derivatives are one-sided."""
+"""The times of signals at the start of the run, with respect to which derivatives are one-sided."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from chain_impact.scene.signals import Driven
 
 SAME = 1e-9
 """The difference, relative to the values, of two values that count as equal."""
-VALUE, RATE, SECOND = range(3)  # the results of ``signal_at``
+# indices of the three results of ``signal_at``: value, rate and second derivative
+VALUE, RATE, SECOND = range(3)
 
 
 def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
     """Return the knots at the time 0 where a signal bends so that the accelerations of the chain jump.
 
-    A later time then lets the accelerations before the knot act in the run, an earlier time does not.
+    If the knot comes later, the accelerations before the knot act in the run; if it comes earlier, they do
+    not.
 
     Args:
         record: an initialized record.
@@ -44,9 +46,9 @@ def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
 
 
 def _watched(name: str) -> list[int]:
-    """Return which of value, rate and second derivative of an input changes the accelerations of the chain.
+    """Return which of an input's value, rate and second derivative change the chain's accelerations.
 
-    A wall changes none, unless it is touched.
+    A wall changes no acceleration, unless a point touches it.
     """
     if name.startswith("base."):
         return [SECOND]

@@ -50,7 +50,7 @@ class Pieces:
         middle: shape (P,) [s].
         scale: shape (P,) [1/s].
         powers: coefficients of x⁰, x¹, …, at most of x^DEGREE, shape (P, K, M).
-        same: largest difference between two values of each signal that does not count as a jump, shape (M,).
+        same: the largest difference between two values of a signal that does not count as a jump, shape (M,).
         moving: which of the signals are motions; the size of a motion is the distance that it covers.
     """
 
@@ -77,7 +77,7 @@ class Pieces:
 
     @cached_property
     def _largest(self) -> np.ndarray:
-        """An upper bound of the absolute values of each signal, shape (M,); 1 in place of a bound of 0.
+        """An upper bound of the absolute values of each signal, shape (M,); 1 where the bound is 0.
 
         For a motion, the bound is without the constant terms, so it is the size of the motion.
         """
@@ -88,7 +88,7 @@ class Pieces:
 
     @cached_property
     def _degrees_and_rates(self) -> tuple[np.ndarray, np.ndarray]:
-        """The degree of each piece, and how fast it changes in x, at its middle; both of shape (P,).
+        """The degree of each piece, and its rate of change in x at the middle; both of shape (P,).
 
         The rate of change is the largest (|u⁽ᵐ⁾|/U)^(1/m) of all signals u and all orders m of derivatives; U
         is the bound ``_largest`` of u.
@@ -100,7 +100,7 @@ class Pieces:
         return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
 
     def settings(self, at: int) -> dict[str, float]:
-        """Return the fields of a piece for the record, without the powers."""
+        """Return the fields of a piece for the record, except the coefficients of the powers."""
         order, rate = self._degrees_and_rates
         if order[at] == 0:
             return {"order": 0, "change_rate": 0.0}
@@ -108,7 +108,8 @@ class Pieces:
             "order": order[at],
             "middle": self.middle[at],
             "scale": self.scale[at],
-            # a little after the end, because by round-off the last step could otherwise end before the piece
+            # the piece ends a little later, because round-off could otherwise let the last step end before
+            # the piece
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
             "change_rate": self.scale[at] * rate[at],
         }
@@ -128,7 +129,7 @@ def joined_points(
     powers = np.stack([left, np.zeros_like(left)], axis=1)
     if lines:
         powers = np.stack([np.where(left == right, left, 0.5 * (left + right)), 0.5 * (right - left)], axis=1)
-    # equal constant pieces are joined into one
+    # successive equal constant pieces are joined into one piece
     new = (powers[1:] != powers[:-1]).any(axis=(1, 2)) | powers[1:, 1].any(axis=1)
     if breaks is not None:
         new |= np.isin(times[1:-1], breaks)

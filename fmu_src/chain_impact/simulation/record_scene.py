@@ -1,4 +1,4 @@
-"""The run of a scene for which some values are set by name."""
+"""The simulation of a scene for which some values are set by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from chain_impact.simulation.simulate import simulate
 
 
 class RunError(RuntimeError):
-    """A run that cannot start or continue: in this process, in an FMU, on a cluster, or in a window.
+    """Raised when a run cannot start or continue: in this process, in an FMU, on a cluster, or in a window.
 
     ``recording`` holds the results up to the fault; None if there are none.
     """
@@ -36,7 +36,7 @@ def record_scene(
 
     Args:
         scene: the scene.
-        settings: name → value, or the text of a value.
+        settings: name of a value → the value, or its text.
         progress: as for ``simulate``.
         sensitivities: as for ``simulate``.
 
@@ -54,7 +54,9 @@ def record_scene(
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
-    """Return the scene with some values set by name, as ``scene.with_values`` does; text is read as in TOML.
+    """Return the scene with some values set by name, as ``scene.with_values`` does.
+
+    A text is read as a value in TOML.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
@@ -63,7 +65,7 @@ def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
 
 
 def value_of(text: Any) -> Any:
-    """Return the value for a text: a number, a value as in TOML, or the text itself.
+    """Return the value that a text stands for: a number, a value as in TOML, or the text itself.
 
     Values of other types are returned unchanged.
     """

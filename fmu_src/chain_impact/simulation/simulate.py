@@ -173,7 +173,7 @@ def _inputs_of_run(
         prepared: the scene.
         inputs: as for ``simulate``.
         interpolation: as for ``simulate``.
-        whole: whether only the start and the end have rows, in place of each communication step.
+        whole: whether only the start and the end of the run have rows, in place of each communication step.
         columns: number of outputs and derivatives.
     """
     name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
@@ -243,7 +243,7 @@ class Rerun:
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return the outputs at the ``times`` [s], increasing, shape (S,).
 
-        Returns fewer rows if the solver cannot continue.
+        The function returns fewer rows if the solver cannot continue.
         """
         course = self.course.at(times)
         instance = Instance(self.prepared, course, ())
@@ -254,7 +254,7 @@ class Rerun:
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
-    """The outputs that change only at events and steps: name → column.
+    """The outputs that change only at events and steps, as a mapping from name to column.
 
     A column is taken from the numbers of all rows only when it is asked for.
     """
