@@ -13,9 +13,9 @@ log.addHandler(logging.NullHandler())
 
 
 def log_once(sentence: str, seconds: float) -> None:
-    """Log the start of work whose result is kept for later, and about how many seconds the work takes."""
+    """Log that work begins whose result is kept for later, and about how many seconds the work takes."""
     log.info("%s (about %.0f s, then kept)", sentence, seconds, extra={"seconds": seconds})
 
 
 def silent(_done: float) -> None:
-    """Do nothing: a callback that shows no progress."""
+    """Do nothing: this callback shows no progress."""

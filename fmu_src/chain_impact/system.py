@@ -51,7 +51,8 @@ class Platform(NamedTuple):
     has_pythonfmu: bool = False
 
 
-X86, ARM = "x86_64_v2", "generic"  # every x86 since 2009, and every 64-bit ARM
+# the oldest processors that run the code: every x86 since 2009, and every 64-bit ARM
+X86, ARM = "x86_64_v2", "generic"
 PLATFORMS = {
     "linux64": Platform(
         system="Linux",
@@ -114,7 +115,7 @@ def _host(system: str, machine: str, word: int) -> str:
 
 
 def _machine() -> str:
-    """Return the processor for which this Python is made; Windows on ARM may run a Python for x86-64."""
+    """Return the processor for which this Python is made; on ARM, Windows may run a Python for x86-64."""
     return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
 
 
@@ -178,7 +179,7 @@ def remove_lock(lock: Any) -> None:
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # another process may hold the lock now
+        with suppress(OSError):  # the removal fails if another process holds the lock at this moment
             file.unlink()
     else:
         file.unlink(missing_ok=True)
@@ -217,7 +218,7 @@ def has_screen() -> bool:
 
 
 def prepare_console() -> None:
-    """Let the console print a question mark for each character that its encoding lacks, in place of an error.
+    """Let the console print a question mark for a character that its encoding lacks, instead of an error.
 
     In the locale POSIX, standard output accepts bytes of file names, but any other character would end the
     program.
@@ -240,7 +241,8 @@ def written_whole(path: Path) -> Iterator[Path]:
     """
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):
-            yield path  # /dev/stdout and similar files cannot be replaced, so write to them directly
+            # /dev/stdout and similar files cannot be replaced, so the caller writes to them directly
+            yield path
             return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
             fresh = Path(scratch, path.name)
@@ -249,5 +251,6 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise
-        # the new error names the user's path, not the scratch folder; EIO replaces a missing error number
+        # the new error names the user's path, not the scratch folder; EIO takes the place of a missing error
+        # number
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

@@ -32,7 +32,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
 
-PAGE = FORMATS[0]  # the suffix of a page for the browser
+PAGE = FORMATS[0]  # the suffix of a file that is a page for the browser
 
 
 def add(verbs: Verbs) -> None:

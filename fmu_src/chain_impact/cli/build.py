@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
-    # FMI 3.0 has only one target
+    # with FMI 3.0 there is only one target, ``native``
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)

@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """In this context, print each warning once, such as a hint on a probable mistake; none if quiet.
+    """In this context, print each warning once, as one line; print none if quiet.
 
     The line has the text only; Python would add the file, the line number and the line of code.
     """
@@ -106,7 +106,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse the arguments, and refuse what the verb does not take.
+        """Parse the arguments, and refuse arguments that the verb does not take.
 
         This parser knows the options of its verb, so the error can name the most similar one. Argparse would
         refuse the argument later, in the main parser, which does not know these options.
@@ -117,7 +117,7 @@ class Parser(argparse.ArgumentParser):
         return options, others
 
     def _fault_of(self, argument: str) -> str:
-        """Return what is wrong with an argument that the verb does not take, and what to write instead."""
+        """Return a sentence on an argument that the verb does not take, and on one to write instead."""
         if not argument.startswith("-"):
             sets = "=" in argument and "--set" in self._option_string_actions
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
@@ -132,7 +132,7 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not a choice, and name the most similar choice.
 
-        Argparse would list all commands.
+        Without this function, argparse would list all commands.
         """
         if action.choices is None or value in action.choices:
             return

@@ -1,4 +1,4 @@
-"""`chain-impact compare`: simulate a scene with every contact law, or with those in ``--laws``."""
+"""`chain-impact compare`: simulate a scene with every contact law, or with the laws in ``--laws``."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate a scene with every contact law, or with those in ``--laws``.
+    """Simulate a scene with every contact law, or with the laws in ``--laws``.
 
     Print the table and the advice, and write the files that the options name.
     """

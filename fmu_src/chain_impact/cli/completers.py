@@ -1,4 +1,4 @@
-"""The names and values, of a scene or of an FMU, that a shell completes after an option."""
+"""The names and values, of a scene or an FMU, with which a shell completes an option."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def complete(
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # the command does not name a readable scene yet
+        except (ValueError, OSError):  # the command does not yet name a scene that can be read
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:

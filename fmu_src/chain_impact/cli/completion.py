@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def answer(grammar: argparse.ArgumentParser) -> None:
-    """If a shell asks for completions, give them and end the program."""
+    """If a shell asks for completions, print these and end the program."""
     if ASKED in os.environ:
         import argcomplete
 

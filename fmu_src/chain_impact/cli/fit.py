@@ -28,8 +28,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
-# If this setting is on the command line, the fit uses only data up to this time. The stop time in the scene
-# file does not limit the data.
+# If this setting is on the command line, the fit uses only data up to this stop time. The stop time in the
+# scene file does not limit the data.
 STOP_TIME_KEY = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),

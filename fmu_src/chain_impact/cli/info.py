@@ -67,7 +67,8 @@ def run(options: argparse.Namespace) -> int:
     else:
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
-        shown = {"name", "description"}  # the headline already shows these attributes, so the list does not
+        # the headline already shows these attributes, so the list leaves them out
+        shown = {"name", "description"}
         derived = scene.derived
         facts += [
             (name, f"{_rounded(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
@@ -99,14 +100,17 @@ def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
 
 
 def _rounded(value: object) -> object:
-    """Return a derived float as text of 15 digits, without round-off; others as ``--set`` takes them."""
+    """Return a derived float as text of 15 digits, and any other value as ``--set`` takes it.
+
+    The text has no round-off.
+    """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 
 def _start(variable: Any) -> object:
     """Return the start value; for an enumeration, the name of the choice."""
     if variable.type in ("Real", "Float64"):
-        with suppress(ValueError):  # an array of FMI 3 has a list of numbers
+        with suppress(ValueError):  # an array of FMI 3 has a list of numbers as its start value
             return _as_set(float(variable.start))
     if variable.type != "Enumeration":
         return variable.start

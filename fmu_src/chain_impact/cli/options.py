@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # at run time argparse's class takes no type parameters, only for type checkers
+    Verbs = object  # at run time argparse's class takes no type parameters, which only type checkers need
 
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
@@ -257,7 +257,10 @@ def add_csv(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return a function for argparse: text → path; it refuses other suffixes than these, "" for none."""
+    """Return a function for argparse that makes a path of a text, and refuses other suffixes than these.
+
+    The suffix "" stands for no suffix.
+    """
 
     def file(text: str) -> Path:
         path = Path(text)

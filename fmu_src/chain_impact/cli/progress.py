@@ -12,7 +12,7 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, silent
 
-BRIEF = 1.0  # [s] the duration of work up to which no progress bar is needed
+BRIEF = 1.0  # [s] the longest duration of work that needs no progress bar
 LINES = 10.0  # [s] the time between two lines of progress if there is no terminal
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
 """Make a console that prints each text unchanged: brackets are no markup, and :names: no pictures."""
@@ -20,7 +20,7 @@ out, err = plain_console(), plain_console(stderr=True)
 
 
 def say(text: str) -> None:
-    """Print a text unchanged."""
+    """Print a text as it is."""
     out.print(text, soft_wrap=True)
 
 
@@ -66,7 +66,7 @@ def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iter
 
 
 def _now_and_then(work: str) -> Progress:
-    """Return a function that receives the finished fraction, and writes it at most every LINES seconds."""
+    """Return a function that receives the finished fraction, and writes it once in LINES seconds at most."""
     written = monotonic()
 
     def advance(fraction: float) -> None:

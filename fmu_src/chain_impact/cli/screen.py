@@ -36,9 +36,9 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-# the separator before each number in the description of a status
+# the separator before each number of a status in the description of the output of the status
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
-PHASES = 8  # the table shows the first phases of dry friction, at most this number
+PHASES = 8  # the largest number of phases of dry friction in the table, which shows the first phases
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -79,7 +79,7 @@ def plain_lines(table: Table) -> Iterator[str]:
 
 
 def headline(bold: str, others: str = "") -> Text:
-    """Return a line after an empty one: a part in bold, then others."""
+    """Return a line after an empty line: the first part in bold, then the other parts."""
     return Text.assemble("\n", (bold, "bold"), others)
 
 
@@ -168,7 +168,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return in words the numbers of each link's points other than its ends: "2–5 on link 1"."""
+    """Return words with the numbers of each link's points other than its ends: "2–5 on link 1"."""
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
         last = first + count - 1

@@ -213,7 +213,7 @@ def open_window() -> Figure:
 
     try:
         page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
-    except ImportError as error:  # the environment variable MPLBACKEND names a backend that is missing
+    except ImportError as error:  # here the environment variable MPLBACKEND names a backend that is missing
         raise RunError(f"--show: {error}") from None
     if page.canvas.required_interactive_framework is None:
         raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")

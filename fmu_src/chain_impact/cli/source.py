@@ -1,6 +1,6 @@
 """The scene or the FMU of a command, with the values that its options set.
 
-A command simulates its source, ranks the parameters, and compares with a run at a tighter tolerance.
+A command can simulate its source, rank the parameters, and compare the run with a run at a tighter tolerance.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from chain_impact.simulation.record_scene import record_scene, value_of, with_se
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 
-LEAST_ROWS = 1000  # the least number of rows for a picture
+LEAST_ROWS = 1000  # the least number of rows with which a picture is drawn
 TOLERANCE = "solver.tolerance"
 
 
@@ -66,7 +66,7 @@ class Source:
     def with_rows(self, recording: Recording) -> Recording:
         """Return the recording with enough rows for a picture; if necessary, simulate a scene again.
 
-        The rows of an FMU cannot be changed; then a message says so.
+        The rows of an FMU cannot be changed; a message says so if they are too few.
         """
         rows = len(recording.time)
         if rows >= LEAST_ROWS:
@@ -101,7 +101,7 @@ class Source:
         """Return the source with a tenth of its tolerance.
 
         Raises:
-            UsageError: when the tolerance is too tight for this.
+            UsageError: when the tolerance is too tight to be reduced.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
         least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)

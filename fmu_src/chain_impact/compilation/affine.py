@@ -1,4 +1,4 @@
-"""Sizes and offsets in the record of an instance, which are affine functions of the record's counts."""
+"""Sizes and offsets in the record of an instance as affine functions of the record's counts."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ EXPORTS = (
     "run_each",
     "__heap_base",
 )
-STACK = 1 << 20  # [byte] size of the stack; the kernel needs a few thousand bytes
-# WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector (-msimd128) holds
-# two doubles, as in the code for x86 processors.
+STACK = 1 << 20  # [byte] size of the stack, of which the kernel needs a few thousand bytes
+# The target is WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector
+# (-msimd128) holds two doubles, as in the code for x86 processors.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
 ONE = (
     "acos",

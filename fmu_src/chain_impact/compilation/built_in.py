@@ -1,4 +1,4 @@
-"""numba's code for functions that find, copy or clear parts of a record, in place of their Python code."""
+"""numba's code for functions that find, copy or clear parts of a record; it replaces their Python code."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 def _chosen(
     builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
 ) -> list[ir.Value]:
-    """Return the values that ``makers[number]`` makes; without such a maker, those of ``makers[0]``."""
+    """Return the values that ``makers[number]`` makes; if it does not exist, those of ``makers[0]``."""
     blocks = [builder.append_basic_block() for _ in makers]
     end = builder.append_basic_block()
     choice = builder.switch(number, blocks[0])
@@ -91,7 +91,7 @@ def _chosen(
 
 
 def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
-    """Give numba the code of a function of (instance, k) that returns field ``paths[k]`` as an array."""
+    """Give numba the code of a function of (instance, k), which returns field ``paths[k]`` as an array."""
 
     @type_callable(function)
     def _type_of_field(_context: Any) -> Any:
@@ -117,7 +117,7 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 
 
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
-    """Give numba the code of a function of (instance, k) that returns ``bounds[k]`` for the instance."""
+    """Give numba the code of a function of (instance, k), which returns ``bounds[k]`` for the instance."""
 
     @type_callable(function)
     def _type_of_bound(_context: Any) -> Any:
@@ -230,8 +230,8 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks first with the type of ``when``, then with its constant value; only the second is
-        # answered
+        # numba asks for the code first with the type of ``when``, then with its constant value; only the
+        # second call gets an answer
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
@@ -264,7 +264,7 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of the ``wanted`` fields to an instance of dual numbers; its derivatives stay."""
+    """Copy the values of the ``wanted`` fields to an instance of dual numbers, whose derivatives stay."""
     source, target = instances
     for path, field in TABLES["instance"].items():
         if path and wanted(path) and not field.fields:

@@ -28,9 +28,10 @@ from chain_impact.progress import log
 from chain_impact.system import removal
 
 UNUSED = 30 * 24 * 3600.0  # [s] time without use after which a folder of other sources or linkers is removed
-# first part of the name of the folder that the linker uses as a cache; the linker's version follows
+# first part of the name of the folder that the linker uses as its cache; the version of the linker follows
 LINKER = "chain-impact-zig-"
-# regular expression for the names of the cache's folders: for some sources and compilers, or for a linker
+# regular expression for the names of the cache's folders: folders for some sources and compilers, or for a
+# linker
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
 PATIENCE = 1.0  # [s] waiting time after which a message says that another process is making the kernel
 
@@ -58,7 +59,7 @@ def linker_folder() -> Path:
 
 @functools.cache
 def _version(compiler: str) -> str:
-    """Return the version of a compiler: the installed one, else the version that this package requires."""
+    """Return the version of a compiler: the installed version, or else the one that this package requires."""
     try:
         return version(compiler)
     except PackageNotFoundError:
@@ -74,7 +75,7 @@ def find(name: str) -> Path | None:
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
     with suppress(OSError):  # another user's cache can be read, but its folder cannot be marked as used
-        os.utime(folder)  # sets the time of the last use of the folder
+        os.utime(folder)  # this sets the time of the last use of the folder
     return folder / name
 
 
@@ -87,7 +88,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _mark(file: Path) -> Path:
-    """Return the path of the file that holds the checksum of another file."""
+    """Return the path of the mark of a file: another file, which holds the checksum."""
     return file.with_name(f".{file.name}.crc32")
 
 
@@ -96,7 +97,7 @@ def _checksum(file: Path) -> bytes:
 
 
 def holds(file: Path) -> bool:
-    """Return whether a file is in the cache; such a file disappears when the cache is cleared."""
+    """Return whether a file is in the cache; clearing the cache removes such a file."""
     return base_folder() in file.parents
 
 

@@ -1,4 +1,4 @@
-"""A changed numba that only lowers functions: every function is lowered once, and not optimised.
+"""A changed numba that only lowers functions: each function is lowered once, and is not optimised.
 
 When numba compiles a function, it optimises the function, links all called functions to it, optimises the
 result and makes machine code. For a kernel of hundreds of functions these steps take a minute, and their
@@ -77,7 +77,7 @@ class Library(codegen.JITCodeLibrary):
 
 
 class Convention(callconv.MinimalCallConv):
-    """The call convention: a function stores its result at an address, and returns a code.
+    """The call convention of functions: a function stores its result at an address, and returns a code.
 
     The code is an error, not 0, where Python would raise an exception.
     """
@@ -89,7 +89,7 @@ class Convention(callconv.MinimalCallConv):
             fn.args[0].add_attribute(attribute)
 
     def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
-        """Make the function return the same error code for every exception."""
+        """Make a function return the same error code for every exception."""
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 

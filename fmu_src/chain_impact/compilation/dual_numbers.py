@@ -59,7 +59,8 @@ class _Model(models.PrimitiveModel):
         super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
 
 
-# ---- in LLVM's language -----------------------------------------------------------------------------------
+# ---- code in LLVM's language
+# --------------------------------------------------------------------------------
 
 
 def _made(builder: ir.IRBuilder, value: ir.Value, slopes: ir.Value) -> ir.Value:
@@ -73,7 +74,7 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
-    """Return a vector with the number in each entry."""
+    """Return a vector in which every entry is the same number."""
     vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
@@ -95,13 +96,15 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
     lower_cast(_kind, Dual)(_cast)
 
 
-# ---- typing -----------------------------------------------------------------------------------------------
+# ---- types of results
+# -----------------------------------------------------------------------------------------
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
     """Declare to numba that a function accepts dual numbers, and returns a value of the type ``result``.
 
-    Arguments that are ordinary numbers are converted to the type ``number``; with None they are not.
+    Arguments that are ordinary numbers are converted to the type ``number``; if ``number`` is None, they are
+    not converted.
     """
 
     class _Template(AbstractTemplate):
@@ -238,7 +241,7 @@ def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for candidate in others:
-            # of equal numbers the first one is returned, as by max and min in Python
+            # if two numbers are equal, the first one is returned, as by max and min in Python
             a, b = (builder.extract_value(number, 0) for number in (candidate, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
         return best
@@ -309,7 +312,7 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)
-    # the derivative at 0 is 0, as for the root
+    # the derivative at 0 is set to 0, as for the square root
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _made(builder, length, _times(builder, inverse, slopes))
 
@@ -327,7 +330,8 @@ _declare(bool, boolean)
 _lower(bool, _truth, Dual)
 
 
-# ---- what the kernel asks of a dual number (kernel/tangent/duals.py) ---------------------------------
+# ---- functions of kernel/tangent/duals.py, which read and make dual numbers
+# ---------------------------------
 
 
 def _carried(

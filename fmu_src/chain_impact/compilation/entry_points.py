@@ -35,7 +35,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 def log_contacts(d):
     """Update the contacts to the communication point, and write the active contacts to the log.
 
-    In the log, the active contacts follow the finished contacts.
+    In the log, the active contacts follow the ended contacts.
     """
     update_to_output_time(d)
     return 0
@@ -55,7 +55,10 @@ def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, indices, parameters, values, end_times, runs, output_indices, columns, rows, continuing
 ):
-    """Run from the start for each row of parameters, and fill a row at the end; return the number of runs."""
+    """Run from the start for each row of parameters, and fill a row at the end of each run.
+
+    The result is the number of complete runs.
+    """
     return entry.run_each(
         d,
         as_words(d),
@@ -93,5 +96,5 @@ def entry_points() -> Entries:
 
 
 def _kind(signature: Signature) -> Any:
-    """Return numba's type of a function."""
+    """Return the type that numba has for a function."""
     return _TYPES[signature.result](*(_TYPES[kind] for kind in signature.arguments.values()))

@@ -19,7 +19,7 @@ NO_PLACE = (
     *(errno.EACCES, errno.EPERM, errno.EROFS),
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
-LITTLE = 1_000_000  # [byte] free space below which a folder counts as full
+LITTLE = 1_000_000  # [byte] free space on a disk below which a folder counts as full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
@@ -67,11 +67,11 @@ def writable(base: Path) -> Path:
 def explained(folder: Path) -> Iterator[None]:
     """Replace an error by one sentence if nothing can be stored in a folder.
 
-    The error is one of the operating system, or a compiler's error on a full disk.
+    The error comes from the operating system, or from a compiler on a full disk.
 
     Raises:
         BuildError: with the sentence; a compiler's error is unchanged if the disk is not full.
-        OSError: unchanged, if it has another cause or concerns another place.
+        OSError: unchanged, if the error has another cause or concerns another folder.
     """
     try:
         yield
@@ -89,7 +89,8 @@ def explained(folder: Path) -> Iterator[None]:
 
 def _concerns(named: Any, folder: Path) -> bool:
     """Return whether an error concerns a folder: it names no path, or a path inside or above the folder."""
-    if not isinstance(named, str | bytes | os.PathLike):  # the error of an open file does not name a path
+    # the error of an open file names no path, but a number
+    if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()
     return path.is_relative_to(folder) or folder.is_relative_to(path)

@@ -1,4 +1,4 @@
-"""How numba compiles the kernel and a user's law: as ordinary functions of Python."""
+"""The compilation of the kernel and of a user's law by numba; in Python both are ordinary functions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from chain_impact.kernel.tangent.rules import RULES
 
 # error_model="numpy": a division by zero gives inf, not an exception, so the compiled kernel needs nothing
 # from Python; the step control rejects a step with inf. Strict IEEE arithmetic (no fastmath) gives equal bits
-# on every machine. No array of the kernel owns its memory, so numba need not count references (_nrt).
+# on every machine. No array of the kernel owns its memory, so numba need not count references to memory
+# (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 MODULES = {f"{chain_impact.kernel.__name__}."}
 """Packages and modules whose functions numba compiles when another function calls them; each name ends with a
@@ -36,7 +37,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
     )
     for name, (result, arguments, _) in HOOKS.items()
 }
-# Python function of the kernel → numba's type of the C function that is linked to a library in its place
+# table: function of the kernel → numba's type of the C function that a library has in its place
 EXTERNAL: dict[Any, types.Type] = {
     user_law.is_present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
@@ -104,11 +105,11 @@ register_model(Function)(models.OpaqueModel)
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
     if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
-        return None  # numba itself knows how to compile this function
+        return None  # for this function numba itself has the code
     return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 
 @lower_constant(Function)
 def _no_value(context: Any, _builder: object, _type: Function, _value: object) -> Any:
-    # a dummy, because numba would write the address of the function's object in this process into the code
+    # a dummy value: numba would write the address of the function's object, in this process, into the code
     return context.get_dummy_value()

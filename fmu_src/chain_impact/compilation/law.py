@@ -64,7 +64,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        MODULES.add(f"{law.id}.")  # so that the law can call other functions of its file
+        MODULES.add(f"{law.id}.")  # the name is added so that the law can call other functions of its file
         inner = compiled(space[law.id])
         inner.compile((float64,) * len(law.arguments))
         returned = inner.nopython_signatures[0].return_type
@@ -86,7 +86,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
 
 def _reason(error: NumbaError) -> str:
     """Return the first line of numba's message that gives a fault, and the last line number in it."""
-    text = re.sub(r"\x1b\[\d*m", "", str(error))  # removes the colours of the message
+    text = re.sub(r"\x1b\[\d*m", "", str(error))  # this removes the codes of colours from the message
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     messages = [line for line in lines if not line.startswith("Failed in")]
     line_numbers = re.findall(r"line (\d+)", text)

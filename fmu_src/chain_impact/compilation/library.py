@@ -14,9 +14,10 @@ from chain_impact.laws.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-# [s] usual times to lower and to link each part of a kernel; messages tell users how long they wait
+# [s] usual times to lower and to link each part of a kernel, for messages that tell users how long to wait
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# platform → [s] time that zig needs at its first link, for its own libraries; no time for other platforms
+# table: platform → [s] time that zig needs at its first link to build its own libraries; other platforms need
+# none
 PREPARING = {"win64": 3.0}
 
 
@@ -115,7 +116,7 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
     """Return a user's law in LLVM's language."""
 
     def lower(module: Path) -> None:
-        # a copy of the text that was read, because the file may have changed
+        # the law is compiled from a copy of the text that was read, because the file may have changed since
         copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):

@@ -46,7 +46,7 @@ def lowered(entries: Entries) -> str:
         if symbol.name in entries:
             symbol.linkage = llvm.Linkage.external
         elif not symbol.is_declaration:
-            # private to the library, and removed after inlining
+            # the function is private to the library, and is removed after inlining
             symbol.linkage = llvm.Linkage.internal
     _simplify(whole)
     return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
@@ -71,7 +71,7 @@ def _simplify(whole: llvm.ModuleRef) -> None:
     passes, such as combining instructions, would make kernels up to 12 % slower, because such passes should
     come after inlining.
     """
-    # all targets, because the machine may have another processor than the target
+    # all targets are initialized, because the machine may have another processor than the target
     llvm.initialize_all_targets()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
@@ -88,7 +88,7 @@ def _simplify(whole: llvm.ModuleRef) -> None:
 
 
 def main() -> None:
-    """Write the module of WHAT to FILE."""
+    """Write the module for the part WHAT of a kernel to FILE."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
     collect_only(any_python=what == "law", guarded=what == "kernel")

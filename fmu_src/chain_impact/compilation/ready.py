@@ -1,4 +1,4 @@
-"""The ready kernels in a wheel, with which users do not need a compiler.
+"""The ready kernels in a wheel; with these, users do not need a compiler.
 
 A wheel for release has additional kernels, each for one number of links. packaging/ready_kernels.py, at the
 top of the repository, makes these kernels when the wheel is built. An editable installation has no ready
@@ -71,8 +71,11 @@ def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the numbers of links for which kernels of a kind exist; None and GENERAL for any number."""
-    # a kernel with derivatives for one number of links would be only 5 % faster
+    """Return the numbers of links for which kernels of a kind exist.
+
+    None and GENERAL stand for any number.
+    """
+    # there are no kernels with derivatives for one number of links: they would be only 5 % faster
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
@@ -87,12 +90,12 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a ready file; None if there is none that is made from the present sources."""
+    """Return the path of a ready file; None if no such file is made from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel of a kind for these sizes or, for a number of links, any number; else None."""
+    """Return the ready kernel of a kind for these sizes, else the one for any number of links, else None."""
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
@@ -127,6 +130,6 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
     """Return the compiled kernel for ``browser.link`` from the cache.
 
-    Compile it if it is not in the cache.
+    The kernel is compiled if it is not in the cache.
     """
     return cache.get_or_make(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

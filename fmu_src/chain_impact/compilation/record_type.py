@@ -1,4 +1,4 @@
-"""The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
+"""The numba type of an instance: the kernel is lowered once for every number of links and candidates.
 
 numba's own record types contain all sizes. Code for this type gets the numbers of links, candidates and so on
 (kernel/record/counts.py), and two flags, by calls of functions that are defined when a kernel is linked
@@ -36,11 +36,12 @@ from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# count in an instance, such as ``links`` → name of the function that returns this count
+# table: count in an instance, such as ``links`` → name of the function that returns this count
 COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
-# flag in an instance, such as ``slides`` → name of the function that returns this flag; no size depends on it
+# table: flag in an instance, such as ``slides`` → name of the function that returns this flag; no size
+# depends on a flag
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
-WORD = 8  # [byte] size of every scalar
+WORD = 8  # [byte] size of every scalar in a record
 
 Path = tuple[str, ...]
 

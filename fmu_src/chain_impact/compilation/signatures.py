@@ -45,7 +45,7 @@ SIGNATURES = {
     for result, name, arguments in re.findall(r"(\w+) (\w+)\((.*?)\)", _TABLE, re.DOTALL)
 }
 """Name of each function → its signature."""
-WIDTH = 110  # characters of a line of C
+WIDTH = 110  # largest number of characters in a line of C
 _OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
 _OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
 _OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}

@@ -1,8 +1,9 @@
-"""The scene in a file of this package, completed by the elements of the file.
+"""The scene in a file that this package has written, completed by the elements of the file.
 
-Two conversions are compared: of the elements in the file, and of those that the scene gives. Where they are
-the same, the scene holds, because it is exact and has what MJCF cannot hold. Elsewhere a user has changed
-the file, or has chosen other axes or joints; there the elements in the file hold.
+Two conversions are compared: of the elements in the file, and of the elements that the scene gives. Where the
+two are the same, the scene's values hold, because they are exact and include values that MJCF cannot hold.
+Elsewhere a user has changed the file, or has chosen other axes or joints; there the elements in the file
+hold.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class Carried(NamedTuple):
 
     Attributes:
         scene: the scene.
-        written: the conversion of the elements that it gives.
+        written: the conversion of the elements that the scene gives.
     """
 
     scene: Scene
@@ -51,7 +52,7 @@ def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
 
 
 def with_carried(found: Converted, carried: Carried, choices: Choices) -> Converted:
-    """Return the conversion of a file's elements, ``found`` with some choices, completed by its scene."""
+    """Return the conversion ``found`` of a file's elements with some choices, completed by its scene."""
     scene, written = carried
     merger = _Merger(scene, written.data, found.data, choices)
     data = merger.data()
@@ -69,7 +70,7 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
 
 
 class _Merger:
-    """A merger of a scene with two conversions: of the elements that it gives, and of those in the file.
+    """A merger of a scene with two conversions: of the scene's own elements, and of the elements in the file.
 
     Attributes:
         alike: whether both conversions have the same base and as many links.
@@ -109,7 +110,7 @@ class _Merger:
         return data
 
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
-        """Return the value of the scene if the two conversions have the same value, else the one in the file.
+        """Return the scene's value if the two conversions have the same value, else the value in the file.
 
         Tables, and lists of equal length, are merged entry by entry.
         """
@@ -134,7 +135,7 @@ class _Merger:
         return found
 
     def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
-        """Return the table of contacts; planes with another friction have it as a material."""
+        """Return the table of contacts; planes with another coefficient of friction have it as a material."""
         before, now = _frictions(self.written), _frictions(self.found)
         removed = before.keys() - now.keys()
         walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}
@@ -142,12 +143,16 @@ class _Merger:
             if not _same(before.get(name), friction):
                 self.changed.append(f"contact.wall.{name}.friction")
                 walls.setdefault(name, {})["friction"] = friction
-                if "static_friction" in walls[name]:  # MJCF has one coefficient
+                # MJCF has a single coefficient of friction, so the static one is not compared
+                if "static_friction" in walls[name]:
                     walls[name]["static_friction"] = friction
         return {**ours, "wall": walls}
 
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
-        """Return the tables of the links, and the ends that touch; None for those of the scene."""
+        """Return the tables of the links, and the ends that touch walls.
+
+        The ends are None if they are those of the scene.
+        """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
         if self.alike:
@@ -174,7 +179,7 @@ class _Merger:
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
     ) -> tuple[list[dict[str, Any]], set[int]]:
-        """Return the points of link ``i``, and which of its ends touch."""
+        """Return the points of link ``i``, and its ends that touch walls."""
         points, ends = list[dict[str, Any]](), set[int]()
         first = len(self.scene.chain.links) + 1
         before = {
@@ -199,7 +204,7 @@ class _Merger:
         return points, ends
 
     def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
-        """Return the table of a point of the scene; numbers that are the same are those of the scene."""
+        """Return the table of a point of the scene, in which unchanged numbers are those of the scene."""
         site = self.scene.chain.sites[index][1]
         kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _same(table[key], known[key])}
         return {**table, **kept, "name": site.name}

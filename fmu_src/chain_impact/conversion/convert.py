@@ -33,7 +33,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        # a robot may have numbers that are right, but unusual for a scene: the checks of a scene would warn
+        # the checks of a scene would warn of numbers of a robot that are right, but unusual for a scene
         warnings.simplefilter("ignore", SceneWarning)
         robot = read_robot(path, choices.keyframe)
 
@@ -51,7 +51,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot in a file; errors are those of ``of_robot``."""
+    """Read the robot in a file; the errors are those of ``of_robot``."""
     if path.name in model_names() or path.suffix == ".toml":
         raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
     root = local_name(xml_of(path).tag)

@@ -10,7 +10,8 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-NEGLIGIBLE = 0.02  # the largest relative size of a difference (`Difference.size`) that gives no warning
+# the largest relative size of a difference (`Difference.size`) that is negligible, and so gives no warning
+NEGLIGIBLE = 0.02
 LINE_NAMES = 6  # largest number of names in a line
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
@@ -89,10 +90,10 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return sentences on those differences that have this ``title`` in the report.
+    """Return sentences on the differences that have this ``title`` in the report.
 
-    They are in the order of ``Effect``, and within an effect the largest is first. Differences that differ
-    only in their names share a sentence.
+    The sentences are in the order of ``Effect``; for one effect, the largest difference is first. Differences
+    that differ only in their names share a sentence.
     """
     ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}

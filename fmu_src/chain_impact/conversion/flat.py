@@ -9,10 +9,8 @@ import numpy as np
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
-ZERO_LENGTH = 1e-9  # [m] the largest length that counts as 0, because of round-off
-NUMBER_ROUND_OFF = (
-    1e-14  # the largest number that counts as 0, because round-off of numbers near 1 is smaller
-)
+ZERO_LENGTH = 1e-9  # [m] the largest length that counts as 0, because it may be round-off
+NUMBER_ROUND_OFF = 1e-14  # the largest number that counts as 0; the round-off of numbers near 1 is smaller
 X, Y, Z = np.eye(3)
 
 
@@ -64,7 +62,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Return the component of a direction that is normal to an axis."""
+    """Return the part of a direction that is normal to an axis."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -93,7 +91,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number, or 0 in place of a number as small as round-off."""
+    """Return a number, or 0 if the number is so small that it may be round-off."""
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 
 

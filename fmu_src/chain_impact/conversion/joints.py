@@ -24,7 +24,7 @@ class NoChainError(SceneError):
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
-        """Store the names of the joints with the message."""
+        """Store the names of the joints together with the message."""
         super().__init__(message)
         self.joints = tuple(joints)
 
@@ -83,7 +83,7 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
-    """Return the poses of the bodies with some joints held at their start, and the joints that can move.
+    """Return the poses of the bodies, with some joints held at their start, and the joints that can move.
 
     A pose is a rotation and a position.
     """
@@ -220,7 +220,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
 
 
 def above(robot: Robot, b: int) -> Iterator[int]:
-    """Yield the indices of a body and of all bodies between it and the world."""
+    """Yield the index of a body, and the indices of all bodies between this body and the world."""
     while b >= 0:
         yield b
         b = robot.bodies[b].parent

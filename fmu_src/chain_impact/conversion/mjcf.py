@@ -23,7 +23,8 @@ from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
 """The name of a text element in files of this package; the text has, as JSON, the data of the scene."""
-UNLIMITED = 1e9  # [rad] or [m]; stands for the missing limit of a joint with one limit: MJCF needs both
+# [rad] or [m] the limit that stands for a missing one, if a joint has only one limit: MJCF needs both limits
+UNLIMITED = 1e9
 NO_KEYFRAME = "none"
 """The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
 
@@ -101,7 +102,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot with a given name, else with the name in the file."""
+        """Return the robot with a given name or, without a given name, with the name in the file."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -165,7 +166,7 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Return joint ``j`` with its drives, in the form of a scene."""
+        """Return joint ``j`` with its drives, in the units of a scene."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -206,7 +207,7 @@ class _Reader:
         self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield a difference that counts the elements that only measure or show, if there are any."""
+        """Yield a difference with the number of elements that only measure or show, if there are any."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})

@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
-POINT = re.compile(r"point\[\d+\]")  # ``point_name`` of any point
+POINT = re.compile(r"point\[\d+\]")  # pattern of the name that ``point_name`` gives to a point
 BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << BITS) + second
 
 
@@ -23,13 +23,13 @@ def point_name(number: int) -> str:
 class Contacts:
     """The shapes of a model and their possible contacts.
 
-    ``differences`` tells which contacts no scene has, or only in another form.
+    ``differences`` describes the contacts that no scene has, or that a scene has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
         """Find the shapes of a model.
 
-        ``stand_ins`` are the names of meshes that replace missing files; their corners mean nothing.
+        ``stand_ins`` are the names of meshes that replace missing files; their corners have no meaning.
         ``ours``: whether this package wrote the file.
         """
         self.mujoco, self.model, self.ours = mujoco, model, ours
@@ -52,10 +52,11 @@ class Contacts:
         return self._is_still(g) and self.model.geom_type[g] == self.mujoco.mjtGeom.mjGEOM_PLANE
 
     def _touch(self, geom: int, other: int) -> bool:
-        """Return whether two shapes can touch, by MuJoCo's rules.
+        """Return whether two shapes can touch by MuJoCo's rules.
 
-        They can touch if they are a listed pair, or if ``contype`` of one shape and ``conaffinity`` of the
-        other shape have a bit in common, and their bodies are neither excluded nor fixed to each other.
+        They can touch if they are a listed pair. They also can if ``contype`` of one shape and
+        ``conaffinity`` of the other shape have a bit in common, and their bodies are neither excluded nor
+        fixed to each other.
         """
         model = self.model
         if not self.works:
@@ -122,11 +123,11 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # for an ellipsoid the box that encloses it
+        else:  # an ellipsoid is replaced by the box that encloses it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))
-        # without walls, a point touches nothing, but is a point
+        # a scene without walls keeps its points, although nothing touches them
         is_point = self.ours and bool(POINT.fullmatch(name))
         alone = is_point and not walls and self.works
         return LinkShape(
@@ -141,7 +142,7 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield a difference for each still shape that moving bodies touch and that becomes no wall.
+        """Yield a difference for each shape at rest that moving bodies touch and that becomes no wall.
 
         A further difference says that contacts with walls are soft in MuJoCo.
         """

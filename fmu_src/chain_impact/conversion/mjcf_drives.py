@@ -12,8 +12,8 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-# [rad/s] joints of robots hardly reach this speed; so a limit of torque that stops a damper's torque from
-# growing only above this speed does not matter
+# [rad/s] a speed that joints of robots hardly reach: a limit of torque that limits a damper's torque only
+# above this speed does not matter
 FAST = 20.0
 ALIKE = 1e-9  # the largest difference of two limits that count as equal, relative to the larger limit
 
@@ -49,7 +49,10 @@ class Drive:
 
 
 class Drives:
-    """The actuators of a model; ``differences`` collects what of them a scene has not, or in another form."""
+    """The actuators of a model, and the ``differences`` between them and the drives of a scene.
+
+    ``differences`` collects the parts of them that a scene lacks or has otherwise.
+    """
 
     def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
         """Find the actuators of a model, with the controls and activations at the start."""
@@ -66,7 +69,7 @@ class Drives:
                 self._tell_other(a)
 
     def _active(self, a: int) -> bool:
-        """Return whether an actuator can act at all."""
+        """Return whether an actuator can act: whether it is neither disabled nor without effect."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
         return self.works and not off
@@ -82,9 +85,9 @@ class Drives:
         )
 
     def _tell_other(self, a: int) -> None:
-        """Report an actuator that does not act on a joint."""
+        """Report an actuator that acts on something other than a joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        sticks = kind == "body"  # the actuator makes touching bodies adhere
+        sticks = kind == "body"  # sticks: the actuator makes touching bodies adhere
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
@@ -133,8 +136,9 @@ class Drives:
     def _drive(self, joint: Joint, a: int) -> Drive | None:
         """Return actuator ``a`` as a motor or a servo; None if the actuator is neither.
 
-        In MuJoCo, force = gain · control + b₀ + b₁ · length + b₂ · velocity, with b from ``biasprm``. The
-        length is gear · q, for the angle or position q of the joint; the torque is gear · force.
+        In MuJoCo, force = gain · control + b₀ + b₁ · length + b₂ · velocity, with b₀, b₁ and b₂ from
+        ``biasprm``. The length is gear · q, for the angle or position q of the joint; the torque is gear ·
+        force.
         """
         model, kinds = self.model, self.mujoco
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
@@ -165,7 +169,10 @@ class Drives:
         return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
 
     def _control(self, joint: Joint, a: int) -> float:
-        """Return the control that acts at the start; report a delay and an activation, which no scene has."""
+        """Return the control at the start; report a delay and an activation, which a scene cannot have.
+
+        Report a delay and an activation, which a scene cannot have.
+        """
         model, kinds = self.model, self.mujoco.mjtDyn
         value = float(self.control[model.actuator_ctrladr[a]])
         if self._clamps(a):
@@ -184,7 +191,7 @@ class Drives:
         return value
 
     def _clamps(self, a: int) -> bool:
-        """Return whether the control is limited."""
+        """Return whether the control of an actuator has limits."""
         model, flag = self.model, self.mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
         return (
             bool(model.actuator_ctrllimited[model.actuator_ctrladr[a]]) and not model.opt.disableflags & flag
@@ -202,7 +209,10 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives; one spring and one damper replace all springs and dampers."""
+        """Return a joint with its drives: one spring and one damper stand for all springs and dampers.
+
+        One spring and one damper take the place of all springs and dampers.
+        """
         stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
         damping = joint.damping + sum(drive.damping for drive in drives)
         # Springs with stiffness kᵢ and rest angle rᵢ, and a torque τ, act like one spring with k = Σ kᵢ.
@@ -252,7 +262,7 @@ class Drives:
         self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Report that the limit of the drives also limits the spring and the damper of a joint."""
+        """Report that the limit of a scene's drives also limits the spring and the damper of the joint."""
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
             way = f"{limit / joint.stiffness:.3g} {unit}"
@@ -266,7 +276,7 @@ class Drives:
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the largest torque of all drives together; None if there is no limit.
 
-        A scene has the same limit in both directions, so the larger one counts.
+        A scene has the same limit in both directions, so the larger limit counts.
         """
         low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:

@@ -168,7 +168,7 @@ FIELD_REMARKS = (
 
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
-    """Yield a difference for each value of a compiled model that a scene cannot have or that is unknown."""
+    """Yield a difference for each value of a compiled model that a scene cannot have, or that is unknown."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:
@@ -237,7 +237,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield a note on the features that the file disables by flags; the scene does not have them either."""
+    """Yield a note on the features that flags in the file disable; the scene does not have these features."""
     flags = model.opt.disableflags
     disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

@@ -63,8 +63,8 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     """Replace each part whose file is missing, so that MuJoCo can compile the rest.
 
-    If no file is missing, a file has a fault; then all parts with files are replaced. Return name of each
-    replaced part → its file.
+    If no file is missing, a file has a fault; then all parts with files are replaced. The result maps the
+    name of each replaced part to its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
@@ -88,7 +88,10 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of an asset; for a cube with several pictures, the first file; "" without a file."""
+    """Return the file of a part, or "" for a part without a file.
+
+    A cube with several pictures has several files; the first one is returned.
+    """
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -100,7 +103,7 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
     """Set the mass of each shape with a missing mesh to 0, because the stand-in has another mass.
 
-    Return the bodies that lose mass by this, each with the name of the mesh.
+    Return the bodies that lose mass in this way, each with the name of the mesh.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange

@@ -26,7 +26,7 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# number of digits of numbers in a scene; robot files have fewer digits, so further digits are round-off
+# number of digits of numbers in a scene; robot files have fewer digits, so digits beyond these are round-off
 DIGITS = 14
 
 
@@ -77,7 +77,7 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
 
 
 class _Conversion:
-    """One conversion; it collects notes, and differences: parts that the scene lacks or has otherwise."""
+    """One conversion of a robot, which collects notes, and differences between the robot and the scene."""
 
     def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
@@ -136,7 +136,7 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld(self) -> set[str]:
-        """Return the names of the joints that move a free base: the scene has no form of them."""
+        """Return the names of the joints that move a free base and have no form in the scene."""
         free = self.chosen.base == "free"
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
@@ -161,7 +161,10 @@ class _Conversion:
         return link_of, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²] without the part that the file compensates in all bodies; report the rest."""
+        """Return gravity [m/s²] without the part that the file compensates in all bodies.
+
+        Other compensations are reported.
+        """
         still = []
         for b, body in enumerate(self.robot.bodies):
             if self.link_of[b] >= 0 or body.mass == 0.0:
@@ -203,7 +206,11 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the last link's end from its joint [m]: chosen or farthest frame, else 2 · mass centre."""
+        """Return the end of the last link, relative to its joint [m].
+
+        It is the chosen or the farthest frame; without frames, it is twice as far from the joint as the
+        centre of mass.
+        """
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
         for b in part:
@@ -245,7 +252,10 @@ class _Conversion:
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass from a joint, and inertia about this centre, of bodies together."""
+        """Return mass, centre of mass and inertia about this centre of several bodies together.
+
+        The centre is given relative to a joint.
+        """
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
         centers = np.array([self._from(hinge, b, self.robot.bodies[b].center) for b in part])
@@ -258,7 +268,10 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return the mass, centre of mass and inertia of a link as its keys; refuse a link without mass."""
+        """Return the mass, centre of mass and inertia of a link under the keys of a scene.
+
+        A link without mass is refused.
+        """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
@@ -271,7 +284,7 @@ class _Conversion:
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Write damping, stiffness, friction, armature, torque limit and stops of each joint into its link.
 
-        Returns the angles and angular velocities of the links at the start.
+        The function returns the angles and angular velocities of the links at the start.
         """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
@@ -304,7 +317,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the start of a joint; a start beyond a stop is moved to the stop."""
+        """Return the value at which a joint starts; a start beyond a stop is moved to the stop."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"

@@ -15,10 +15,11 @@ from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
 """The kinds of shapes that points can replace, because the shape is the convex hull of balls or discs."""
-# [rad] the directions in which a wall may be
+# [rad] the directions of walls for which the points of a link are chosen
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-# [rad] angles of the points that replace the rim of a disc; for a disc seen from the side, two suffice
+# [rad] angles of the points that replace the rim of a disc; for a disc that is seen from the side, two points
+# suffice
 RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
@@ -45,11 +46,13 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
-    # the largest distance between corners is at most twice the largest distance from the first corner
+    # at most twice the largest distance from the first corner, which is a bound on the distance of two
+    # corners
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
     if shape.disc is not None:
-        # the projection of `disc` onto the plane; `disc` points along the axis and is as long as the radius
+        # the projection of `disc` onto the plane; the vector `disc` is parallel to the axis, with the radius
+        # as its length
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:
@@ -66,7 +69,7 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
 
 
 def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
-    """Return how far a shape reaches in each direction [m]; None if balls replace it exactly.
+    """Return the extent [m] of a shape from its centre in each direction; None if balls replace it exactly.
 
     A disc whose axis has the angle γ to a direction reaches radius · sin γ from its centre in this direction.
     """
@@ -82,7 +85,7 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """Return how far each ball reaches in each direction [m], shape (directions, balls)."""
+    """Return the extent [m] of each ball in each direction, shape (directions, balls)."""
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
@@ -90,8 +93,8 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
     """Return the fewest balls with which a straight wall in any direction touches first.
 
-    A ball is left out if a wall that it touches first touches others at the same time, except for round-off.
-    Of balls at the same place, only the first one in the file is left.
+    A ball is left out if every wall that the ball touches first touches other balls at the same time, up to
+    round-off. Of balls at the same place, only the first one in the file is left.
     """
     if not balls:
         return []

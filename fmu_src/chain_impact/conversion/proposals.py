@@ -20,8 +20,8 @@ def chain_of(
     ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the robot is not a planar chain; the message names joints that would form one, if
-            any.
+        NoChainError: when the robot is not a planar chain; the message names joints that would form a planar
+            chain, if there are such joints.
         SceneError: when the choices do not fit the robot.
     """
     try:
@@ -79,7 +79,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield, for each joint of a group that no other joint of the group follows, the joints up to it.
+    """Yield the joints of a group from the base to each last joint, which no other joint follows.
 
     The joints of the group are in the order from the base outwards.
     """

@@ -14,7 +14,10 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """Return a name of letters, digits and _; the prefix is added before a digit, or to an empty name."""
+    """Return a name of letters, digits and _.
+
+    The prefix is put before a digit at the beginning, and in place of an empty name.
+    """
     plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"
 
@@ -94,7 +97,7 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
 
     Args:
         joint: the joint.
-        rest: where its spring has no moment, in the scene [rad or m].
+        rest: the angle or position in the scene at which the joint's spring has no moment [rad or m].
         low: its least angle or position in the scene; −∞ without a stop.
         high: its largest angle or position in the scene; ∞ without a stop.
     """
@@ -137,7 +140,7 @@ class LinkShape:
 
 
 def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
-    """Return corners, radius and disc, see ``LinkShape``, of a shape about its centre.
+    """Return corners, radius and disc (see ``LinkShape``) of a shape about its own centre.
 
     Args:
         kind: sphere, capsule or cylinder; any other kind is replaced by a box.

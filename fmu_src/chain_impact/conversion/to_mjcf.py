@@ -16,7 +16,8 @@ from chain_impact.recording.text import few
 from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
 
-HINGE = "0 -1 0"  # the plane of the motion is x–z, because z points upward in MuJoCo's pictures
+# the axis of a hinge: the motion is in the plane x–z, because z points upward in MuJoCo's pictures
+HINGE = "0 -1 0"
 LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
 # radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
 LEAST_RADIUS = 1e-4
@@ -94,7 +95,8 @@ def _add_chain(world: Element, scene: Scene) -> None:
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=position)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
-        if slider is not None and slider.mass == 0.0 and i == 1:  # MuJoCo does not accept a body without mass
+        # MuJoCo does not accept a body without mass, so the carriage needs a link's mass
+        if slider is not None and slider.mass == 0.0 and i == 1:
             _add_slide(body, slider)
         if free and i == 1:
             SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
@@ -181,7 +183,7 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """Yield sentences on features that MuJoCo treats in another way."""
+    """Yield sentences on the features that MuJoCo treats in another way than the scene."""
     links = scene.chain.links
     if scene.half_planes and 0.0 in _radii(scene):
         radius = LEAST_RADIUS * max(link.length for link in links)
@@ -230,4 +232,4 @@ def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
 
 
 def _numbers(*values: float) -> str:
-    return " ".join(repr(float(value) + 0.0) for value in values)  # adding 0.0 turns −0 into 0
+    return " ".join(repr(float(value) + 0.0) for value in values)  # adding 0.0 turns −0.0 into 0.0

@@ -33,7 +33,8 @@ KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """Gravity of all robots [m/s²], because a URDF file does not give gravity; its z axis points up."""
 XACRO = "xacro"
-# the largest error of a moment of inertia that counts as round-off, relative to the body's largest moment
+# the largest error of a moment of inertia that counts as round-off, relative to the largest moment of the
+# body
 INERTIA_ROUND_OFF = 1e-6
 
 
@@ -100,7 +101,7 @@ def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
 
 
 def _check_parts(root: Element, path: Path) -> None:
-    """Refuse links and joints without attributes that yourdfpy needs, and names that are not unique."""
+    """Refuse links and joints without the attributes that yourdfpy needs, and names that occur twice."""
     for kind in ("link", "joint"):
         names = [part.get("name") for part in root.findall(kind)]
         for name in names:
@@ -221,7 +222,7 @@ def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield every link beyond a link, with the joint before it; parents come first."""
+    """Yield every link that follows a link, with the joint before it; parents come before children."""
     waiting = [(name, joint)]
     while waiting:
         link, before = waiting.pop()
@@ -251,7 +252,7 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 
 
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
-    """Yield a difference for each body whose inertia is impossible.
+    """Yield a difference for each body with an inertia that no rigid body can have.
 
     The principal moments A ≤ B ≤ C of a rigid body obey A ≥ 0 and A + B ≥ C.
     """

@@ -34,7 +34,7 @@ MOVES = {"mimic": "it follows another joint in the file, and moves freely in the
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
-    """Yield the parts of a robot's file that are neither in the scene nor known to have no effect."""
+    """Yield the parts of a robot's file that the scene does not have and that may have an effect."""
     yield from _attributes(root, "robot", root)
     for part in root:
         if not isinstance(part.tag, str) or part.tag in UNUSED_ELEMENTS:
@@ -54,7 +54,10 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """Yield all elements inside an element, except inside elements that are reported as a whole."""
+    """Yield all elements inside an element.
+
+    Elements inside a part that is reported as a whole are left out.
+    """
     for element in part:
         if isinstance(element.tag, str):
             inside = f"{path}/{element.tag}"

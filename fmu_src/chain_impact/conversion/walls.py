@@ -36,8 +36,8 @@ Points = list[dict[str, Any]]
 class Walls:
     """The conversion of walls.
 
-    ``differences`` collects what differs in the scene: planes that become no wall, points that are left out
-    or smaller, shapes that do not touch.
+    ``differences`` collects the differences in the scene: planes that become no wall, points that are left
+    out or smaller, shapes that do not touch.
 
     Attributes:
         robot: the robot, with planes and shapes.
@@ -58,7 +58,7 @@ class Walls:
     walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Store the link of each body."""
+        """Store the link to which each body belongs."""
         self.link_of = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
@@ -113,7 +113,10 @@ class Walls:
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
-        """Return the friction of a plane with the bodies that can touch it; if it varies, the largest."""
+        """Return the friction of a plane with the bodies that can touch it, or the largest of several.
+
+        The largest value, if it varies.
+        """
         coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
         if len(coefficients) > 1:
             text = (
@@ -145,7 +148,8 @@ class Walls:
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
-        Its kind is in ``OUTLINED``, and it can touch a wall or, without walls, anything.
+        The kind of such a shape is in ``OUTLINED``, and the shape can touch a wall or, without walls,
+        anything.
         """
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
@@ -184,7 +188,7 @@ class Walls:
     ) -> bool:
         """Return whether a point starts outside of all walls, if necessary with a smaller radius.
 
-        Write the smaller radius to ``table``, and report it, or a point that is inside.
+        A smaller radius is written to ``table``, and reported, as is a point inside a wall.
         """
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
@@ -214,7 +218,7 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Report shapes that points do not replace, and how far they reach beyond the scene's points."""
+        """Report shapes that points do not replace, and their extents beyond the scene's points."""
         shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "do not touch as shapes: only points, joints and the tip touch walls"),
@@ -241,7 +245,7 @@ class Walls:
                 )
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
-        """Report how far the shapes of a link reach beyond its points or ends, which touch walls.
+        """Report the extents of a link's shapes beyond the link's points or ends, which touch walls.
 
         Points on the rim of an oblique cylinder lie inside its outline between them.
         """

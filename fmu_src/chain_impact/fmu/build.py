@@ -1,4 +1,4 @@
-"""The build of an FMU from a scene: gather the files, make a reproducible zip, validate the FMU."""
+"""The build of an FMU from a scene: its files are packed into a reproducible zip, which is validated."""
 
 from __future__ import annotations
 
@@ -110,6 +110,6 @@ def _pack(files: Mapping[str, bytes], target: Path) -> None:
     with zipfile.ZipFile(target, "w") as fmu:
         for name, content in sorted(files.items()):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
-            # an ordinary file, with the permissions of Unix
+            # the entry is an ordinary file, with the permissions of Unix
             entry.create_system, entry.external_attr = 3, 0o100644 << 16
             fmu.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=9)

@@ -61,7 +61,8 @@ def description_findings(path: Path) -> list[Finding]:
             terminals = {
                 name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
             }
-        except (ElementTree.ParseError, LookupError) as error:  # LookupError: the encoding is unknown
+        # LookupError is raised for an unknown encoding
+        except (ElementTree.ParseError, LookupError) as error:
             return [Finding(f"is no XML: {error}")]
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
             return [Finding(f"cannot be unpacked: {error}")]
@@ -77,11 +78,13 @@ def description_findings(path: Path) -> list[Finding]:
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     structure = Structure(root, variables)
-    # fmpy gets only a description without lost references: at one it would raise IndexError or KeyError
+    # fmpy gets only a description in which each reference leads to a variable; otherwise it would raise
+    # IndexError or KeyError
     if not (lost := list(structure.lost())):
         faults += structure.findings()
         faults += _of_fmpy(path, known=bool(faults))
-    return list(dict.fromkeys(lost + faults))  # several references to one thing may have the same fault
+    # several references to the same variable may have the same fault, which is listed once
+    return list(dict.fromkeys(lost + faults))
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
@@ -98,7 +101,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
         problems = [str(problem) for problem in error.problems]
     except Exception as error:
         # For a fault that fmpy looks for, it raises Exception itself. An exception of another class, such as
-        # KeyError, is a failure of fmpy because of a fault that it does not look for.
+        # KeyError, shows that fmpy has failed because of a fault for which it does not look.
         plain = type(error) is Exception
         if known and not plain:
             return []
@@ -113,7 +116,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of lists, FMI modes, types, variables' names and the default experiment."""
+    """Return the faults of lists, FMI modes, types, names of variables, and the default experiment."""
     repeated = (
         finding
         for path in LISTS
@@ -126,7 +129,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
 
 
 def _of_modes(root: Element) -> Iterator[Finding]:
-    """Yield the faults of the FMI modes: none, or a model identifier that C cannot have."""
+    """Yield the faults of the FMI modes: none is given, or a model identifier is no name in C."""
     modes = [mode for kind in FMI_MODES for mode in root.iterfind(kind)]
     if not modes:
         yield Finding(f"has none of {', '.join(FMI_MODES)}: it cannot be run", attribute="CoSimulation")
@@ -138,7 +141,7 @@ def _of_modes(root: Element) -> Iterator[Finding]:
 
 
 def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of types: limits, units, and names that variables have."""
+    """Yield the faults of types: of limits and units, and names that a variable also has."""
     names = {variable.name for variable in variables}
     units = {
         unit.get("name", ""): {display.get("name") for display in unit.iterfind("DisplayUnit")}
@@ -154,7 +157,7 @@ def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]
 
 
 def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of names: of more than one independent variable, and against the convention."""
+    """Yield the faults of names: several independent variables, and names against the naming convention."""
     times = [variable.name for variable in variables if variable.causality == "independent"]
     if len(times) > 1:
         fault = f"{', '.join(times)} are independent variables: only one is allowed"
@@ -169,7 +172,10 @@ def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Findin
 def _of_unit(
     variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
 ) -> Iterator[Finding]:
-    """Yield a fault if a type has an undefined unit or display unit; fmpy checks the units of variables."""
+    """Yield a fault if a type has an undefined unit or display unit.
+
+    fmpy itself checks the units of variables.
+    """
     unit, display = (variable.attributes.get(key) for key in ("unit", "displayUnit"))
     if unit is not None and unit not in units:
         yield Finding(f"unit = {unit!r} must be in UnitDefinitions", attribute=f"{attribute}/unit")
@@ -185,7 +191,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
         start, stop, step, tolerance = (
             float(given.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
-    except ValueError:  # the check by the schema reports this fault
+    except ValueError:  # the check by the XML schema reports this fault
         return
     if stop < start:
         yield Finding(

@@ -19,7 +19,7 @@ _FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
 
 class Structure:
-    """The references of a model description: by index in FMI 2.0, by value reference in FMI 3.0."""
+    """The references in a model description, which are indices in FMI 2.0 and value references in FMI 3.0."""
 
     def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
         """Read the references in a model description."""
@@ -37,7 +37,7 @@ class Structure:
             )
 
     def listed(self, name: str) -> list[str]:
-        """Return the references in a list of the model structure; ``name`` is its name in FMI 2.0."""
+        """Return the references in a list of the model structure; ``name`` is the list's name in FMI 2.0."""
         nodes = self.lists.get(name if self.is_fmi_2 else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 
@@ -82,7 +82,7 @@ class Structure:
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
-            if name == INITIAL_LIST:  # only FMI 2.0 has this list
+            if name == INITIAL_LIST:  # only FMI 2.0 has a list of initial unknowns with this name
                 yield from _rising(self.listed(name), path)
         for path, node in self._nodes():
             yield from self._dependencies(path, node, states)
@@ -96,7 +96,7 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """Yield a fault for the variables that a list lacks, and one for those that it must not have."""
+        """Yield a fault for the variables that a list lacks, and a fault for superfluous variables."""
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
@@ -108,7 +108,7 @@ class Structure:
                 yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
     def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
-        # event indicators are for debugging only and may also depend on outputs: FMI 3.0, table 23
+        # event indicators are for debugging only, and may also depend on outputs (FMI 3.0, table 23)
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL_LIST[:-1] in path
         yield from twice(depends, self.key, path)
@@ -130,7 +130,7 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """Yield all unknowns of the model structure, each after the words for its place in a fault."""
+        """Yield all unknowns of the model structure, each after words for its place in the description."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node

@@ -55,7 +55,7 @@ class Variable:
 
     @property
     def exact(self) -> bool:
-        """Whether the start value is the exact value at the start, not a guess."""
+        """Whether the start value is the exact value at the start, and not a guess."""
         initial = self.attributes.get("initial", "")
         given = self.causality in ("parameter", "structuralParameter", "input")
         return initial == "exact" or (
@@ -84,9 +84,9 @@ class Variable:
         return float(self.value(text))
 
     def beyond(self, value: float) -> str:
-        """Return words for the limit that a value exceeds; "" if the value is within the limits."""
+        """Return words for the limit that a value exceeds; "" if no limit is exceeded."""
         low, high = self.bound("min"), self.bound("max")
-        if low > high:  # another finding reports limits in the wrong order
+        if low > high:  # limits in the wrong order are reported by another check
             return ""
         return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
 
@@ -165,7 +165,10 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield (attribute, sentence) for each attribute that this causality, or kind of FMU, does not allow."""
+    """Yield pairs of an attribute and a sentence, for each attribute that is not allowed.
+
+    The causality of the variable, or the kind of FMU, does not allow it.
+    """
     of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
     if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
@@ -198,7 +201,7 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of variables that share a value: FMI 2.0, 2.2.7.
 
     Only one of the variables that share a value may be set, and only one may have a start value, unless they
-    are constants of the same value. All must have the same unit.
+    are constants of the same value. All variables that share a value must have the same unit.
     """
     first: dict[tuple[str, str], Variable] = {}
     findings = []

@@ -1,4 +1,7 @@
-"""Facts on a scene beside the FMU's variables: names of points, and rules by which parameters follow."""
+"""Facts on a scene that an FMU contains beside its variables.
+
+They are the names of points, and the rules by which parameters follow from others.
+"""
 
 from __future__ import annotations
 

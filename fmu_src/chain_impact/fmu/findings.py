@@ -24,7 +24,9 @@ LARGEST_FILE = 2**30
 The check uses the sizes that the zip declares. Python never unpacks more than this.
 """
 NAMED_VARIABLES = 5  # largest number of variables that one sentence names
-MOST_ALIKE_FINDINGS = 10  # more findings than this that differ only in the variable share one line
+# the largest number of findings with a line of their own; more findings that differ only in the variable
+# share one line
+MOST_ALIKE_FINDINGS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,10 +51,11 @@ class Finding:
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
-    """Return one line for each finding; many that differ only in the variable have one line together."""
+    """Return one line for each finding; many findings that differ only in the variable share one line."""
     alike: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        # equal faults have equal texts only without the name and the line of the variable, which fmpy writes
+        # texts of equal faults are equal only without the name and the line of the variable, which fmpy
+        # writes
         text = re.sub(rf'"{re.escape(finding.variable)}" \(line \d+\)', "", finding.text)
         alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []

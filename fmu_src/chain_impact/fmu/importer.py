@@ -1,4 +1,4 @@
-"""fmpy as the importer of an FMU, without a change of the process's streams and working folder.
+"""fmpy as the importer of an FMU; the streams and the working folder of the process stay unchanged.
 
 Several threads may run FMUs at the same time.
 """
@@ -28,10 +28,11 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
 
-WARNING = 1  # the status fmi2Warning; only messages with a larger status are kept, because they report faults
+# number of the status fmi2Warning; only messages with a larger status are kept, because they report faults
+WARNING = 1
 SLAVES = "chain_impact.fmu"
 """The name of the logger of slaves in Python; see slave.py."""
-_here = threading.local()  # the messages and logs of the FMU that the present thread runs
+_here = threading.local()  # the messages and logs of the FMU that the calling thread runs
 
 
 def read_fmu(path: Path) -> Any:
@@ -75,7 +76,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         raise RunError(f"{path}: {missing}")
     with listening() as reasons:
         try:
-            # fmpy does not remove the unpacked files when a call fails
+            # the unpacked files are removed here, because fmpy does not remove them when a call fails
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 fmpy.extract(str(path), folder)
                 instance = loaded(description, folder)
@@ -86,7 +87,8 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
                 )
                 instance.freeInstance()
         except Exception as error:  # fmpy's exceptions have no common class
-            # the first message has the reason; later messages may be about calls that fmpy makes after it
+            # the first message has the reason; later messages may be about calls that fmpy makes after the
+            # failed call
             reason = [*reasons(), str(error)][0]
             raise RunError(f"{path}: {reason}") from None
     return rows
@@ -96,7 +98,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 def listening() -> Iterator[Callable[[], list[str]]]:
     """Collect the messages of the FMUs that this thread runs.
 
-    The yielded function returns the messages, the earliest first.
+    The yielded function returns the messages in the order of time.
     """
     _here.said, _here.logged = [], []
     try:
@@ -107,7 +109,8 @@ def listening() -> Iterator[Callable[[], list[str]]]:
 
 def _log(*call: Any) -> None:
     """Collect a message that an FMU sends to its importer in the calling thread."""
-    # the callback of FMI 2.0 has a name before these three arguments, the callback of FMI 3.0 does not
+    # the callback of FMI 2.0 has the instance's name before these three arguments, that of FMI 3.0 has no
+    # name
     status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
         _here.logged.append(message.decode(errors="replace"))
@@ -170,7 +173,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # on ARM fmpy cannot write values into messages, which then lack the values
+    with suppress(Exception):  # on ARM fmpy cannot write values into messages, so the messages have no values
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))

@@ -90,7 +90,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
-    """Add variables, and each output with its direct inputs, for FMI 2.0; positions count from 1."""
+    """Add variables, and each output with its direct inputs, for FMI 2.0, where positions count from 1."""
     variables, nodes = prepared.variables, SubElement(root, "ModelVariables")
     indices = {variable.record_path: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(prepared), strict=True)):
@@ -154,7 +154,8 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
     ]
 
 
-# --- what both versions have in common -------------------------------------------------------------------
+# --- parts that FMI 2.0 and FMI 3.0 have in common
+# -----------------------------------------------------------
 
 
 def about(scene: Scene, tool: str) -> dict[str, str]:

@@ -24,7 +24,7 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         kernels: platform → library.
         fmi: the version of FMI, 2 or 3.
     """
-    # not at the top of the module: the package has no version yet while its wheel is built
+    # this import is not at the top of the module, because the package has no version while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
         description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")

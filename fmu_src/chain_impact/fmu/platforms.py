@@ -14,7 +14,7 @@ from chain_impact.system import HOST, PLATFORMS
 def platforms_of(path: str | Path) -> list[str]:
     """Return the platforms for which an FMU has binaries.
 
-    Known platforms have their names in ``--platform``, other platforms the names of their folders.
+    A known platform has its name in ``--platform``, another platform the name of its folder.
     """
     ours = {platform.fmi3: name for name, platform in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
@@ -22,7 +22,9 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
-    """Return the file that an importer loads on this machine, and None; or "" and a finding without it.
+    """Return the file that an importer loads on this machine, and None.
+
+    If the FMU has no such file, return "" and a finding.
 
     Args:
         identifier: the attribute ``modelIdentifier``.

@@ -40,15 +40,15 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     files = with_description(files, prepared, description := model_description(prepared, tool, FMI_2), FMI_2)
-    # script and slave have a part of the GUID in their names, because a process imports modules by name and
-    # may load several FMUs
+    # a process imports modules by name and may load several FMUs, so the names of script and slave contain a
+    # part of the GUID
     guid = description.attrib["guid"]
     script = f"chain_impact_{guid.replace('-', '')[:16]}"
     modules = {
         f"resources/{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(),
         f"resources/{script}_slave.py": sources["slave"],
-        # the script for the wrapper, and data for the slave, because some importers do not unpack the
-        # description
+        # the FMU has a script for the wrapper, and data for the slave, because some importers do not unpack
+        # the model description
         "resources/slavemodule.txt": "\n".join((script, prepared.scene.name, guid)).encode(),
     }
     return {name: content for name, content in files.items() if name not in sources} | modules

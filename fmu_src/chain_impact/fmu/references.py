@@ -30,22 +30,23 @@ from chain_impact.variables.prepared import PreparedScene
 
 REFERENCE_FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
-REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's time
-# if at most REFERENCE_ROWS / SHORTER rows are reliable, a reference up to its time / SHORTER replaces it
+REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's simulated time
+# if at most REFERENCE_ROWS / SHORTER rows are reliable, a table over the scene's time / SHORTER replaces the
+# table
 SHORTER = 10
 # A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
-# tolerance, differs from the reference by more than ASTRAY or, if it is larger, this tolerance. The allowed
-# error of a user's result is TOLERANCE_FACTOR times the largest difference of the second run before this end,
-# and at least LEAST_TOLERANCE. ASTRAY, the tolerance and LEAST_TOLERANCE are relative to the largest value of
-# all outputs with the same unit.
+# tolerance, differs from the reference by more than ASTRAY and by more than this tolerance. The allowed error
+# of a user's result is TOLERANCE_FACTOR times the largest difference of the second run before this end, and
+# at least LEAST_TOLERANCE. ASTRAY, the tolerance and LEAST_TOLERANCE are relative to the largest value of all
+# outputs with the same unit.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
-# Outputs are not compared at times closer than this to the onset or end of a contact, because they change too
-# fast there. The limit is relative to the communication step.
+# The time around the onset or end of a contact in which outputs are not compared, because they change too
+# fast there. This time is relative to the communication step.
 EVENT_DISTANCE = 1e-4
 # a reference run ends when evaluations × links reach this number, which takes about 0.2 s
 MOST_WORK = 2_000_000
 SWING = 0.1  # amplitude of torques and forces, relative to the magnitudes in `nominal_values`
-MOVED = 0.01  # amplitude of a moving base or wall, relative to the length of the longest link
+MOVED = 0.01  # amplitude of the motion of a moving base or wall, relative to the length of the longest link
 # FEWEST_ROWS: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
 # digits of a value in the file.
 FEWEST_ROWS, DIGITS = 2, 12
@@ -90,7 +91,9 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Return the outputs of a scene at a tolerance of 1e-12, until a run at the scene's own differs.
+    """Return the outputs of a scene at a tolerance of 1e-12, as long as they are reliable.
+
+    They are reliable until a run at the scene's own tolerance differs.
 
     If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
 
@@ -111,7 +114,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
     """Return the reference at some communication points [s], equally spaced from 0."""
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
-    # a few outputs that together depend on the whole motion
+    # a few outputs that together depend on the whole motion of the chain
     whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
     chosen = [v for v in prepared.outputs if v.name in ends]
@@ -125,7 +128,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
         for t in (REFERENCE_TOLERANCE, tolerance)
     )
     count = min(len(exact), len(usual))
-    # a contact that lasts has NaN as its end
+    # the end of a contact that lasts is NaN
     edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
     apart = (
         np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
@@ -154,7 +157,9 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the outputs, and the impacts, until work reaches MOST_WORK or a fault ends the run.
+    """Return the outputs and the impacts of a run.
+
+    The run ends when its work reaches MOST_WORK, or at a fault.
 
     Raises:
         SimulationError: when the first step cannot be taken.
@@ -183,7 +188,8 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    # each joint gets an equal part, so that the torques move chains of few and of many links about equally
+    # each joint gets an equal part of the torque, so that the torques move chains of few and of many links
+    # about equally
     torque = SWING * nominal["inertial_moment"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
@@ -283,9 +289,12 @@ def _table_in(text: str) -> _Table:
 
 
 def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
-    """Return whether results agree with a table, and a line of text; ``results`` are at the times of it."""
+    """Return whether ``results`` agree with a table at the table's times, and a line of text.
+
+    ``results`` belong to the table's times.
+    """
     errors = {name: np.abs(values - table.columns[name]) for name, values in results.items()}
-    # written so that the comparison also fails for a NaN of the FMU
+    # the condition is written so that the comparison also fails for a NaN of the FMU
     astray = {
         name: np.flatnonzero(~(error <= table.allowed[name]) & ~np.isnan(table.columns[name]))
         for name, error in errors.items()

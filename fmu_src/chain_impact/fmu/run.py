@@ -76,7 +76,8 @@ def record_fmu(
     if inputs:
         driven, rows_given = driven_rows(description, *inputs, experiment, values)
     recording = partial(_recording, description, facts, variables=parameters, outputs=outputs, values=values)
-    recorders: list[Any] = []  # fmpy gives its recorder to the callback after the first step
+    # a list for fmpy's recorder, which fmpy gives to the callback after the first step
+    recorders: list[Any] = []
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
@@ -100,7 +101,10 @@ def record_fmu(
 
 
 def _chain_of(path: Path) -> Any:
-    """Return the model description of an FMU; refuse one that is not a chain, or lacks points or energies."""
+    """Return the model description of an FMU.
+
+    An FMU that is not a chain, or lacks points or energies, is refused.
+    """
     description = read_fmu(path)
     names = {variable.name for variable in description.modelVariables}
     if "link[1].length" not in names:

@@ -24,22 +24,25 @@ from chain_impact.variables.variable import TableRow
 MAGIC = b"chaintab"
 TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 VARIABLE = {
-    **dict.fromkeys(("low", "high"), "d"),  # lowest and highest value that can be set, both included
-    # words of the record: of the value in use and of the set value; a new value is written to both
+    # lowest and highest value that can be set; both limits are allowed values
+    **dict.fromkeys(("low", "high"), "d"),
+    # words of the record with the value in use and with the set value; a new value is written to both words
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on; more than one for an array
     **dict.fromkeys(("type", "kind"), "i"),  # indices in TABLE_TYPES and TABLE_KINDS
-    **dict.fromkeys(("name", "allowed"), "i"),  # offsets of texts
+    **dict.fromkeys(("name", "allowed"), "i"),  # offsets of the texts in the table
 }
 """Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted
 in doubles."""
 HEAD = {
     "magic": "8s",
-    **dict.fromkeys(("size", "checksum"), "Q"),  # of the whole file; of the file after `checksum`
+    # the size of the whole file, and the checksum of the file after `checksum`
+    **dict.fromkeys(("size", "checksum"), "Q"),
     "guid": "40s",
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
-    **dict.fromkeys(("contradiction_word", "position_word"), "q"),  # of prescribed motions; 0 without them
+    # indices of words of prescribed motions; 0 without such motions
+    **dict.fromkeys(("contradiction_word", "position_word"), "q"),
     # offsets in bytes from the beginning of the file; offsets of texts are from `texts_at`
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
@@ -116,7 +119,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 
 
 def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:
-    """Return a structure as bytes: little-endian, and without gaps, because C needs none for these fields."""
+    """Return a structure as bytes: little-endian, without gaps; in C the fields need no gaps, either."""
     return struct.pack("<" + "".join(formats.values()), *(values[name] for name in formats))
 
 

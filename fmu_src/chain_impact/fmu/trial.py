@@ -27,10 +27,11 @@ from chain_impact.fmu.references import REFERENCE_FILE, check_references
 from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
 
 T = TypeVar("T")
-# the largest relative difference of values that count as equal: a start value may be written with six digits
+# the largest relative difference of two values that count as equal: a start value may be written with six
+# digits
 START_ROUND_OFF = 1e-6
 TINY = 1e-12
-SAID = 300  # a message of the FMU is cut after this number of characters
+SAID = 300  # a message of the FMU is cut after this number of characters, because it may be long
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
 
@@ -81,15 +82,15 @@ class Trial:
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
         """Call the FMU, after a line in the report; return the result.
 
-        If the call fails, the error says "<name> gives <without>": "fmi2Instantiate gives no instance"; or
-        "<name> fails" if ``without`` is empty.
+        If the call fails, the message of the error is "<name> gives <without>": "fmi2Instantiate gives no
+        instance"; or "<name> fails" if ``without`` is empty.
         """
         name = name if " " in name else f"fmi{FMI_2 if self.is_fmi_2 else FMI_3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
         try:
             return function(*arguments)
-        except Exception as error:  # fmpy has no class for these errors
+        except Exception as error:  # the errors of fmpy have no common class
             otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
             said = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
@@ -185,7 +186,7 @@ class Trial:
                     f"after the same step from the restored state ({how})",
                     variable,
                 )
-                return  # one finding is enough, because the others have the same cause
+                return  # one finding is enough, because other findings would have the same cause
 
     def step(self, time: float, step: float) -> None:
         """Take a step."""
@@ -241,7 +242,8 @@ def main() -> None:
             elif text:
                 tell(finding=asdict(Finding(text, REFERENCE_FILE)))
         tell(call=COMPLETE)
-    os._exit(0)  # ends at once: the behaviour of the FMU at the end of a process is not tested
+    # this ends the process at once: the behaviour of the FMU at the end of a process is not tested
+    os._exit(0)
 
 
 if __name__ == "__main__":

@@ -92,10 +92,10 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 process.wait()
         lines: list[dict[str, Any]] = []
         if report.is_file():
-            # a process that was killed may leave an incomplete line
+            # the last line is incomplete if the process was killed
             whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
             lines = [json.loads(line) for line in whole.splitlines()]
-    # a call that is made several times may have the same fault each time
+    # the same fault of a call that is made several times is listed once
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
     if COMPLETE not in calls:
@@ -104,7 +104,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
 
 
 def _end(code: int, said: str) -> str:
-    """Return words for how a process ended."""
+    """Return words for the way in which a process ended, such as a crash."""
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = said.strip().splitlines()[-1:]

@@ -1,8 +1,8 @@
 """The allowed syntax of a file with a law: a list of allowed forms, so that no file can run anything else.
 
 Python evaluates the constants of a file and the default values of arguments; numba compiles the functions,
-and Python never runs them. A law can use no names but those of ``FUNCTIONS``, ``MATH`` and the file, so that
-its values are numbers, tuples of numbers, and functions with such names.
+and Python never runs them. A law can use only the names of ``FUNCTIONS``, ``MATH`` and the file, so that all
+its values are numbers, tuples of numbers, or functions with such names.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ STATEMENTS = (
 )
 NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
-LONGEST = 40  # largest number of characters of refused text that an error shows
+LONGEST = 40  # largest number of characters that an error shows of a refused text
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
 """The words that a law can give to ``float``, as in ``float("nan")``. A law has no other texts except
 docstrings."""
@@ -50,7 +50,7 @@ docstrings."""
 class LawError(ValueError):
     """Raised when a file or a function is not a usable law.
 
-    The message is the end of a sentence. The caller puts its subject, the law, in front.
+    The message is the end of a sentence. The caller puts the subject of the sentence, the law, in front.
     """
 
 
@@ -134,7 +134,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a node of the syntax tree is allowed; its child nodes are not checked here."""
+        """Return whether a node of the syntax tree is allowed; the child nodes are checked elsewhere."""
         fine = True
         match node:
             case ast.Name(id=name):

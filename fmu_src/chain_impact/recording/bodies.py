@@ -1,4 +1,4 @@
-"""The points on links other than the links' ends, and which parameters determine how bodies are drawn."""
+"""The points on links that are not the links' ends, and the parameters that decide how bodies are drawn."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from chain_impact.scene.names import name_parts
 
 
 def is_of_body(name: str) -> bool:
-    """Return whether a parameter determines how a body, or the line of a slider, is drawn."""
+    """Return whether a parameter decides how a body, or the line of a slider, is drawn."""
     owner, _, _, quantity = name_parts(name)
     is_of_link = owner == "link" and (quantity in ("length", "height") or quantity.startswith("point["))
     return is_of_link or owner == "slider" or name == "contact.radius"
@@ -22,5 +22,8 @@ def site_radii(values: Mapping[str, Any]) -> list[float]:
 
 
 def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
-    """Return index of a link → how many of its points are no ends, for each link that has such points."""
+    """Return the number of points that are no ends, for each link with such points.
+
+    The result maps the index of the link to the number.
+    """
     return {link: len(discs) for link, discs in discs_of_links(values).items()}

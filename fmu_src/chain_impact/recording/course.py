@@ -15,7 +15,8 @@ from chain_impact.variables.prepared import PreparedScene
 
 SAMPLES = 400  # the number of times at which the course of an impact is computed
 LASTING_SAMPLES = 4000  # the number of equally spaced times in a contact longer than ``near`` of course_of
-SOON = 1e-6  # in such a contact, the first sample after the onset, relative to the contact's duration
+# the time of the first sample after the onset in such a contact, relative to the contact's duration
+SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]
 """A function that repeats the run: increasing times [s], shape (S,) → outputs at these times."""
@@ -79,7 +80,7 @@ def course_of(
     at, sign = contact_output(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # at onset and end ``penetration_rate`` is 0, because the penetration is 0
+    if len(speed):  # at onset and end ``penetration_rate`` is 0, because the penetration is 0 there
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]

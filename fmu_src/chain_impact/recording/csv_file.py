@@ -82,7 +82,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
         rows = _numbers(names, text)
-    except ValueError as error:  # a cell is not a number, a line is too long, or the encoding is wrong
+    except ValueError as error:  # here a cell is not a number, a line is too long, or the encoding is wrong
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED_COLUMNS if name not in names]
     if missing:
@@ -94,7 +94,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # derivatives are NaN at times at which they do not exist; all other columns must be finite
+    # columns of derivatives are NaN at times at which these do not exist; all other columns must be finite
     slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")

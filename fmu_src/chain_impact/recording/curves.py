@@ -14,13 +14,14 @@ from chain_impact.scene.reading import names_matching
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
 
-# WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts that get
-# them
+# WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts with
+# additional times
 WITHIN, FOLLOWED = 50, 400
 CLOSE_TIMES = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
-LASTING_SHARE = 0.02  # the duration shown for a contact that lasts to the end, relative to the run's duration
-# the duration shown for an impulse, which has no duration, relative to the run's duration
+# the duration that is shown of a contact that lasts to the end, relative to the run's duration
+LASTING_SHARE = 0.02
+# the duration that is shown around an impulse, which has no duration, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
 
@@ -90,7 +91,7 @@ def curves_of(
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
-    # an output that changes only at events and steps keeps the value of a row until the next row
+    # the value in a row of an output that changes only at events and steps holds until the next row
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {
         name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
@@ -118,7 +119,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
 
 
 def impact_numbers(count: int) -> str:
-    """Return the existing numbers of impacts in words, for an error: "from 1 to 3: the run has 3 impacts"."""
+    """Return the existing numbers of impacts as words for an error: "from 1 to 3: the run has 3 impacts"."""
     if count <= 1:
         return "1: the run has 1 impact" if count else "left out: the run has no impact"
     return f"from 1 to {count}: the run has {count} impacts"
@@ -127,7 +128,8 @@ def impact_numbers(count: int) -> str:
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
     """Return additional times [s] from ``low`` to ``high``.
 
-    They are equally spaced in a close view, otherwise only within the first FOLLOWED impacts.
+    The times are equally spaced in a close view. In a view of the whole run, they lie only within the first
+    FOLLOWED impacts.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)

@@ -1,4 +1,4 @@
-"""Equality of dataclasses with arrays; ``==`` of two arrays returns an array."""
+"""Equality of dataclasses with arrays, for which ``==`` returns an array."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 
 def same(value: Any, other: Any) -> bool:
-    """Return whether two objects have the same class and equal fields: ``__eq__`` of a dataclass."""
+    """Return whether two objects have the same class and equal fields, as ``__eq__`` of a dataclass does."""
     if type(other) is not type(value):
         return False
     return all(equal(getattr(value, it.name), getattr(other, it.name)) for it in fields(value) if it.compare)

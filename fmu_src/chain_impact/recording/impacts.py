@@ -15,7 +15,8 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS, name_parts
 from chain_impact.scene.warning import warn
 
 _LOG = contact_log_dtype(0)
-_OF_RING = ("count", "collected", "number")  # fields of the log of contacts that are no columns
+# fields of the log of contacts that are not columns of the table of impacts
+_OF_RING = ("count", "collected", "number")
 LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
 """The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
@@ -86,7 +87,7 @@ def _numbers(table: np.ndarray) -> np.ndarray:
 
 
 def common_count(first: np.ndarray, second: np.ndarray) -> int:
-    """Return how many impacts two tables have in common: from the first on, with equal points and walls."""
+    """Return the number of impacts with which two tables begin in common, with equal points and walls."""
     pairs = [[(row["point"], row["wall"]) for row in table] for table in (first, second)]
     different = (k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other)
     return next(different, min(map(len, pairs)))
@@ -95,7 +96,7 @@ def common_count(first: np.ndarray, second: np.ndarray) -> int:
 def lasts(impacts: np.ndarray | np.void) -> Any:
     """Return for each contact whether it lasts to the end of the simulation.
 
-    A contact without a known peak force does not count: an FMU's list lost it before its end.
+    A contact without a known peak force does not count: the list of an FMU lost the contact before its end.
     """
     return np.isnan(impacts["end"]) & ~np.isnan(impacts["peak_force"])
 

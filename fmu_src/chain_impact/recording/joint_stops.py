@@ -13,7 +13,7 @@ import numpy as np
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
-ARC = 0.25  # the radius of the arc that shows a range, relative to the length of the link
+ARC = 0.25  # the radius of the arc that shows the range of a joint, relative to the length of the link
 OPEN = 0.5 * math.pi  # [rad] the angle that the arc spans for a joint with only one stop
 TICK = 0.3  # the length of the mark of a stop, relative to the radius of the arc
 CORNERS = 33  # the number of points on the line of an arc
@@ -60,7 +60,7 @@ def at_stop(scene: Scene, wall: int) -> bool:
 def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
     """Return whether a wall stands for the stops of joints.
 
-    If no joint has stops, the result is False: a true wall may then have the name of a stop.
+    If no joint has stops, the result is False: a real wall may then have the name of a stop.
     """
     return has_stops and wall_names[wall] in STOPS
 

@@ -9,11 +9,14 @@ import numpy as np
 # the ratio of large to small values above which colours are logarithmic; with linear colours, all values less
 # than a tenth of the largest one would look the same
 WIDE_COLOURS = 10.0
-# the colours end at a quantile in place of the extreme value, if the distance of both is more than this,
-# relative to the range between the quantiles
+# The colours end at a quantile in place of the extreme value if the distance between the two, relative to the
+# range between the quantiles, exceeds this.
 BEYOND_QUANTILES = 1.0
-LARGE_QUANTILE = 0.95  # the quantile for large values; 1 − this for small ones: a few extremes do not count
-MOST_COLOURS = 12  # the largest number of colours of counts; more counts share colours
+# the quantile for large values; the quantile for small values is 1 minus this. So a few extremes do not
+# count.
+LARGE_QUANTILE = 0.95
+# the largest number of colours for numbers of impacts and other counts; more counts share colours
+MOST_COLOURS = 12
 
 
 def spread(values: np.ndarray) -> float:

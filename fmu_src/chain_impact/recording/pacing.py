@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import by_owner
 
-IMPACT_TIME = 0.6  # [s] the default for the time on the screen for one impact
+IMPACT_TIME = 0.6  # [s] the default time on the screen for one impact
 RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
 # [s] the longest time after an onset that is shown in slow motion; in a contact that lasts longer, the chain
 # only rests or leans
@@ -32,13 +32,13 @@ SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion;
 # For a film, an impact ends at the latest LONGEST_IMPACT times δ/v after its onset, where δ is the
 # penetration and v the approach speed: a contact that lasts longer rests from then on.
 LONGEST_IMPACT = 5.0
-# [m/s, at a stop of a joint rad/s] v in δ/v is at least this large; otherwise a point that rests at a wall
-# from the onset on (v = 0) would give an infinite time
+# [m/s; rad/s at a stop of a joint] the least v in δ/v: a point that rests at a wall from the onset on (v = 0)
+# would otherwise give an infinite time
 SLOWEST = 1e-6
 MOST_FRAMES = 20_000  # the largest number of frames for which simulated times are computed
 TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
-# REAL: a rate that differs less from 1 is called real time; SLOW_RATE: a smaller rate has a stronger colour;
-# TENS: a factor from this one on has no decimals.
+# REAL: a rate that differs less than this from 1 is called real time; SLOW_RATE: a smaller rate than this has
+# a stronger colour; TENS: a factor from this one on has no decimals.
 REAL, SLOW_RATE, TENS = 0.02, 0.5, 9.95
 
 Span = tuple[float, float]
@@ -56,7 +56,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 
 def slow_spans(recording: Recording) -> list[Span]:
-    """Return the onsets and ends [s] of the impacts that are shown slowly."""
+    """Return the onsets and the ends [s] of the impacts that are shown slowly."""
     impacts, speeds = recording.impacts, recording.end_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
@@ -134,14 +134,14 @@ def frame_times(
         parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
     slowness = 1.0 / rate(grid, shown, impact_time)
-    # the time on the screen: ∫ dt / rate, by the trapezoidal rule
+    # the time on the screen is ∫ dt / rate, computed by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
     frames = min(most, 2 + int(screen[-1] * usual))
     return np.interp(np.linspace(0.0, screen[-1], frames), screen, grid), (frames - 1) / screen[-1]
 
 
 def rate_text(rate: float) -> str:
-    """Return how many times slower or faster than real time a film runs, for example: 480 × slower."""
+    """Return words for the rate of a film relative to real time, for example: 480 × slower."""
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")

@@ -1,4 +1,4 @@
-"""Points that pass through walls that they cannot touch, because the scene does not let them."""
+"""Points that pass through walls that they cannot touch, because the scene does not allow these contacts."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from chain_impact.recording.text import few
 from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
-# a point passes through a wall if it is once on the free side and once beyond the wall, each time farther
-# from the wall than this, relative to the size of the motion
+# A point passes through a wall if it is at one time on the free side and at another time beyond the wall,
+# each time farther from the wall than this, relative to the size of the motion.
 THROUGH = 1e-3
 NAMED_POINTS = 4  # the largest number of points that a sentence names
 
@@ -33,7 +33,7 @@ def passing(
         free = [k for k in range(places.shape[1]) if (k, number) not in pairs]
         if not free or not len(places):
             continue
-        # [m] the distance of each point from the wall; negative for a point beyond the wall
+        # [m] the distance of each point from the wall, negative beyond the wall
         gaps = places[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
         least = THROUGH * size_of_motion(places)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]

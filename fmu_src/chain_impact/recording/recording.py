@@ -78,16 +78,22 @@ class Recording:
         return object.__new__(StoredRecording if cls is Recording else cls)  # type: ignore[return-value]
 
     def __init__(self, *_arguments: Any, **_named: Any) -> None:
-        """Refuse a subclass without attributes of its own: derive from ``StoredRecording`` instead."""
+        """Refuse a subclass of ``Recording`` without its own attributes.
+
+        Such a class must derive from ``StoredRecording``.
+        """
         raise TypeError(f"{type(self).__name__} stores no attributes: derive it from StoredRecording")
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
-        """The columns: owner, number and wall → quantity → values."""
+        """The values of the columns, by owner, number and wall, and then by quantity."""
         return by_owner(self.columns)
 
     def columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
-        """Return the columns of owners such as ``contact``: number and wall → quantity → values."""
+        """Return the columns of the owners of one kind, such as ``contact``.
+
+        The result leads from number and wall to the quantities and their values.
+        """
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }
@@ -137,7 +143,7 @@ class Recording:
         return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls in their positions at a time [s], and the stops of a slider as they are drawn."""
+        """Return the walls in their positions at a time [s], and a slider's stops as they are drawn."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
@@ -287,7 +293,7 @@ class Recording:
     def pose_at(self, time: float) -> np.ndarray:
         """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
 
-        The positions are not interpolated between rows, because the links would then be too short.
+        The positions are not interpolated between rows, because interpolation would shorten the links.
         """
         pose: np.ndarray = self.points[self.row_at(time)]
         return pose
@@ -350,7 +356,7 @@ class Recording:
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
-            # as lists, all rows at once would take four times the memory of arrays
+            # a conversion of all rows to lists at once would take four times the memory of arrays
             for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))

@@ -1,4 +1,4 @@
-"""The rests of a motion: the times in which no point and no wall moves noticeably."""
+"""Rests of a motion: the times in which no point and no wall moves noticeably."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# How far a point may move, relative to the reference size, if its speed or its acceleration lasted for as
-# long as the run: more is no rest. The reference size is the extent of the largest path of a point.
+# The largest distance that a point at rest may move, relative to the reference size, if its speed or
+# acceleration lasted for as long as the run. The reference size is the extent of the largest path of a point.
 REST_WAY = 0.02
-SMALLEST_PATH = 1e-6  # the least reference size, relative to the extent of the chain: less is no motion
-FEWEST_ROWS = 3  # fewer rows show no acceleration, and thus no rest
+# the least reference size, relative to the extent of the chain: a smaller path is no motion
+SMALLEST_PATH = 1e-6
+FEWEST_ROWS = 3  # with fewer rows, no acceleration is known, and thus no rest
 SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
 
 
@@ -65,7 +66,7 @@ def _largest(vectors: np.ndarray) -> np.ndarray:
 
 
 def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
-    """Return start and end of each run of True; the end is the index after the run."""
+    """Return start and end index of each series of True; the end is the index after the series."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
     return [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
 
@@ -86,7 +87,10 @@ def _accelerations(time: np.ndarray, places: np.ndarray, reach: int) -> np.ndarr
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line on the rest at the end: its start, and where the free ends are; nothing without a rest."""
+    """Yield a line on a rest at the end of the motion; without such a rest, yield nothing.
+
+    The line tells the start of the rest, and the places of free ends.
+    """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         start, last = rests(recording)[-1][0], recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}

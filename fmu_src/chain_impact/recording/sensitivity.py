@@ -152,7 +152,7 @@ class Sensitivities:
         return PART * (self.parameters[parameter] or 1.0)
 
     def step_text(self, parameter: str) -> str:
-        """Return the change ``step`` in words: "1 %", or "0.01 m/s"."""
+        """Return the change that ``step`` gives, in words: "1 %", or "0.01 m/s"."""
         return (
             f"{100.0 * PART:g} %"
             if self.parameters[parameter]
@@ -160,7 +160,7 @@ class Sensitivities:
         )
 
     def changes(self, output: str) -> np.ndarray:
-        """Return how much an output changes if each parameter changes by its ``step``, shape (T, P).
+        """Return the changes of an output if each parameter changes by its ``step``, shape (T, P).
 
         The changes are of first order: derivative times step.
         """
@@ -168,9 +168,9 @@ class Sensitivities:
         return changes
 
     def impact_changes(self, quantity: str) -> np.ndarray:
-        """Return how much a quantity of impacts changes if each parameter changes by its ``step``, (I, P).
+        """Return the changes of a quantity of impacts if each parameter changes by its ``step``.
 
-        The changes are of first order: derivative times step.
+        The result has the shape (I, P). The changes are of first order: derivative times step.
         """
         changes: np.ndarray = self.impact_slopes[quantity] * self._steps
         return changes

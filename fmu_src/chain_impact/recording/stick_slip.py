@@ -49,7 +49,7 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
     """Yield the phases in the changes of one contact or joint; phases of no length are left out."""
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # of several changes at the same time, only the last one counts
+    changes = changes[lasting]  # of several changes at the same time, only the last change counts
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -71,7 +71,10 @@ def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase as texts: start, end ("" if it lasts), place (see ``element_label``), and mode."""
+    """Return a phase as texts: start, end, place (see ``element_label``) and mode.
+
+    The end is "" if the phase lasts.
+    """
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
 
@@ -113,7 +116,7 @@ class Touch:
 
     @property
     def at_wall(self) -> bool:
-        """Whether the contact is at a wall: no stop, and no dry friction in a joint or on a slider."""
+        """Whether the contact is at a wall, and not a stop or dry friction in a joint or on a slider."""
         return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 

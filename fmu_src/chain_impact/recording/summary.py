@@ -31,9 +31,9 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     for stop in (False, True)
 )
 """The units of the columns VALUES in the list of impacts: at walls, and at stops of joints."""
-NONE = "—"  # the text for a number that does not exist
+NONE = "—"  # the text in place of a number that does not exist
 LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
-# numbers from FIVE_DIGITS to MILLION, rounded to four digits, are written without an exponent
+# numbers between FIVE_DIGITS and MILLION are rounded to four digits, and written without an exponent
 FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
@@ -171,7 +171,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield a line with the solver's numbers of steps and evaluations, and a line on how the run ended."""
+    """Yield a line with the solver's numbers of steps and evaluations, and a line on the end of the run."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
@@ -201,7 +201,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
 
 
 def smallest_body(scene: Scene) -> tuple[float, str]:
-    """Return the size of the smallest body [m], and words for it: the shortest link, or the radius of a ball.
+    """Return the size [m] of the smallest body, and words for it: the shortest link, or a ball's radius.
 
     A free chain of one link that touches only at its centre of mass is a ball: the length of its link has no
     meaning, and without a radius the ball has no size.

@@ -80,7 +80,8 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
             values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        # the index in the record is not used: it also counts stops of joints, which ``contacts`` lacks
+        # the index of a contact in the record is not used, because it also counts stops of joints, which
+        # ``contacts`` lacks
         if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]

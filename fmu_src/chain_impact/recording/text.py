@@ -19,7 +19,7 @@ def plural(count: int, what: str) -> str:
 
 
 def few(names: Sequence[str], shown: int) -> str:
-    """Return the first ``shown`` names, and how many other names there are, as text."""
+    """Return the first ``shown`` names as text, with the number of other names."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
 
@@ -61,7 +61,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 
 def speed_unit(at_stop: bool) -> str:
-    """Return the unit of an impact's speed: at a stop of a joint, or elsewhere."""
+    """Return the unit of an impact's speed, which differs at a stop of a joint."""
     return unit_at("impact_speed", stop=at_stop)
 
 

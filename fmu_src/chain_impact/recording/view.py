@@ -12,13 +12,14 @@ from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # the size of a motion is the larger of its width and height
-NEAR = 0.2  # the distance beyond which a wall is left out, relative to the size of the motion
-# if walls close a room that ends within this distance from the motion, an animation shows the whole room;
-# relative to the size of the motion
+NEAR = 0.2  # the distance beyond which a wall is not near, relative to the size of the motion
+# If walls close a room that ends within this distance from the motion, an animation shows the whole room. The
+# distance is relative to the size of the motion.
 ROOM = 1.0
 MARGIN = 0.06  # the margin around the view of a film, relative to the size of the view
 LEAST = 1e-6  # [m] the size assumed for a chain that does not move
-# a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
+# A wall bounds the view along an axis if the component of the wall's unit normal along this axis is larger
+# than this.
 UPRIGHT = 0.5
 ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
 PIN = 0.08  # the height of the ground mark of a pinned base, relative to the size of the motion
@@ -114,12 +115,13 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return to which sides a view can be extended: to the sides without a wall.
+    """Return the sides to which a view can be extended: the sides without a wall.
 
     The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. The
     second result is whether at least one of the two sides has no wall, for x and for y.
     """
-    open_sides = np.ones((2, 2))  # 1 for a side without a wall: [[left, below], [right, above]]
+    # the entries are 1 for a side without a wall: [[left, below], [right, above]]
+    open_sides = np.ones((2, 2))
     for wall in walls:
         normal = np.array(wall.normal)
         open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
@@ -142,7 +144,7 @@ def places_of(recording: Recording) -> np.ndarray:
 def radius_of(recording: Recording) -> float:
     """Return the largest radius [m] of the points that can touch.
 
-    0 if it is unknown or too small to be seen.
+    The result is 0 if the radius is unknown or too small to be seen.
     """
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
@@ -161,7 +163,7 @@ def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.n
 
 
 def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the part of a rectangle that is on the free sides of all walls."""
+    """Return the corners of the part of a rectangle that lies on the free sides of all walls."""
     corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))

@@ -108,7 +108,7 @@ class Pictured(Recording):
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if self.scene.outputs.energies or "energy" in shown:
-            # this raises an error if the energy was left out
+            # this raises an error if the outputs of energy were left out
             names_matching(
                 self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
@@ -127,7 +127,7 @@ class Pictured(Recording):
         title: str | None,
         ax: Any,
     ) -> Any:
-        """Draw curves in place of panels; the arguments and the result are those of ``plot``."""
+        """Draw curves in place of panels; arguments and result are the same as for ``plot``."""
         from chain_impact import pictures
 
         if ax is None:
@@ -235,7 +235,7 @@ class Pictured(Recording):
 
     @property
     def _derivatives(self) -> Sensitivities:
-        """The derivatives of the run; an error if there are none."""
+        """The derivatives of the run; an error is raised if there are none."""
         if self.sensitivities is None:
             hint = "simulate(scene, sensitivities=[…]) makes them"
             raise UnknownNameError(self.name, "sensitivity", (), "not in this result", hint)

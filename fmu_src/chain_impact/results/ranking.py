@@ -30,9 +30,10 @@ OF_FMU = {"time": "onset", "speed": "impact_speed"}
 """Name of a quantity in the FMU's ``impact[j]`` → field of ``Result.impacts``, if both names differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """Parameters that change the unit of a stiffness."""
-# above this share of the quantity, the text says that an effect holds for smaller changes only
+# if an effect is larger than this part of the quantity, the text says that the effect holds for smaller
+# changes only
 LARGE_SHARE = 0.2
-LEAST_EFFECT = 1e-12  # the largest effect that counts as round-off, relative to the quantity
+LEAST_EFFECT = 1e-12  # an effect up to this, relative to the quantity, counts as round-off
 MOST_BARS = 16  # the largest number of bars
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
 """The units that get a prefix in the picture."""
@@ -64,7 +65,7 @@ class Effect(NamedTuple):
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
-WHOLE = 99.5  # the size from which on two digits would be written as 1e+02
+WHOLE = 99.5  # a number from this size on is written as a whole number: two digits would be written as 1e+02
 
 
 def signed(value: float) -> str:
@@ -73,7 +74,7 @@ def signed(value: float) -> str:
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return the effects of 1 %, and those of fixed steps, which have another scale."""
+    """Return two lists: the effects of steps of 1 %, and those of fixed steps, which have another scale."""
     return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 
@@ -120,7 +121,7 @@ class Ranking:
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | TextTable]:
-        """Yield lines, the table of the effects of 1 %, that of parameters that are 0, and remarks."""
+        """Yield lines, the tables of effects of 1 % and of parameters that are 0, and remarks."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = by_step(self.effects)
@@ -140,7 +141,7 @@ class Ranking:
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def _tables(self, effects: Sequence[Effect]) -> Iterator[TextTable]:
-        """Yield the table of some effects; nothing if there are none."""
+        """Yield the table of some effects; without effects, yield nothing."""
         unit = unit_text(self.unit)
         rows = [
             (
@@ -199,7 +200,7 @@ class Ranking:
         )
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the effects that have bars, with one kind of step in each list."""
+        """Return the effects that have bars, in a list for each kind of step."""
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:

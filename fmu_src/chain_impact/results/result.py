@@ -1,6 +1,6 @@
 """The result of a simulation."""
 
-# attributes of a recording are only read, so properties may override them; mypy does not know this
+# mypy does not know that attributes of a recording are only read, so that properties may override them
 # mypy: disable-error-code="override"
 
 from __future__ import annotations
@@ -145,7 +145,10 @@ class Result(Pictured):
 
     @property
     def _has_all(self) -> bool:
-        """Whether ``outputs`` is complete: with the fields of ``output_dtype``, not with chosen names."""
+        """Whether ``outputs`` is complete, with the fields of ``output_dtype`` and not with chosen names.
+
+        Otherwise it has chosen names.
+        """
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
@@ -237,7 +240,7 @@ class Result(Pictured):
         known = self.prepared.structure.known
         is_known = known["impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
-            # without friction or a supply, a scene has no such output, and its energy is 0
+            # without friction or without a supply, a scene has no such output, and this energy is 0
             if not all(known[condition] for condition in kind.when if condition in FACTS):
                 continue
             if name == "friction" and not is_known:

@@ -29,7 +29,7 @@ from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-# CHUNK and bytes: the largest number of rows, and the largest number of bytes, that the kernel fills in one
+# largest number of rows, and largest number of bytes in these rows, that the kernel fills in one
 # call
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 

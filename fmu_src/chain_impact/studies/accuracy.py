@@ -54,7 +54,7 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     if parted:
         end = min(later)
     apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
-    # only rows at equal times, up to the end of the comparison, count
+    # only rows at equal times, until the end of the comparison, are compared
     apart[~together | (run.time[:rows] > end)] = 0.0
     row, point = np.unravel_index(apart.argmax(), apart.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)

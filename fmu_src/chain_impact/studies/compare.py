@@ -200,7 +200,7 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
 
 
 def _why_none(scene: Scene) -> str:
-    """Return a sentence: why a successful run has no impact at which the law acts."""
+    """Return a sentence that says why a successful run has no impact at which the law acts."""
     if scene.stops.model is None:
         return f"there is none before {scene.simulation.stop_time:g} s"
     kept = f"the stops keep stops.model = {scene.stops.model}, and"
@@ -210,7 +210,7 @@ def _why_none(scene: Scene) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare, in the registry's order.
+    """Return the ids of the laws to compare, in the order of the registry.
 
     If all these laws need another exponent than the scene has, the scene's contact model follows.
 
@@ -253,11 +253,14 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
 
 
 def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
-    """Return values for ``LawRun`` by name; without lost energy and loop for an impact that has not ended."""
+    """Return the values for ``LawRun`` by name.
+
+    Lost energy and loop are missing for an impact that has not ended.
+    """
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # an impulse ends the impact: the time for which the wall then holds the point does not count
+        # an impulse ends the impact at once: the time in which the wall then holds the point does not count
         impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],

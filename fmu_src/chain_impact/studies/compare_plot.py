@@ -44,7 +44,7 @@ from chain_impact.studies.law_runs import LawRuns
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default size of the figure
-REFERENCE_LAYER = 3  # matplotlib's zorder of the line of the reference law
+REFERENCE_LAYER = 3  # matplotlib's order of drawing (zorder) for the line of the reference law
 IMPULSE: dict[str, Any] = {
     "xycoords": ("data", "axes fraction"),
     "xytext": (2.0, 0.0),
@@ -55,13 +55,13 @@ IMPULSE: dict[str, Any] = {
     "color": INK,
 }
 """Place and look of the name of an impulse beside its line."""
-BAND_POINTS = 400  # number of penetrations at which the band of the grey loops is computed
+BAND_POINTS = 400  # number of penetrations at which the limits of the grey band of loops are computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
 )
 """The looks of laws with colours; their lines lie above the wider line of the reference law."""
-COLOURED_LAWS = 1 + len(LINES)  # largest number of laws that get a colour, with the reference law
+COLOURED_LAWS = 1 + len(LINES)  # largest number of laws with a colour; the reference law is one of these
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Laws that many programs and papers use."""
 
@@ -121,7 +121,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    is_told = bool(banded(comparison, looks))  # then the legend explains the grey band
+    is_told = bool(banded(comparison, looks))  # a grey band is explained by the legend
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits = "" if comparison.is_free else "not free"
     if limits and math.isfinite(most := comparison.reached[0].lossless):
@@ -133,8 +133,8 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each; "" for common laws.
 
     The law that differs most has the restitution in the first impact that is farthest from the restitution
-    with the reference law, among laws with losses. The law without losses ignores the prescribed restitution,
-    so it has a colour and a reason of its own.
+    with the reference law, among the laws with losses. The law without losses ignores the prescribed
+    restitution, so it has a colour and a reason of its own.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -159,7 +159,7 @@ def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
 def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     """Return colour, line and label of each law; ``small``: in the label only the reference has its reason.
 
-    If two laws have the same force, the second law has no line, but shares the label of the first law.
+    If two laws have the same force, only the first law has a line, whose label names both laws.
     """
     why, lines = named_laws(comparison), iter(LINES)
     twins: dict[str, list[str]] = {}
@@ -187,7 +187,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
 
 def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Return whether two loops are equal; impulses have no loop, and never count as equal."""
+    """Return whether two loops are equal; impulses have no loop, and so never count as equal."""
     return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
 
 
@@ -222,7 +222,10 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that are drawn as a band: laws without a colour, if there are more than MOST_GREY."""
+    """Return the laws that are drawn as a band.
+
+    These are the laws without a colour, if there are more than MOST_GREY.
+    """
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -283,7 +286,10 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
-    """Draw lines, law → shape (2, S); where some lines merge, each of them is seen in its own dashes."""
+    """Draw lines from a table of law → points of shape (2, S).
+
+    Where some lines merge, each line shows its own dashes.
+    """
     order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
     coloured = [law for law in order if looks[law]["color"] != GREY]
     dashes = dict(zip(coloured, merged_dashes([lines[law] for law in coloured]), strict=True))
@@ -296,7 +302,7 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
 def legend_handles(axes: Axes, looks: Looks) -> list[Any]:
     """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any.
 
-    An entry has the line of its law without the dashes that lines have where they merge.
+    An entry shows the line of its law without the dashes of merged lines.
     """
     styles = {look["label"]: look for look in looks.values() if look["color"] != GREY}
     drawn = [styles[label] for line in axes.lines if (label := line.get_label()) in styles]

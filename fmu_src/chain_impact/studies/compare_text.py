@@ -13,8 +13,8 @@ from chain_impact.studies.law_change import EXACT_LAW, compared_impact
 from chain_impact.studies.law_runs import LawRun, LawRuns
 from chain_impact.variables.impact_units import unit_at
 
-# a law realises the prescribed restitution if its restitution differs by at most this, relative to the
-# prescribed one
+# A law realises the prescribed restitution if its restitution differs from the prescribed one by at most this
+# part of it.
 REALISED_WITHIN = 0.05
 NAMED_LAWS = 3  # the largest number of laws that the advice names
 DASH = "–"
@@ -47,7 +47,7 @@ def law_table(comparison: LawRuns) -> TextTable:
     """
     force, depth = (unit_at(name, stop=comparison.at_stop) for name in ("peak_force", "max_penetration"))
     quantities = {
-        # an impulse has no peak force
+        # an impulse has no peak force, so its cell is empty
         f"peak, {force}": [run.peak_force or math.nan for run in comparison.runs],
         f"depth, {depth}": [run.max_penetration for run in comparison.runs],
         "time, s": [run.duration for run in comparison.runs],
@@ -60,7 +60,7 @@ def law_table(comparison: LawRuns) -> TextTable:
 
 
 def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
-    """Return the head of a column, "peak, kN" for the name "peak, N", and its cells with four digits."""
+    """Return the head of a column with a prefix in its unit ("peak, kN" for "peak, N"), and the cells."""
     what, _, unit = name.partition(", ")
     factor, unit = prefixed(np.nanmax([0.0, *values]), unit)
     return f"{what}, {unit}", [formatted(factor * value, "#.4g") for value in values]
@@ -90,7 +90,7 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Return a sentence: which laws realise the prescribed restitution in the impact, and which to take.
+    """Return a sentence on the laws that realise the prescribed restitution, and on the law to take.
 
     For an impact that is not free, the text also gives the restitution that can be reached. Only an impulse
     gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
@@ -107,12 +107,15 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _few(laws: Sequence[str]) -> str:
-    """Return the names of up to NAMED_LAWS laws, or the number of more laws."""
+    """Return the names of laws or, if there are more than NAMED_LAWS, only their number."""
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
-    """Return words that advise one of the laws ``near`` the restitution; "" for fewer than two laws."""
+    """Return words that advise one of the laws in ``near``, which are near the restitution.
+
+    The words are "" for fewer than two laws.
+    """
     if len(near) <= 1:
         return ""
     if EXACT_LAW in near:
@@ -123,7 +126,10 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
 
 
 def _reach(comparison: LawRuns) -> str:
-    """Return a sentence on the restitution of an impact that is not free, also at stiffer contacts."""
+    """Return a sentence on the restitution that is possible in an impact that is not free.
+
+    The sentence also gives the restitution at stiffer contacts.
+    """
     e = comparison.contact.restitution
     values = ", ".join(
         f"{formatted(at.lossless, '.2f')} and {formatted(at.exact, '.2f')} at K = {at.stiffness:.4g}"

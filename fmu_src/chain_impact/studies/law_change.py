@@ -23,18 +23,24 @@ Changes = dict[tuple[str | int, ...], Any]
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law prescribes, or ``exponent``, the scene's, if the law prescribes none."""
+    """Return the exponent that a law prescribes or, if it prescribes none, the scene's ``exponent``.
+
+    If the law prescribes none, ``exponent``, that of the scene.
+    """
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Return whether a law allows every exponent that it would have in the scene."""
+    """Return whether a law allows every exponent with which it would be used in the scene."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield each table of the scene with a stiffness for the law of `contact`: path, exponent, stiffness."""
+    """Yield path, exponent and stiffness for each table of the scene with a stiffness of a contact.
+
+    Only tables for the law of `contact` count.
+    """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
         yield ("contact",), contact.exponent, contact.stiffness

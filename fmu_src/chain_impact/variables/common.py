@@ -1,8 +1,8 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
 ``in_common`` marks the parts of ``PreparedScene`` that do not depend on numbers, and keeps them in the cache.
-The cache also has the record of one of these scenes: for another one, only changed tables are written again
-(filling.py).
+The cache also has the record of one of these scenes: in a record for another of these scenes, only changed
+tables are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ _OTHERS = [
 def _decisive(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values determine the layout of the record, or which variables exist.
 
-    These are all keys, except the keys of parameters that every scene with this table has.
+    These are all keys except those of parameters that every scene with this table has.
     """
     numbers = {
         kind.path[-1]
@@ -82,7 +82,7 @@ def common_of(scene: Scene) -> Common:
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
             return common
-    new = Common(scene)  # another thread may insert an equal entry at the same time
+    new = Common(scene)  # another thread may put an equal entry into the cache at the same time
     _cache.insert(0, new)
     del _cache[MOST_CACHED:]
     return new
@@ -108,9 +108,9 @@ def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
     """Return the names of the scene's tables whose numbers must be written again.
 
-    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. None if the whole record
-    must be written, because the scenes differ in more than numbers, or in numbers that determine the layout
-    of the record or which variables exist.
+    These are the tables of ``_NUMBERS`` that are not the same object in both scenes. The result is None if
+    the whole record must be written, because the scenes differ in more than numbers, or in numbers that
+    determine the layout of the record or which variables exist.
     """
     if before is scene:
         return []

@@ -52,7 +52,7 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
-        # ``memory.view`` would compare the types first, which takes longer than the rest of this function
+        # ``memory.view`` first compares the types, which takes longer than the rest of this function
         memory = np.ndarray(1, layout, words)
         _fill(memory[0], scene, structure)
         for table in _tables():
@@ -67,7 +67,7 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
 
 
 def _fill(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write into a new instance what is in no table of ``_tables``.
+    """Write into a new instance the data of a scene that are in no table of ``_tables``.
 
     These are the parts of a scene that are no parameters, the signals, and the materials of single walls.
     """
@@ -88,7 +88,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Return for each table of the scene its kinds of parameters, with the function that reads the values.
+    """Return each table of the scene with its kinds of parameters, and a function that reads their values.
 
     The parameters of signals and of the materials of single walls are left out.
     """
@@ -124,7 +124,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
 
 def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
-    """Return the function of ``_reader`` for a kind with one value, at a path; it takes half the time."""
+    """Return a function as ``_reader`` does, for a kind with one value at a path; it takes half the time."""
     part, given_if = _getter(path), attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
@@ -148,7 +148,7 @@ def _members(
     The first function returns the owners in a scene that have such a value, in order. The second function
     returns the value of one owner. The third function returns the paths of all these values in a scene.
     """
-    if ENTRY_AT in path:  # points of links
+    if ENTRY_AT in path:  # the owners of the kind are points of links
         key = path[-1]
         return (
             lambda scene: [site for _, site in scene.chain.sites],
@@ -165,7 +165,7 @@ def _members(
 
 
 def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
-    """Return the values at some paths; a value that the scene derives is replaced by the number DERIVED."""
+    """Return the values at some paths, with the number DERIVED in place of a value that the scene derives."""
     derived = frozenset(scene.derived_paths)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
@@ -192,8 +192,8 @@ def _choice(kind: Kind, name: str) -> float:
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
-    """Write the numbers of a table of the scene to the words of the scene's record."""
-    # the record has room for the walls at any angle only if points may touch them
+    """Write the numbers of a table of a scene to the words of the scene's record."""
+    # only if points may touch the walls at any angle, the record has room for these walls
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
     indices, readers = _words_of(table, sizes, lines, slides, met)
@@ -222,7 +222,7 @@ def _words_of(
 
 
 def _places(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return for each possible owner of a kind the number ``at``, its index in the record."""
+    """Return the index ``at`` in the record of each possible owner of a kind."""
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
     return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]

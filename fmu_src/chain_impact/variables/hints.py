@@ -1,4 +1,4 @@
-"""Hints in the messages on names that are no outputs."""
+"""Hints in the messages on names that are not names of outputs."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Hint = Callable[[str], str | None]
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is not an output: it is an input or a parameter; None if it is neither.
+    """Return a hint for a name that is an input or a parameter instead of an output, else None.
 
-    ``how`` are words for what makes an input an output.
+    ``how`` are words for the way in which an input becomes an output.
     """
     if find_names(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"
@@ -23,7 +23,10 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for the name of a vector: "there are force.x, force.y"; None for any other name."""
+    """Return a hint with the components of a vector, "there are force.x, force.y".
+
+    None for any other name.
+    """
     parts = [part for part in names if part.startswith(f"{name}.")]
     return f"there are {', '.join(parts[:3])}" if parts else None
 
@@ -31,8 +34,8 @@ def parts_hint(name: str, names: Iterable[str]) -> str | None:
 def series_hint(hint: Hint) -> Hint:
     """Return a function that gives hints for names that are no time series.
 
-    For outputs that change only at events, it says where the result has them; else it returns what ``hint``
-    returns.
+    For outputs that change only at events, the function says where the result has them; for any other name it
+    returns the result of ``hint``.
     """
 
     def found(name: str) -> str | None:

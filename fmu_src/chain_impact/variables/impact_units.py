@@ -28,10 +28,10 @@ STOP_UNITS = IMPACT_UNITS | {
 
 
 def impact_units(*, stop: bool) -> Mapping[str, str]:
-    """Return the units of all quantities of an impact; ``stop``: at a stop of a joint."""
+    """Return the units of all quantities of an impact; ``stop`` means an impact at a stop of a joint."""
     return STOP_UNITS if stop else IMPACT_UNITS
 
 
 def unit_at(quantity: str, *, stop: bool) -> str:
-    """Return the unit of a quantity of an impact as a text; ``stop``: at a stop of a joint."""
+    """Return the unit of a quantity of an impact as a text; ``stop`` means an impact at a stop of a joint."""
     return unit_text(impact_units(stop=stop)[quantity])

@@ -26,7 +26,7 @@ class Peak(NamedTuple):
 
     Attributes:
         path: the path in the record.
-        words: the words for the value.
+        words: the words that name the value for users.
         field: the field of ``Result.impacts`` with the value of one contact.
         at_stops: whether the contacts are at stops of joints; else at walls and at stops of a slider.
     """
@@ -48,7 +48,7 @@ class Peak(NamedTuple):
 
     @property
     def is_load(self) -> bool:
-        """Whether the value is a force or a moment."""
+        """Whether the largest value is a force or a moment."""
         return self.field == "peak_force"
 
 
@@ -96,7 +96,7 @@ def first_word(dtype: np.dtype, part: str) -> int:
 
 
 class LogWords(NamedTuple):
-    """Where the status of a run and its log of contacts are in the record: indices of words, and ``room``.
+    """The places of a run's status and of its log of contacts in the record: indices of words.
 
     Attributes:
         status: status of the run.
@@ -119,7 +119,7 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return where the status and the log of contacts are in a record of some sizes."""
+    """Return the places of the status and of the log of contacts in a record with some sizes."""
     layout, changes = layout_of(*counts), ("changes", "count")
     of_log = ("contact_log", "count"), ("contact_log", "collected"), ("touch", "active_count"), changes
     paths = ("statistics", "status"), *of_log, ("contact_log", "point", 0)
@@ -128,7 +128,7 @@ def log_words(counts: Counts) -> LogWords:
 
 
 class OutputIndices(NamedTuple):
-    """Where some outputs are in the record of an instance; an index counts words of 8 bytes.
+    """The places of some outputs in the record of an instance; an index counts words of 8 bytes.
 
     Attributes:
         motion: outputs that change continuously: name → index.
@@ -174,7 +174,7 @@ def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
             motion[name] = word
         else:
             stepwise[name] = word, output.type == "real"
-    # the row is the whole part ``output`` of the record, in the kernel's order
+    # here the row is the whole part ``output`` of the record, in the order of the kernel
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise)
     return OutputIndices(motion, stepwise, row, words)

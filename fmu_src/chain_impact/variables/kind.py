@@ -23,7 +23,7 @@ MOTIONS = ("position", "velocity", "acceleration")
 
 
 class Heading(NamedTuple):
-    """The first words of a description: ``text`` for one variable, ``general`` for all of the kind."""
+    """The first words of a description: ``text`` for one variable, ``general`` for the whole kind."""
 
     text: str = ""
     general: str = ""
@@ -64,7 +64,7 @@ class Kind:
         derived: the rule by which the scene may derive the value, if any.
         tunable: condition under which a parameter can be set at any time.
         absent_at: a scene in which the value is equal to this number, if any, does not have the parameter.
-        if_missing: number in the record if the scene does not have the value.
+        if_missing: the number that the record has if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
         hint: a sentence that tells users how to get the parameter into a scene.
@@ -136,13 +136,16 @@ class Kind:
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """Return the kind of the derivatives of outputs of this kind with respect to a kind of parameters."""
+        """Return the kind of the derivatives of these outputs with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)
 
     def ended(self, text: str) -> str:
-        """Return a description; add the limit ``above`` in words, because FMI has no attribute for it."""
+        """Return a description with the limit ``above`` in words at its end.
+
+        FMI has no attribute for such a limit.
+        """
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
@@ -174,7 +177,7 @@ def block(
         rows: the kinds, with names that lack the prefix.
         prefix: the first part of the names, without the dot.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
-        when: conditions for all kinds, in addition to their own.
+        when: conditions for all kinds, in addition to each kind's own conditions.
         common: other attributes that all kinds have.
     """
     common = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common}

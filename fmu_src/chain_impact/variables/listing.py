@@ -78,8 +78,8 @@ def all_outputs(scene: Scene) -> dict[str, Variable]:
 def outputs_of(structure: Structure) -> dict[str, Variable]:
     """Return the outputs of all scenes of a structure, by their names.
 
-    The outputs of the KEPT_STRUCTURES structures that were used last are kept, because it takes as long as a
-    short simulation to make them.
+    The outputs of the KEPT_STRUCTURES structures that were used last are kept, because making them takes as
+    long as a short simulation.
     """
     variables = (Variable.of(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_driven(structure), *variables)}
@@ -119,7 +119,10 @@ def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iter
 
 
 def value_at(scene: Any, path: DataPath) -> Any:
-    """Return the value at a path of a scene, or of a part of a scene; None for a value that it leaves out."""
+    """Return the value at a path of a scene, or of a part of a scene.
+
+    The result is None if the scene leaves the value out.
+    """
     for step in path:
         if isinstance(step, int):
             scene = scene[step]

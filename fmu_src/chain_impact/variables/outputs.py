@@ -75,7 +75,10 @@ def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[st
 
 
 def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield the axis, "" for none, and the cells of each row; a row with {axis} is yielded for each axis."""
+    """Yield the axis and the cells of each row.
+
+    A row with {axis} is yielded once for each axis; the axis of other rows is "".
+    """
     for line in text.strip().splitlines():
         for j, axis in enumerate(AXES if "{axis}" in line else ("",)):
             yield axis, [cell.strip().replace("{j}", str(j)) for cell in line.split("|")]
@@ -84,7 +87,7 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
     """Return the name and value of an attribute in a row, such as ``minimum=0``.
 
-    An attribute without a value is true.
+    An attribute that is written without a value has the value true.
     """
     name, _, value = text.partition("=")
     if name == "when":

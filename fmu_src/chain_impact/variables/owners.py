@@ -56,8 +56,8 @@ class OwnerKind:
 
     Attributes:
         over: the list whose members can be owners, or the number of owners.
-        has: the rule by which a member is an owner. Only the first of members with equal ``n``, ``of``
-            and name is an owner: the two stops of joint 2 are one owner.
+        has: the rule by which a member is an owner. Of several members with equal ``n``, ``of`` and name,
+            only the first is an owner: so the two stops of joint 2 are one owner.
         numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
             of its link. ``order`` is the index of the member in the list.
         conditions: name in OWN_CONDITIONS → rule by which an owner meets the condition.
@@ -89,7 +89,7 @@ OWNER_KINDS = {
     ),
     "joint": OwnerKind(over="links", has="jointed", numbers=_COUNTED),
     "joint with friction": OwnerKind(over="links", has="has_friction", numbers=_COUNTED),
-    # the record has the outputs of both stops of a joint at the candidate of its first stop
+    # the record has the outputs of both stops of a joint in the entry of its first stop
     "stop": OwnerKind(over="candidates", has="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
         over="candidates",
@@ -112,7 +112,7 @@ OWNER_KINDS = {
         },
     ),
     "line": OwnerKind(over="lines", numbers={"at": "order"}),
-    # where points may touch, each wall that exists has a material
+    # where points may touch walls, each existing wall has a material
     "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
     "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
     "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),
@@ -129,7 +129,7 @@ class Written(NamedTuple):
     Attributes:
         path: its path in the record.
         number: the rule for the number.
-        over: the list for whose members there is such a number, or how many there are.
+        over: the list of which each member has such a number, or the number of the members.
         at: the index in the record for a member.
     """
 
@@ -188,7 +188,8 @@ def values_of(
 ) -> ValueOf:
     """Return the function that returns the value of a name in the rules of these tables.
 
-    With a scene, a name with a dot is a key of the scene's file, else the same of [inputs] or [outputs].
+    With a scene, a name with a dot is a key of the scene's file; without a scene, it is a key of [inputs] or
+    [outputs].
     """
 
     def value_of(name: str) -> Any:

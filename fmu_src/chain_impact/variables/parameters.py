@@ -53,7 +53,7 @@ def _parameter(
 ) -> Kind:
     """Return the parameter for the value at a path; unit and range come from the key's metadata ``rule``.
 
-    ``{}`` in ``text`` stands for the description in ``rule``.
+    The braces ``{}`` in ``text`` stand for the description in ``rule``.
     """
     default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
@@ -241,7 +241,8 @@ PARAMETERS = (
             Material,
             path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
-            restitution={"if_missing": -1.0},  # a value below 0 means: as in [contact]
+            # a value below 0 means that the coefficient or restitution of [contact] applies
+            restitution={"if_missing": -1.0},
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
         ),
@@ -265,7 +266,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        # the initial position is also the given position of a base that inputs move
+        # the initial position is also the given position of a base that inputs move, before they give one
         *(
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(

@@ -1,4 +1,4 @@
-"""A scene prepared for simulation: data that are derived from it once and kept.
+"""A scene prepared for simulation: the scene, with data that are derived from it once and then kept.
 
 A prepared scene has the candidates, and the variables of the FMU by name with their paths in the instance
 record (kernel/record/). It makes new instances, whose records hold the parameters of the scene.
@@ -43,7 +43,9 @@ KEPT_SELECTIONS = 64  # the largest number of selections of outputs whose indice
 
 
 class PreparedScene:
-    """A scene and the data that follow from it. Each part is computed once, usually at its first use.
+    """A scene and the data that follow from it.
+
+    Each part of the data is computed once, usually at its first use.
 
     Attributes:
         scene: the scene.
@@ -189,7 +191,7 @@ class PreparedScene:
 
     @in_common
     def kernel_size(self) -> int:
-        """The size by which ``kernel_library`` finds the scene's kernel: see the function ``kernel_size``."""
+        """The size by which ``kernel_library`` finds the scene's kernel, from the function kernel_size."""
         return kernel_size(self.scene)
 
     @in_common
@@ -220,12 +222,15 @@ class PreparedScene:
 
     @in_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
-        """Name or pattern → indices of its outputs, kept from earlier calls of ``indices_named``."""
+        """A table from a name or pattern to the indices of its outputs.
+
+        The indices are kept from earlier calls of ``indices_named``.
+        """
         return {}
 
     @in_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
-        """A function from names of outputs to their indices, which it keeps for the last selections."""
+        """A function from names of outputs to their indices, which keeps the results of its last calls."""
         outputs, every = self.own_outputs, self.output_indices
         return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
 
@@ -239,7 +244,7 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an uninitialized instance with the parameters of the scene, an array with one record.
 
-        Behind the instance, the record also has the tangent instances that derivatives need.
+        After the instance, the memory also contains the tangent instances that derivatives need.
 
         Args:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.

@@ -18,7 +18,7 @@ from chain_impact.variables.variable import Variable
 
 
 class Available(Protocol):
-    """The parts of ``PreparedScene`` that have the variables a user can name."""
+    """The parts of ``PreparedScene`` with the variables that a user can name."""
 
     scene: Scene
 
@@ -88,7 +88,7 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
-    """Return a hint for a name that is not an output: how to get such an output; None if none is known."""
+    """Return a hint on the way to get a missing output; None if none is known."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint
@@ -120,6 +120,9 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
 def _named(
     source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
 ) -> dict[str, None]:
-    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once."""
+    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern.
+
+    Each key is returned once.
+    """
     names = (wanted,) if isinstance(wanted, str) else wanted
     return {match: None for name in names for match in names_matching(source, name, available, what, hint)}

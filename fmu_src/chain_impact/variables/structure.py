@@ -31,7 +31,7 @@ class Structure:
     signals: tuple[Driven, ...]
 
     def __hash__(self) -> int:
-        """Return the hash of the facts and counts, which equal structures have in common."""
+        """Return the hash of the facts and counts; equal structures have equal facts and counts."""
         return hash(tuple(self.known.values()))
 
     @cached_property
@@ -41,7 +41,10 @@ class Structure:
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
-        """The quantities that signals drive: name → number of the signal, index in its ``outputs``."""
+        """The quantities that signals drive.
+
+        The table leads from a quantity's name to the number of the signal and the index in its ``outputs``.
+        """
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

@@ -38,7 +38,8 @@ UNITS = {
     "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
     "N.m/rad": Unit("RotationalStiffness", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
     "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-    "N/m^exponent": Unit("ContactStiffness", None),  # the exponent is a parameter, 3/2 for Hertz
+    # the exponent is a parameter of the contact law, 3/2 for Hertz, so the unit has no fixed exponents
+    "N/m^exponent": Unit("ContactStiffness", None),
     "N.m/rad^exponent": Unit("StopStiffness", None),
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
@@ -46,7 +47,7 @@ UNITS = {
 
 
 def quotient(unit: str, parameter: str) -> str:
-    """Return the name of a derivative's unit: the unit of the output divided by that of the parameter."""
+    """Return the name of a derivative's unit: the unit of the output divided by the unit of the parameter."""
     if parameter == "1":
         return unit
     return "1" if unit == parameter else f"{unit}/({parameter})"
@@ -66,5 +67,5 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Return names of units in order: names in ``UNITS`` first, then the others; leave out ""."""
+    """Return names of units in order: names in ``UNITS`` first, then quotients; "" is left out."""
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

@@ -82,7 +82,7 @@ class Variable:
         return cls(
             kind=kind,
             name=kind.name.format_map(words),
-            # numbers of a signal have the unit of the driven input
+            # a number of a signal has the unit of the input that the signal drives
             unit=words.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             record_path=filled(kind.record_path, owner.values),
@@ -106,7 +106,7 @@ class Variable:
 
     @property
     def above(self) -> float | None:
-        """The open lower limit: the value must be > above; None if there is no such limit."""
+        """The open lower limit, which the value must exceed; None if there is no such limit."""
         return self.kind.above
 
     @property
@@ -167,7 +167,8 @@ class TableRow(NamedTuple):
         low: the lowest value that can be set.
         high: the highest value that can be set.
         allowed: the values that can be set, as text.
-        set_word: index of the value that was set. An importer writes a new value at both indices.
+        set_word: index of the value that was set. An importer writes a new value at ``word`` and at
+            ``set_word``.
     """
 
     name: str

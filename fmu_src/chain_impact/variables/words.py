@@ -31,9 +31,9 @@ LOSSES = "contacts, joint damping and dry friction"
 
 
 def scene_words(structure: Structure) -> dict[str, Any]:
-    """Return the words and the limits of variables that a scene has, by their names in templates.
+    """Return the words and limits that a scene gives to variables, by their names in templates.
 
-    Under "general" is a table of words that stand for any owner.
+    The entry "general" is a table of words that hold for any owner.
     """
     known, names = structure.known, [wall["name"] for wall in structure.lists["walls"]]
     without = () if known["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
@@ -43,8 +43,8 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "points": known["links"] + known["sites"],
         "walls": known["walls"],
         "most_status": max(statuses),
-        # The numbers of walls are integer variables. Enumerations would have no number for "none",
-        # because importers count them from 1.
+        # Variables with the number of a wall are integers, not enumerations: importers count enumerations
+        # from 1, so none would have a number for "none".
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -59,7 +59,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
 
 
 def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
-    """Return the words of an owner of the kind ``of``; ``values`` as in ``Owner``."""
+    """Return the words of an owner of the kind ``of``; ``values`` are those of ``Owner``."""
     words = _WORDS_OF.get(of)
     return words(structure, values) if words else {}
 
@@ -97,7 +97,7 @@ def _ground(structure: Structure) -> str:
 
 
 def _label(structure: Structure, point: int) -> str:
-    """Return the words " (heel, link 2)" for a point of a link; "" for an end of a link."""
+    """Return words such as " (heel, link 2)" for a point of a link; "" for an end of a link."""
     links = structure.known["links"]
     if point <= links:
         return ""

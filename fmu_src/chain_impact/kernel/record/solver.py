@@ -86,7 +86,7 @@ def trial_dtype(links: int) -> np.dtype:
         # ACCEPTED, or the reason why the tried step is rejected, see kernel/ode/control.py
         ("outcome", bounded(ACCEPTED, DIVERGED)),
         # error of the step relative to the tolerance or, if larger, the lost energy relative to the allowed
-        # loss; valid for a step that is ACCEPTED or INACCURATE
+        # loss; valid for a step that is ACCEPTED or INACCURATE (kernel/ode/control.py)
         ("error", REAL),
         ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
     )

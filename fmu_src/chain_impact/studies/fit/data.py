@@ -26,8 +26,8 @@ WHICH = (IMPACT, POINT, WALL)
 MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 SIGMA = "sigma({})"
-# if impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
-# later than the measured ones
+# LATE: if impacts were measured, the model runs until LATE times the last measured time, because the model's
+# impacts may be later than the measured ones
 LATE = 1.25
 PERCENT = "%"
 
@@ -185,7 +185,7 @@ def read_measurements(
 
 
 class _Book:
-    """The values in the tables of one run, collected table by table."""
+    """A collector of the values in the tables of one run, which are read table by table."""
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
@@ -195,12 +195,12 @@ class _Book:
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
-        # for each value: column, value, standard deviation, time [s] of the output or index of the impact,
-        # and whether the value belongs to an impact
+        # the collected values: column, value, standard deviation, time [s] of the output or index of the
+        # impact, and whether the value belongs to an impact
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
-        """Add the values in some columns of a table."""
+        """Add the values in some columns of a table to the collected values."""
         samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
@@ -281,7 +281,10 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs and inputs in a row; return its time [s], which must be later than ``before``."""
+        """Add the outputs and inputs in a row, and return its time [s].
+
+        This time must be later than ``before`` [s].
+        """
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
             later = f" and > {before:g}, the value of the row before" if before >= 0.0 else ""
@@ -352,13 +355,13 @@ class _Book:
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
         """Return the standard deviation of a value, from its row or else from its column.
 
-        Returns NaN if neither is given.
+        The result is NaN if neither is given.
         """
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
             sigma = standard_deviation(name, self._sigma[name], value)
-        # a comparison with NaN would end a host process that traps invalid operations
+        # the test avoids a comparison with NaN, which would end a host process that traps invalid operations
         if not math.isnan(sigma) and sigma <= 0.0:
             raise SceneError(f"{table.where(row, column)} = {sigma:g} must be > 0")
         return sigma
@@ -387,5 +390,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with measured values: all except time, WHICH, joint, and standard deviations."""
+    """Return the columns with measured values: all but time, WHICH, joint, and standard deviations."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

@@ -18,7 +18,7 @@ from chain_impact.studies.fit.parameters import Parameter
 
 @dataclass(frozen=True)
 class LawEstimates:
-    """The results of one contact law; see ``LawFit``."""
+    """The results of a fit with one contact law; see ``LawFit``."""
 
     law: str
     fit: Estimates | None
@@ -28,7 +28,7 @@ class LawEstimates:
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """The estimates of the free parameters; see ``Fit``."""
+    """The estimates of the free parameters, without report and picture; see ``Fit``."""
 
     scene: Scene
     scenes: tuple[Scene, ...]
@@ -53,7 +53,7 @@ class Estimates:
 
     @property
     def used(self) -> np.ndarray:
-        """Whether each value was fitted, shape (M,)."""
+        """Whether each value was used in the fit, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
@@ -68,7 +68,10 @@ class Estimates:
 
     @property
     def reduced_chi_squared(self) -> float:
-        """χ² per degree of freedom: about 1 if the model is right and all standard deviations are given."""
+        """χ² divided by the degrees of freedom.
+
+        It is about 1 if the model is right and all standard deviations are given.
+        """
         return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
 
     @property
@@ -82,7 +85,10 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The contact law of the walls, or of the stops if no point can touch a wall; "" without both."""
+        """The contact law of the walls, or of the stops if no point can touch a wall, or "" without both.
+
+        "" without walls and stops.
+        """
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model

@@ -25,11 +25,12 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# an end of an interval of a logarithm beyond ± this number counts as ± infinity: exp would overflow
+# An end of an interval of a logarithm beyond ± this number counts as ± infinity, because exp would overflow.
 LARGEST_LOGARITHM = 700.0
-ROUGH_BELOW = 10  # the estimated standard deviation of a column with fewer values is rough; a remark says so
-# if the data last longer than this number of times the scene's stop time, their times are probably not in
-# seconds
+# a column with fewer values has only a rough estimate of its standard deviation; a remark says so
+ROUGH_BELOW = 10
+# If the data last longer than this number times the scene's stop time, their times are probably not in
+# seconds.
 MOST_STOP_TIMES = 100.0
 OF_FORCE = ("peak_force", "max_penetration")
 """The quantities that an impact has only under a law with a force."""
@@ -187,8 +188,8 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
     """Return the model at the end of the search; parameters close to a bound are set to the bound.
 
-    The search approaches the bounds without ever reaching them. If the model on the bounds has other usable
-    values, no parameter is changed.
+    The search approaches the bounds without ever reaching them. If the model on the bounds has other values
+    that can be fitted, no parameter is changed.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
@@ -227,7 +228,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | n
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
-    """Return sentences on the unit of time, for data much longer than the scene's stop time [s]."""
+    """Return sentences on the unit of time, if data are much longer than the scene's stop time [s]."""
     lasting = [(data_set.source, float(np.nanmax(data_set.order, initial=0.0))) for data_set in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "

@@ -17,26 +17,27 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# For P parameters and N values with a time, the first horizon contains at least this number × P values, or
-# N / this number if that is less, but never fewer than P values.
+# For P parameters and N values with a time, the first horizon contains at least VALUES_PER_PARAMETER × P
+# values, or N / VALUES_PER_PARAMETER if that number is smaller, but never fewer than P values.
 VALUES_PER_PARAMETER = 3
-# the model follows the data as long as their difference, relative to the size of the column, is at most this
-# number; the first number is for the first series of searches, the second for a second series
+# The model follows the data as long as the difference, relative to the size of the column, is at most this
+# number. The first number is for the first series of searches, the second number for a second series.
 FAR = (0.01, 0.0025)
 # A second series follows if the first does not converge, or if the mean square of the residuals with all data
-# is at least WORSE times the smallest one with fewer data. A smallest one below LEAST_SQUARE counts as
-# LEAST_SQUARE, so that round-off causes no second series.
+# is at least WORSE times the smallest one with fewer data. If this smallest mean square is below
+# LEAST_SQUARE, it counts as LEAST_SQUARE, so that round-off causes no second series.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
-MANY_VALUES = 20  # with fewer values, a mean square is too random to be compared
+MANY_VALUES = 20  # with fewer values, a mean square of residuals is too random to be compared
 GROWTH = 1.1  # the smallest growth factor of the horizon in a step
-# relative change of the sum of squares that ends a rough search and a fine search
+# the relative changes of the sum of squares in a step that end a rough search and a fine search
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
 # the smallest estimated standard deviation, relative to the size of a column; smaller residuals are errors of
 # the solver, not noise
 LEAST_SIGMA = 1e-8
-# Fewer degrees of freedom are round-off and count as none. A larger limit is not needed: with few degrees of
-# freedom σ grows, so the column loses weight, determines fewer parameters, and gets more degrees of freedom.
+# Fewer degrees of freedom than this are round-off and count as 0. A larger limit is not needed: with few
+# degrees of freedom the estimated σ grows, so the column loses weight, determines fewer parameters, and gets
+# more degrees of freedom.
 NO_FREEDOM = 1e-9
 # SETTLED_SIGMA: the relative change of an estimated standard deviation that ends the rounds; MOST_ROUNDS: the
 # largest number of rounds
@@ -125,10 +126,11 @@ def _minimized(
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
-    """Return the standard deviations, shape (M,); where none is given, estimate it from the residuals.
+    """Return the standard deviations, shape (M,); a missing one is estimated from the residuals.
 
     A column of residuals r with ν degrees of freedom has σ² = Σ r²/ν, and σ ≥ LEAST_SIGMA times its size. If
-    it determines as many parameters as it has values, ν is 0: its residuals tell nothing, it keeps ``sigma``.
+    a column determines as many parameters as it has values, ν is 0: the residuals then tell nothing, and the
+    column keeps ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -191,9 +193,9 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s]: it contains the values that VALUES_PER_PARAMETER asks for, or more.
+    """Return the first horizon [s], which contains the number of values that VALUES_PER_PARAMETER demands.
 
-    It is infinity if all data are used at once.
+    The horizon is infinite if all data are used at once.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
@@ -208,8 +210,8 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
     """Return the next horizon [s]: the time up to which the model follows the data, or GROWTH × ``horizon``.
 
-    The later of both is returned, infinity if no data are later. The model follows the data as long as its
-    outputs or, if no outputs were measured, its times of impacts differ by at most ``far`` × size.
+    The later of both times is returned, and infinity if no data are later. The model follows the data as long
+    as its outputs or, if no outputs were measured, its times of impacts differ by at most ``far`` × size.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order

@@ -12,8 +12,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_change import first_number, law_values, needed_exponent
 
-# number of decimals to which the criterion is rounded; laws with the same rounded criterion keep their order,
-# with the scene's own law first
+# number of decimals to which the criterion is rounded; laws with equal rounded criteria keep their order, the
+# scene's own law first
 CRITERION_DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
@@ -21,9 +21,9 @@ FitOne = Callable[[Sequence[Scene], Progress], Fit]
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the best fit, with the ranking of all.
 
-    The scene's own law is fitted first. The others start from its result and, if this fit fails or does not
-    converge, again from ``scenes``. A law that needs another exponent starts with the stiffness that gives
-    the first impact the same penetration without losses.
+    The scene's own law is fitted first. Each other law starts from the result of the scene's law and, if this
+    fit fails or does not converge, again from ``scenes``. A law that needs another exponent starts with the
+    stiffness that gives the first impact the same penetration without losses.
 
     Args:
         fit: function that fits the scenes of all data sets.
@@ -77,7 +77,10 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
-    """Return the key that sorts laws: by use of all values, then by the criterion; without a fit last."""
+    """Return the key by which laws are sorted.
+
+    Laws that use all values come first, then the criterion decides; a law without a fit comes last.
+    """
     if law_fit.fit is None:
         return True, True, math.inf
     return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, CRITERION_DIGITS)

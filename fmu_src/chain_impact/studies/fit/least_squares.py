@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-SMALLEST_CHANGE = 1e-14  # a smaller relative step, or a smaller gradient, is round-off and ends the search
+SMALLEST_CHANGE = 1e-14  # a smaller relative step, or a smaller gradient, is round-off, and ends the search
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def minimize(
         first: the model at the start of the search.
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
-        enough: relative change of the sum of squares in a step, below which the search has converged.
+        enough: the search has converged when a step changes the sum of squares by less than this, relatively.
         most: the largest number of tried steps; a search that needs more has not converged.
     """
     rows = first.usable

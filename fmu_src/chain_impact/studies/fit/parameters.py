@@ -18,7 +18,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-# A search on a logarithmic scale goes from the start value / WIDEST to the start value × WIDEST at most.
+# A search on a logarithmic scale extends from the start value / WIDEST to the start value × WIDEST at most.
 WIDEST = 1e8
 
 

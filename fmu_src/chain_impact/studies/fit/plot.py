@@ -47,10 +47,10 @@ from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
-MOST_ESTIMATES = 10  # largest number of parameters in the lines below the headline
+MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
-# [inch] the height of the panel with the ranking: without bars, and for each law
+# [inch] the height of the panel with the ranking: the height without bars, and the height of one bar
 AROUND_LAWS, LAW_HEIGHT = 0.7, 0.17
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
@@ -214,7 +214,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
-        if np.isfinite(numbers).any():  # else the model has none of the impacts
+        if np.isfinite(numbers).any():  # otherwise the model has none of the impacts
             residuals.set_xlim(np.nanmin(numbers) - BESIDE, np.nanmax(numbers) + BESIDE)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):

@@ -18,9 +18,9 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-SMALLEST = 1e-300  # a column of zeros gets this size, because other numbers are divided by the size
+SMALLEST = 1e-300  # the size of a column of zeros, because other numbers are divided by the size
 # a parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error, or
-# AT_BOUND times the distance from start to bound if that is smaller
+# AT_BOUND times the distance from the start to the bound if this is smaller
 AT_BOUND = 0.01
 # a parameter is also at a bound if its distance from the bound, relative to the distance between both bounds,
 # is at most this number
@@ -139,7 +139,7 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Which of the values decide up to which time the model follows the data, shape (M,).
+        """Whether each value decides up to which time the model follows the data, shape (M,).
 
         These are the outputs or, if no data set has outputs, the onsets and ends of impacts.
         """
@@ -201,7 +201,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return why a model did not reach its end; "" if all models reached it."""
+        """Return the reason why a model did not reach its end; "" if all models reached their ends."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"
@@ -242,7 +242,7 @@ def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray
     """Return a quantity of an impact of the model, and its derivatives, shape (P,).
 
     An impulse has no forces: its peak force and its force in a joint are NaN. If the contact lasts to the end
-    of the run, every quantity is NaN that the onset does not already determine.
+    of the run, all quantities are NaN except those that the onset determines.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

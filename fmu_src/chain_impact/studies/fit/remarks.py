@@ -24,16 +24,17 @@ IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, belo
 # a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this;
 # independent residuals exceed it with a probability of 2 %
 ALIKE_NEIGHBOURS = 2.0
-LEVERAGE_ROUND_OFF = 1e-9  # for a leverage h, a smaller 1 − h is round-off of 0
+LEVERAGE_ROUND_OFF = 1e-9  # for a leverage h, a value of 1 − h smaller than this is round-off of 0
 NAMED_VALUES = 3  # the largest number of values that the remark names
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     """Yield a remark with the values that contradict all others, the largest contradiction first.
 
-    If a value with residual r and leverage h is left out, the fit to the others differs from it by
-    r / (1 − h), to first order. The ratio of this to the other residuals has Student's t distribution (Cook &
-    Weisberg 1982, *Residuals and Influence in Regression*, 2.2). Each of n tests uses IMPROBABLE / n.
+    If a value with residual r and leverage h is left out, the fit to the other values differs from this value
+    by r / (1 − h), to first order. The ratio of this difference to the other residuals has Student's t
+    distribution (Cook & Weisberg 1982, *Residuals and Influence in Regression*, 2.2). Each of n tests uses
+    IMPROBABLE / n.
 
     Args:
         fit: the fit.
@@ -48,8 +49,9 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
         return
     whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
-    kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)  # 1 − h
-    alone = kept < LEVERAGE_ROUND_OFF  # only this value determines some parameter
+    # kept is 1 − h for each value, with the leverage h
+    kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
+    alone = kept < LEVERAGE_ROUND_OFF  # alone: only this value determines some parameter
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():

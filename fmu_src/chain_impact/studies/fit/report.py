@@ -15,7 +15,7 @@ from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation is larger than this
 MOST_HORIZONS = 8  # the largest number of horizons that the report lists
-EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion has no meaning
+EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion does not decide between two laws
 
 
 def report(fit: Estimates) -> Iterator[str | TextTable]:
@@ -41,7 +41,7 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
 
 
 def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
-    """Return whether data cannot tell a law from the best one."""
+    """Return whether the data cannot decide between a law and the best law."""
     return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
 
 
@@ -51,7 +51,7 @@ def misfit(fit: Estimates, best: Estimates) -> float:
 
 
 def above_best(fit: Estimates, best: Estimates) -> str:
-    """Return by how much Akaike's criterion is larger than that of the best fit, as text."""
+    """Return the difference between a law's criterion (Akaike) and that of the best fit, as text."""
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
@@ -86,7 +86,8 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
     low, high = ends
     if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
         return "not determined"
-    # on a logarithmic scale, relative errors are equal: error of end / end = error of value / value
+    # on a logarithmic scale the relative errors are equal: error of the end / end = error of the value /
+    # value
     errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
     return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 

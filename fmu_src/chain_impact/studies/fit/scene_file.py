@@ -56,7 +56,7 @@ def updated(text: str, scene: Scene, source: str) -> str:
 
 
 def _copied(law: Path, folder: Path) -> str:
-    """Copy the file of a law into a folder, unless the folder has it; return its name."""
+    """Copy the file of a law into a folder, unless the folder has it; return the name of the file."""
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
         with written_whole(copy) as fresh:
@@ -84,7 +84,7 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        # a short form cannot hold the changes: all links are written in full
+        # a short form of keys cannot hold the changes, so all links are written in full
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):
@@ -114,7 +114,7 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value of a table; in a list write only the entries that differ from ``present``.
+    """Write one value of a table; of a list, write only the entries that differ from ``present``.
 
     A comment after the value keeps its column. ``present`` is the value of the scene before the change, in
     its own unit; the table may have this value in degrees.

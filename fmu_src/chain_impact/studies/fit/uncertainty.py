@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# Student's t is computed for degrees of freedom between these two numbers. With fewer, the interval is
-# infinite anyway; with more, Student's t is the normal distribution.
+# Student's t is computed for degrees of freedom between these two numbers. With fewer degrees of freedom the
+# interval is infinite anyway; with more, Student's t equals the normal distribution.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # with at most this number of degrees of freedom an interval is infinite: Student's t would give at least
 # 44,000 standard errors
@@ -21,7 +21,9 @@ SINGULAR = 1e-7
 
 @dataclass(frozen=True)
 class Information:
-    """The information of the data about the parameters: J'J, with the derivatives J in standard deviations.
+    """The information of the data about the parameters: the matrix J'J.
+
+    J are the derivatives of the values, divided by their standard deviations.
 
     Attributes:
         matrix: J'J on the scale of the search, shape (P, P).
@@ -59,13 +61,16 @@ class Information:
     def alone(self) -> np.ndarray:
         """The standard errors with all other parameters fixed, shape (P,).
 
-        Infinite for a parameter without effect.
+        The error is infinite for a parameter without effect.
         """
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
     def with_held(self, p: int) -> Information:
-        """Return the information about the others if parameter ``p`` is fixed, shape (P − 1, P − 1)."""
+        """Return the information about the other parameters if parameter ``p`` is fixed, as a matrix.
+
+        The shape is (P − 1, P − 1).
+        """
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
@@ -124,9 +129,9 @@ def small_sample(
 def quantiles(freedom: np.ndarray) -> np.ndarray:
     """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
 
-    With infinite degrees of freedom this is the normal distribution. With almost no degrees of freedom the
-    width is infinite: if a column determines as many parameters as it has values, nothing is left from which
-    a standard deviation could be estimated.
+    With infinite degrees of freedom this distribution is the normal distribution. With almost no degrees of
+    freedom the width is infinite: if a column determines as many parameters as it has values, nothing is left
+    from which a standard deviation could be estimated.
     """
     from scipy import special  # this import takes long
 

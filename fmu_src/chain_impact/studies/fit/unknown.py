@@ -1,4 +1,4 @@
-"""Sentences on parameters that the data do not determine, and on parameters that act together with them."""
+"""Sentences on parameters that the data do not determine, and on parameters with which these act together."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.3  # a value with a larger standard error, relative to the value, counts as not determined
+# a value counts as not determined if its standard error, relative to the value, exceeds this number
+UNKNOWN = 0.3
 # a value also counts as not determined if its standard error, relative to the range between its two bounds,
 # is larger than this number: the 95 % interval then covers half the range
 UNKNOWN_PART = 0.125
 # the sentence names a second parameter if the standard error is less than BETTER times as large with the
 # second parameter fixed
 BETTER = 0.5
-# a larger relative standard error is not given in percent: of a logarithm as a factor, else in the unit
+# A relative standard error above this is not given in percent: on a logarithmic scale it is given as a
+# factor, else in the unit of the value.
 HUGE = 10.0
 
 

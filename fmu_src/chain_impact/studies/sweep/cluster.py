@@ -17,8 +17,8 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.pieces import hand_out
 from chain_impact.studies.sweep.work import Outcome, Span, Work
 
-# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished piece
-# after which the workers are counted
+# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished piece of
+# runs after which the number of workers is checked
 CONNECT, PATIENCE = 10.0, 30.0
 
 
@@ -86,14 +86,17 @@ def _connected(kind: Any, address: str) -> Any:
     except Exception as error:
         with suppress(Exception):
             client.close()
-        client.status = "closed"  # so that the garbage collector does not close the client again
+        client.status = "closed"  # so the garbage collector does not try to close the client again
         reason = str(error) or type(error).__name__
         raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
     return client
 
 
 def _check_workers(client: Any, work: Work, address: str) -> int:
-    """Refuse workers of another version or without the folder; return the number of all their threads."""
+    """Refuse workers of another version, or without the folder; return the number of their threads.
+
+    Return the number of threads of all workers.
+    """
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")

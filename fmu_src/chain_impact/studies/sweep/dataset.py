@@ -31,10 +31,11 @@ from chain_impact.studies.sweep.pieces import missing
 from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
-# name of the manifest; readers of Parquet ignore files whose names begin with _ or .
+# the name of the manifest begins with _, because readers of Parquet ignore files whose names begin with _ or
+# .
 MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# regular expression for the names of complete files, from ``file_name``, and of incomplete files
+# regular expressions for the names of complete files, which ``file_name`` gives, and of incomplete files
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # version of the folder's format; it increases when the format changes
 
@@ -115,7 +116,8 @@ class Dataset:
             SceneError: when the folder belongs to another sweep, or has files but no manifest.
             OSError: when the folder cannot be read or written.
         """
-        for left in self.path.glob(f".{MANIFEST}-*"):  # a manifest that a killed process left incomplete
+        # an incomplete manifest is left over from a process that was killed
+        for left in self.path.glob(f".{MANIFEST}-*"):
             rmtree(left, ignore_errors=True)
         if (self.path / MANIFEST).exists():
             self.files = self._listed()
@@ -202,19 +204,19 @@ def _locked(path: Path) -> Iterator[None]:
         raise SceneError(
             f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
-    # an error about the lock file would not help the user, who does not know this file
+    # an error about the lock file would not help the user, who does not know of this file
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         yield
     finally:
         remove_lock(lock)
-        with suppress(OSError):  # fails for a folder that is not empty, which stays
+        with suppress(OSError):  # a folder that is not empty cannot be removed, and stays
             path.rmdir()
 
 
 def _array(column: Any) -> np.ndarray:
-    """Return a column of Arrow as a NumPy array; words become strings."""
+    """Return a column of Arrow as a NumPy array; texts become strings."""
     array = np.asarray(column.to_numpy(zero_copy_only=False))
     return array.astype(str) if array.dtype.kind == "O" else array
 

@@ -1,4 +1,4 @@
-"""The values of each run: all combinations of the variations, or samples of them.
+"""The values of each run of a sweep: all combinations of the variations, or samples.
 
 The values of a run are computed from the number of the run, so that no array holds the values of all runs.
 """
@@ -20,11 +20,14 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-MOST_NUMBERS = 10**8  # a larger table, in numbers of 8 bytes, would not fit into memory (800 MB)
+# the largest number of numbers in a table; a larger table (8 bytes per number, 800 MB) would not fit into
+# memory
+MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence
 MOST_SEEDS = 2**32
-FEWEST_RESULTS = 16  # a table has at least this number of columns with results; used to estimate its size
+# the least number of columns with results in a table, by which the size of the table is estimated
+FEWEST_RESULTS = 16
 CUBE = 2**16  # number of runs in each Latin hypercube, if a hypercube of all runs would not fit into memory
 _own = threading.local()
 
@@ -67,7 +70,7 @@ class Design:
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:
-        """Return a part of a Latin hypercube of all runs, or of consecutive hypercubes of ``CUBE`` runs.
+        """Return a part of a Latin hypercube of all runs, or of successive hypercubes of ``CUBE`` runs each.
 
         Hypercube number k has the same bits as one by SciPy's LatinHypercube whose random generator is
         child k of the generator with ``seed``.
@@ -98,13 +101,13 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # the first call asks for one point: SciPy warns if this number is not a power of two
+        # the first call asks for one point, because SciPy warns of a first number that is not a power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the random generator of hypercube number ``cube``, as if it had drawn ``drawn`` numbers."""
+    """Return the random generator of hypercube number ``cube`` after it has drawn ``drawn`` numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
@@ -168,7 +171,9 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit into memory; of runs ``streamed`` to files only more than MOST_RUNS.
+    """Refuse a table that does not fit into memory.
+
+    For runs that are ``streamed`` to files, only more than MOST_RUNS are refused.
 
     Raises:
         SceneError: when there are too many runs, or too many numbers.

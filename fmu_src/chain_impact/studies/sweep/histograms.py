@@ -20,7 +20,8 @@ from chain_impact.studies.sweep.runs import Runs
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """The quantiles that a panel shows, and the styles of their lines."""
-MOST_BINS = 60  # the largest number of bars: with more bars, a panel of usual width shows only noise
+# the largest number of bars in a histogram: with more bars, a panel of usual width shows only noise
+MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # the relative spread of values below which they share one bar
 
 
@@ -56,7 +57,7 @@ def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarra
 
     The edges of bars of whole numbers are between these numbers.
     """
-    # number of bars 2 N^(1/3): Terrell & Scott, J Am Stat Assoc 80 (1985) 209
+    # the number of bars for N values is 2 N^(1/3): Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))
     if logarithmic:
         return np.geomspace(values.min(), values.max(), count + 1)

@@ -120,10 +120,10 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
 
 
 def has_own_kernel(job: Job) -> bool:
-    """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile it.
+    """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile this kernel.
 
     Runs do not need this kernel, so a compiler that fails only causes a warning. With derivatives the result
-    is False, because they have one kernel for all sizes.
+    is False, because runs with derivatives have one kernel for all sizes.
     """
     if job.differentiated:
         return False
@@ -213,7 +213,7 @@ class Runner:
                 continuing,
             )
             continuing = 1
-        # the kernel may give the end of its last step, which can be after the stop time if a fault follows
+        # the kernel may give the end of its last step, which lies after the stop time if a fault follows
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
 
@@ -230,7 +230,7 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """In runs that did not reach the end, set energies and other outputs to NaN; counts stay."""
+        """Set energies and other outputs to NaN in runs that did not reach the end; counts stay."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.record_path[0] in {"output", BEHIND}:

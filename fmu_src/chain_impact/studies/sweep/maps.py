@@ -24,10 +24,11 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# the colours are those of the map of a page
+# the colours of the map are the same as in the map of a page
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its small values is at least this
-FEW_TICKS = (2.0, 5.0)  # the labelled ticks in a decade of an axis with few decades, besides powers of ten
+# the ticks with labels, in each decade of an axis with few decades, besides the powers of ten
+FEW_TICKS = (2.0, 5.0)
 NEVER = "no run has a finite value"
 
 
@@ -100,7 +101,7 @@ def _draw_map(
 
 
 def number_few_decades(axis: Axis) -> None:
-    """Label a logarithmic axis of few decades at 1, 2 and 5 of each decade, without powers."""
+    """Label a logarithmic axis of few decades at 1, 2 and 5 of each decade, with plain numbers."""
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -119,7 +120,7 @@ def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str
 
 @dataclass(frozen=True)
 class Scale:
-    """An axis of a map: the order of the values, the edges of the cells, and the names of choices."""
+    """An axis of a map: the order of its values, the edges of the cells, and the names of choices."""
 
     order: np.ndarray
     edges: np.ndarray

@@ -1,4 +1,4 @@
-"""The file with the finished runs of an interrupted sweep; it is kept until the sweep is complete."""
+"""The file with the finished runs of an interrupted sweep, which is kept until the sweep is complete."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
 
 
 def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Fill in the rows of an interrupted call of the same sweep, if any; return the spans of these runs.
+    """Fill in the rows of an interrupted call of the same sweep; return the spans of these runs.
 
     Raises:
         SceneError: when the file is damaged, or belongs to another sweep.

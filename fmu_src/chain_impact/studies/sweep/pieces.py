@@ -15,11 +15,13 @@ from chain_impact.system import LISTEN
 
 FIRST_PIECE, LONGEST_PIECE = 8, 2**18  # number of runs in the first and in the longest piece
 SHORTEST_PIECE_TIME, LONGEST_PIECE_TIME = 0.5, 60.0  # [s] shortest and longest time that a piece may take
-SHARE = 0.2  # time of a piece, relative to the time so far; an interruption loses at most this part of it
+# time that a piece may take, relative to the time so far; an interruption loses at most this part of the time
+# so far
+SHARE = 0.2
 # A piece has at most PIECE_RATIO times as many runs as the piece before. The last pieces are smaller, so that
-# all workers end together; but they take at least 1/PIECE_RATIO of the time of a usual piece.
+# all workers end together; but each takes at least 1/PIECE_RATIO of the time of a usual piece.
 PIECE_RATIO = 16
-AHEAD = 2  # number of pieces for each worker, so that no worker waits for the caller
+AHEAD = 2  # number of pieces that are submitted for each worker, so that no worker waits for the caller
 
 
 class Pieces:
@@ -36,7 +38,10 @@ class Pieces:
         self._size, self._least, self._elapsed = FIRST_PIECE, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next piece, None if none is left; the last pieces are small, so no worker waits long."""
+        """Return the next piece, or None if none is left.
+
+        The last pieces are small, so that no worker waits long for another.
+        """
         if not self._spans:
             return None
         first, end = self._spans.pop()
@@ -112,7 +117,7 @@ def run_in_threads(work: Work, spans: Sequence[Span], threads: int) -> Generator
         OSError: when a file cannot be written.
     """
     if spans:
-        work.runner()  # the kernel is compiled before the threads start
+        work.runner()  # the first runner compiles the kernel before the threads start
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:

@@ -1,9 +1,9 @@
 """The picture of a sweep: its main results over the varied parameters.
 
 One varied number gives lines, two numbers a map, one choice dots. A choice beside a number, such as the
-contact law, gives a line for each of up to ten choices; more become the rows of a map. Runs that failed are
-crosses, or grey in a map. Samples of one number are points; samples of several parameters give a histogram
-of each result.
+contact law, gives a line for each of up to ten choices; with more than ten choices, these become the rows of
+a map. Runs that failed are crosses, or grey in a map. Samples of one number are points; samples of several
+parameters give a histogram of each result.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_VARIED = 2  # largest number of parameters that vary in a picture without samples
 MOST_DRAWN = 2**18  # largest number of runs in a picture
 FEW_VALUES = 40  # a curve through this number of values, or fewer, has a marker at each
-IN_ONE_ROW = 3  # this number of panels stands in one row if the figure is wide enough; else two in a row
+# this number of panels stands in one row if the figure is wide enough; otherwise two panels stand in a row
+IN_ONE_ROW = 3
 # over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
 # smallest one: a power law is then a straight line
 DECADE = 10.0
@@ -134,7 +135,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def name_once(figure: Figure) -> None:
-    """Keep the name of a horizontal axis only at the lowest of the panels in a column that share it."""
+    """Keep the name of a horizontal axis only at the lowest panel of a column that shares the axis."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
@@ -180,7 +181,7 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return the varied parameters and their ranges."""
+    """Return a text with the varied parameters and their ranges."""
     parts = []
     for variation in varying:
         ends = " to ".join(
@@ -202,7 +203,7 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return how many panels are in a row of a figure of some width [inches]: two, or all of three panels.
+    """Return the number of panels in a row of a figure of some width [inches]: two, or all of three panels.
 
     Three maps are in one column if the figure is narrower than THREE_MAPS.
     """
@@ -214,14 +215,14 @@ def _across(count: int, kind: str, width: float) -> int:
 def _dots_across(count: int, width: float) -> int:
     """Return how many panels with dots to put in a row, so that all rows are about equally full.
 
-    ``width`` is that of the figure [inches].
+    ``width`` is the width of the figure [inches].
     """
     most = max(1, int((width - NAMES_WIDTH) / DOTS_WIDTH))
     return math.ceil(count / math.ceil(count / most))
 
 
 def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
-    """Return empty panels, at most ``most`` in a row; on a narrow figure, one below the other."""
+    """Return empty panels, at most ``most`` in a row; on a narrow figure the panels are below each other."""
     across = 1 if is_narrow(figure) else min(count, most)
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)

@@ -56,7 +56,7 @@ class Quantity:
         return np.where(runs.failed, np.nan, self.factor * runs[self.column].astype(float))
 
     def range_text(self, values: np.ndarray) -> str:
-        """Return words for the smallest and the largest value: "peak force 1.2 to 3.4 kN"."""
+        """Return words with the smallest and the largest value: "peak force 1.2 to 3.4 kN"."""
         return with_unit(f"{self.name} {np.nanmin(values):.3g} to {np.nanmax(values):.3g}", self.unit)
 
 
@@ -75,7 +75,7 @@ LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
 
 @dataclass(frozen=True)
 class Results:
-    """The quantities of a sweep: the main results, then the additional outputs; or those that are named.
+    """The quantities that a sweep can show: the main results and the additional outputs, or the named ones.
 
     Attributes:
         every: all quantities.
@@ -95,8 +95,8 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     """Return the quantities of a sweep, without those that the scene cannot have, such as forces at walls.
 
     The columns that ``panels`` names are drawn. Without names, the quantities that differ between the runs
-    are drawn, or all if none differs, with at most MOST_ASKED additional outputs. For samples only the
-    ``LOADS`` among these are returned, if there are any.
+    are drawn, or all quantities if none differs, with at most MOST_ASKED additional outputs. For samples only
+    the forces and moments (``LOADS``) among these are drawn, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -168,7 +168,7 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return quantities with a prefix for each unit that suits its largest value; see SHARED."""
+    """Return the quantities in units with prefixes that suit the largest value of each unit; see SHARED."""
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
     scales = {"": (1.0, "")}

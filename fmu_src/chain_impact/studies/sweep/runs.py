@@ -1,4 +1,4 @@
-"""The results of the runs of a sweep, one row each; table.py and plot.py show them."""
+"""The runs of a sweep with their results, one row each; table.py and plot.py show these rows."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Runs:
         return len(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return a column, shape (R,); choices, such as a contact law, are given by name."""
+        """Return a column, shape (R,); a choice, such as a contact law, has its name."""
         if name not in self.names:
             raise KeyError(f"{name} is not a column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]

@@ -24,9 +24,9 @@ from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
-# The number of runs from which on a kernel is compiled for exactly the sizes of the scene. This takes about
-# 15 s, once. With such a kernel, runs of a scene with moving walls take half the time, other runs nine
-# tenths.
+# The number of runs from which on a kernel is compiled for exactly the sizes of the scene. The compilation
+# takes about 15 s, once. With such a kernel, runs of a scene with moving walls take half the time, other runs
+# nine tenths.
 OWN_KERNEL_FROM = 300_000
 
 

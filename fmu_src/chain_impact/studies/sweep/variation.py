@@ -59,7 +59,7 @@ class Variation:
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Return values for a reader: the names of choices in place of their numbers."""
+        """Return values as a reader sees them, with the names of choices in place of their numbers."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
@@ -127,7 +127,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
-    except ValueError:  # a part is not a number, or the second part is missing
+    except ValueError:  # here a part of the range is not a number, or its second part is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong

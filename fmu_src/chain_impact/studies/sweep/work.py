@@ -23,7 +23,7 @@ Outcome = np.ndarray | str
 """The rows of a piece, or the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # largest number of runs in memory at once, 3 MB
+CHUNK = 2**14  # largest number of runs in memory at once, which take 3 MB
 STATUS_WORD = "status"  # name of the column with the word for the status
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
@@ -109,7 +109,7 @@ class Work:
             path.unlink(missing_ok=True)
             if not isinstance(error, OSError):
                 raise
-            # errors of Arrow do not name the file
+            # the error is raised again with the file's name, which errors of Arrow do not contain
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
         return path.name, perf_counter() - started
 

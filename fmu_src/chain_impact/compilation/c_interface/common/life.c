@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
 
-/* The largest allowed difference between the importer's time and that of the instance, relative to the step: importers
-   may round their time to 1 us. With a much larger tolerance, a skipped or repeated step would not be noticed. */
+/* The largest allowed difference between the time of the importer and the time of the instance, relative to the
+   step: importers may round their time to 1 us. With a much larger tolerance, a skipped or repeated step would not
+   be noticed. */
 static const double TIME_TOLERANCE = 1e-2;
-/* The round-off of a clock that adds up the steps, relative to the time. */
+/* The round-off of the clock of an importer that adds up the steps, relative to the time. */
 static const double ROUND_OFF = 1e-12;
 
 static void back_to_the_start(Instance *instance) {
@@ -165,7 +166,8 @@ int fail(Instance *instance, int status, int fault) {
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;
-    const Word *words = instance->record + table->contradiction_word; /* channel (0: none), distance, time, speed */
+    /* the words of a motion: the number of the channel (0: none), then distance, time and speed */
+    const Word *words = instance->record + table->contradiction_word;
     if (words->integer == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
     const char *name = "a motion";

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
 
-enum { LONGEST = 2000 }; /* [bytes] of a message */
+enum { LONGEST = 2000 }; /* [bytes] the longest message; a longer message is cut */
 
 /* The categories of messages, by the number of the status: LogCategories of the model description. */
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
@@ -62,7 +62,8 @@ Number number(double value) {
         snprintf(result.text, sizeof result.text, "%.*g", digits, value);
         if (strtod(result.text, NULL) == value) break;
     }
-    char *comma = strchr(result.text, ','); /* the decimal mark of the importer's locale */
+    /* the decimal mark of the importer's locale may be a comma, which is replaced by a point */
+    char *comma = strchr(result.text, ',');
     if (comma) *comma = '.';
     if (result.text[strspn(result.text, "-0123456789")] == '\0') strcat(result.text, ".0");
     put_registers_back(registers);
@@ -81,7 +82,7 @@ Sentence reason(const Table *table, const Word *record, int status) {
     const int64_t *statuses = in_table(table, table->statuses_at), *parts = in_table(table, table->parts_at);
     int known = status >= 0 && status < table->status_count;
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
-    int64_t part = record[table->part_word].integer; /* parts count from 1 */
+    int64_t part = record[table->part_word].integer; /* number of the part of the scene; parts count from 1 */
     int named = part >= 1 && part <= table->part_count;
     Sentence sentence;
     snprintf(sentence.text, sizeof sentence.text, named ? "%s: %s" : "%s", what,

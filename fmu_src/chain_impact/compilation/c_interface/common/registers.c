@@ -1,10 +1,12 @@
-/* Each exported function of the kernel calls these functions (chain_impact/compilation/collecting.py). They are in a
-   separate file, so that no compiler moves arithmetic across a call. The flags of past exceptions are restored, too. */
+/* Each exported function of the kernel calls these functions (chain_impact/compilation/collecting.py). The functions
+   are in a separate file, so that no compiler moves arithmetic across a call. The flags of past exceptions are
+   restored, too. */
 #include "registers.h"
 
 #if defined(__x86_64__)
 
-static const uint32_t USUAL = 0x1f80; /* exceptions masked, rounding to nearest, denormal numbers kept, no flags */
+/* the settings at the start of a process: exceptions masked, rounding to nearest, denormal numbers kept, no flags */
+static const uint32_t USUAL = 0x1f80;
 
 uint64_t usual_registers(void) {
     uint32_t before;
@@ -20,7 +22,8 @@ void put_registers_back(uint64_t registers) {
 
 #elif defined(__aarch64__)
 
-/* The control register is in the lower half, the flags are in the upper half. The usual settings are zeros. */
+/* The control register is in the lower half of the value, the flags are in the upper half. The usual settings are
+   zeros. */
 uint64_t usual_registers(void) {
     uint64_t control, flags;
     __asm__ volatile("mrs %0, fpcr" : "=r"(control));

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-/* Set the registers as at the start of a process; return the settings before. */
+/* Set the registers to the settings at the start of a process; return the settings before. */
 uint64_t usual_registers(void);
 void put_registers_back(uint64_t registers);
 

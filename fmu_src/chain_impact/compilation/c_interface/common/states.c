@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A saved state; the checksum is used only for states as bytes. */
+/* A saved state; its checksum is used only for states as bytes. */
 typedef struct {
     char magic[8];
     uint64_t size, checksum; /* checksum of the data after this number */
     char guid[40];
     int64_t phase, flags;
-    double time, stop_time; /* the record follows */
+    double time, stop_time; /* the record follows these numbers in memory */
 } State;
 
 enum { INITIALIZED = 1, SET_UP = 2 }; /* bits of State.flags */

@@ -13,7 +13,7 @@
 #include <unistd.h>
 #endif
 
-enum { LONGEST = 4096 }; /* [bytes] of a path */
+enum { LONGEST = 4096 }; /* [bytes] the longest path that can be opened */
 
 /* Open a file by its path in UTF-8; -1 if it cannot be read. stdio is not used, because it allocates memory. */
 static int open_file(const char *path) {
@@ -50,7 +50,8 @@ static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
 #ifdef _WIN32
-    if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++; /* /C:/folder */
+    /* a URI such as /C:/folder is a path of Windows after its first character */
+    if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++;
 #endif
     size_t size = 0;
     while (*uri && size + sizeof NAME < LONGEST) {
@@ -91,7 +92,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     if (file < 0) return NULL;
     *reason = "has a file model.bin that is damaged";
     Table head, *table = NULL;
-    const size_t begin = offsetof(Table, guid); /* of the bytes that the checksum covers, up to the end */
+    const size_t begin = offsetof(Table, guid); /* the checksum covers the bytes from here to the end of the file */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, TABLE_MAGIC, sizeof head.magic) == 0 &&
         head.size > sizeof head && !(table = draft->allocate(1, head.size)))
         *reason = "needs more memory than there is";
@@ -112,7 +113,7 @@ const Table *read_table(const Instance *draft, const char *resources, const char
 }
 
 /* Compute the CRC-32 four bytes at a time, with eight tables of 16 entries: one table for each group of four bits.
-   tables[0] belongs to the last group; each further table follows from the one before by a shift of four bits. */
+   tables[0] belongs to the last group; each further table follows from the table before by a shift of four bits. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

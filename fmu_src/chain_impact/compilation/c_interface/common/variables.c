@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
@@ -57,7 +57,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
     return seen;
 }
 
-/* Return whether variables, all valid, have as many values as are given; else log an error. */
+/* Return whether as many values are given as the variables, all of them valid, have; else log an error. */
 static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
@@ -114,7 +114,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
         return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(instance));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    int in_range = at->low <= value && value <= at->high; /* also false for NaN */
+    int in_range = at->low <= value && value <= at->high; /* the comparison is also false for NaN */
     put_registers_back(registers);
     if (in_range) return OK;
     if (at->type == INTEGER)
@@ -149,7 +149,8 @@ int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr
     if (IN(instance->phase) & BEFORE)
         instance->initialized = 0;
     else
-        instance->record[instance->table->changed_word].integer = REINITIALIZE; /* re-initialized at the present time */
+        /* the kernel re-initializes the run at the present time */
+        instance->record[instance->table->changed_word].integer = REINITIALIZE;
     return OK;
 }
 

@@ -53,7 +53,8 @@ static int is_record(const Table *table) {
 
 int is_whole(const Table *table) {
     const char *bytes = (const char *)table;
-    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* a text has no end */
+    /* the last text in the file has no end */
+    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0;
     if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
     if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
         !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||

@@ -1,10 +1,11 @@
-/* Two C functions that the library of Windows lacks: the headers of its C runtime define them inline. */
+/* Two C functions that the library of Windows does not export: the headers of its C runtime define them inline. */
 #ifdef _WIN32
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { AS_C_SAYS = 2 }; /* as the C standard says: a text that is cut ends with 0, and the result is the full length */
+/* a flag for the behaviour of the C standard: a text that is cut ends with 0, and the result is the full length */
+enum { AS_C_SAYS = 2 };
 
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale,
                             va_list values);

@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard; it makes the call `made` and returns the status of this call. */
+/* Define a function of the standard; the function makes the call `made` and returns the status of this call. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -67,7 +67,7 @@ FUNCTION(fmi2ExitInitializationMode, exit_initialization(c, __func__), fmi2Compo
 FUNCTION(fmi2Terminate, terminate(c, __func__), fmi2Component c)
 FUNCTION(fmi2Reset, reset(c, __func__), fmi2Component c)
 
-/* --- variables: 2.1.7; functions without a capability in the model description accept an empty list only --- */
+/* --- variables: 2.1.7; a function without a capability in the model description accepts an empty list only --- */
 
 #define ACCESS(name, what, type, array)                                                                    \
     FUNCTION(name, what(c, __func__, array, vr, count, value, count), fmi2Component c,                     \

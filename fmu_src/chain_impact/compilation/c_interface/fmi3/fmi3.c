@@ -5,9 +5,9 @@
 #include <fmi3Functions.h>
 #include <stdlib.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler moves no arithmetic across the calls of registers.h */
+#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
 
-/* Define a function of the standard; it makes the call `made` and returns the status of this call. */
+/* Define a function of the standard; the function makes the call `made` and returns the status of this call. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -23,7 +23,7 @@ static void log_message(const Instance *instance, int status, const char *catego
 static const Interface FMI3 = {
     .token = "instantiationToken", .resources = "resourcePath", .references = "valueReferences", .values = "values",
     .state = "FMUState", .types = {"Float64", "Int64"},
-    .escaped = "#", /* # begins a value reference */
+    .escaped = "#", /* in a message, # begins a value reference, so a # in a text is written twice */
     .says_errors = 1, .unfinished = ERROR, .log = log_message,
 };
 
@@ -49,7 +49,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return instance;
 }
 
-/* Define a function for a kind of instance that this FMU does not have: it logs this, and returns NULL. */
+/* Define a function for a kind of instance that this FMU does not have: the function logs this, and returns NULL. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
@@ -154,7 +154,7 @@ FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 s
     return fmi3OK;
 }
 
-/* Change from one mode, step mode or event mode, to the other. */
+/* Change from step mode to event mode, or from event mode to step mode. */
 static int change_mode(Instance *instance, const char *call, Phase from, Phase to) {
     if (instance && !instance->event_mode)
         return say(instance, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
@@ -180,7 +180,8 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
     instance->observed = NULL;
     int fault = event_update(instance->record);
     if (fault) return (fmi3Status)fail(instance, ERROR, fault);
-    for (int i = 0; i < 5; i++) *flags[i] = fmi3False; /* the time of the next event is not known in advance */
+    /* all flags are false: for example, the time of the next event is not known in advance */
+    for (int i = 0; i < 5; i++) *flags[i] = fmi3False;
     *next_time = instance->time;
     return fmi3OK;
 }
@@ -191,7 +192,7 @@ static int not_there(const Instance *instance, const char *call, const char *wha
     return instance ? say(instance, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
 }
 #define NOT_THERE(name, what, ...) FUNCTION(name, not_there(c, __func__, what), fmi3Instance c __VA_ARGS__)
-#define AND , /* other arguments */
+#define AND , /* a comma between other arguments of the macros */
 #define EXCHANGE "model exchange"
 NOT_THERE(fmi3EvaluateDiscreteStates, "fmi3EvaluateDiscreteStates")
 NOT_THERE(fmi3EnterConfigurationMode, "structural parameters")
