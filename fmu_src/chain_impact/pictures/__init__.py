@@ -1,4 +1,4 @@
-"""Pictures of a recording: functions that fill figures; ``draw_figure`` writes a file or returns a figure."""
+"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which writes or returns one."""
 
 from chain_impact.pictures.bars import ONE_SCALE, Bars, bars_size, fill_bars
 from chain_impact.pictures.changes import fill_sensitivities

@@ -17,12 +17,13 @@ from chain_impact.pictures.straight import line_of_motion
 from chain_impact.pictures.style import FULL, WIDE
 from chain_impact.recording.recording import Recording
 
-# Ratios of width to height of the motion. SLIM, BROAD: the panel beside others is not slimmer or broader than
-# for these. BROADEST_BESIDE: a broader motion has the whole width of the figure, above the other panels.
-# BROADEST_HIGH: on a narrow figure, the panel of a broader motion is lower than ABOVE_TIME.
+# Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
+# motion has beside other panels. BROADEST_BESIDE: a broader motion has the whole width of the figure, above
+# the other panels. BROADEST_HIGH: on a narrow figure, the panel of a broader motion is lower than ABOVE_TIME.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
-BROADEST_FLAT = 3.5  # the largest ratio of width to height of the panel of motion
-# the height of the panel of motion beside others, relative to the width of a wide or narrow figure
+BROADEST_FLAT = 3.5  # the largest ratio of width to height that the panel of motion has
+# the height of the panel of motion beside other panels, relative to the width of the figure, for a wide and a
+# narrow figure
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
@@ -56,16 +57,19 @@ def broadness(recording: Recording) -> float:
 def motion_share(ratio: float, width: float) -> float:
     """Return the width of the panel of motion beside other panels, relative to the figure's [inches]."""
     height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
-    return height * min(max(ratio, SLIM), BROAD)  # a panel of this width has the shape of the motion
+    # a panel of this width has the shape of the motion and its walls
+    return height * min(max(ratio, SLIM), BROAD)
 
 
 def is_beside(ratio: float, width: float) -> bool:
-    """Return whether a motion is beside the panels over time in a figure of a width [inches]."""
+    """Return whether the motion is beside the panels over time, in a figure of some width [inches]."""
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
-    """Return the heights of the panels over time, and of the axis of colours, relative to that of energies.
+    """Return the heights of the panels over time and of the axis of colours.
+
+    They are relative to the height of the panel of energies.
 
     Only a motion in the plane has colours.
     """
@@ -111,7 +115,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         motion = figure.add_subplot(columns[0], label="motion")
-        # the panels over time have a grid of their own: their margin does not depend on the motion
+        # the panels over time have a grid of their own, so their margin does not depend on the motion
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)
     above = [_height_above(ratio, width)] if has_motion else []
@@ -127,7 +131,7 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
     """Return axes with a common axis of time in the last cells of a grid, in the order of ``names``.
 
-    The axes "time" are made first, so that in the figure all others come after them.
+    The axes "time" are made first, so that all other axes come later in the figure.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key="time".__ne__):

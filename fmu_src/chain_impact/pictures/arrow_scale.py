@@ -20,9 +20,9 @@ SHORTEST_ARROW = 0.02  # the shortest arrow, relative to the smaller side of the
 # FIRST_MARK: the least distance of a mark from the left end of the ruler; MARK_GAP: the least distance of two
 # marks; both relative to the length of the ruler
 FIRST_MARK, MARK_GAP = 0.1, 0.3
-NUMBER_SPACE = 0.5  # the least space between two numbers, relative to their height
+NUMBER_SPACE = 0.5  # the least space between two numbers of the ruler, relative to their height
 SCALE_NAME = "force (cube root)"
-TICK = 3.0  # [points] half of the length of a mark
+TICK = 3.0  # [points] half of the length of a mark on the ruler
 
 
 class ArrowScale:
@@ -34,7 +34,7 @@ class ArrowScale:
 
     def length(self, force: float) -> float:
         """Return the length of the arrow of a force [N], at least SHORTEST_ARROW times the side [m]."""
-        # l = LONGEST_ARROW · side · ∛(F / F_max)
+        # the length is LONGEST_ARROW · side · ∛(F / F_max) for the force F
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
@@ -74,7 +74,7 @@ class ArrowScale:
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
             label = axes.annotate(text, (left + at, y), (0.0, -TICK - 1.0), **below)
             box = label.get_window_extent()
-            if box.x1 > free:  # in a small film this number would touch the one at its right
+            if box.x1 > free:  # in a small film this number would touch the number at its right
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)

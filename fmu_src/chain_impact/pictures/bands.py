@@ -1,4 +1,4 @@
-"""Curves that a reader can distinguish: dashed curves; a band for many grey curves or a fast oscillation."""
+"""Curves that a reader can distinguish: dashes where curves merge, bands for grey curves or oscillations."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.style import GREY
 
-MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more are drawn as a band
+MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more grey curves are drawn as a band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
 # A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than FAST_PART of
 # the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
-SAME = 0.005  # the largest distance of two curves that look like one, relative to the height of the panel
+# the largest distance of two curves that look like one curve, relative to the height of the panel
+SAME = 0.005
 # MERGED: the largest usual distance of two lines that merge, relative to the range of all lines; PIECES: the
 # number of points of a line at which this distance is measured; DASH: the length of a dash, in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
 BAND_EDGE, STRIPE = 1.2, 0.7  # [points] the width of the edges of an oscillation's range, and of its stripes
 FAST = "stripes: range of a fast oscillation"
-STRIPED = (0.0, (0.25, 0.35))  # the dashes of the line in the legend, relative to its width
+# the dashes of the line in the legend that stands for stripes, relative to the line's width
+STRIPED = (0.0, (0.25, 0.35))
 
 
 def fill_band(
@@ -37,7 +39,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
     """Draw curves, each with its properties in matplotlib's names, and a fast oscillation as its range.
 
     The range has stripes between its least and its largest values; stripes of several curves are side by
-    side, so that no colour covers another. An entry of the legend tells what they are.
+    side, so that no colour covers another. An entry of the legend explains the stripes.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -60,7 +62,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
-    """Return, for each curve, how many earlier curves it would hide because they look the same.
+    """Return, for each curve, the number of earlier curves that it would hide because they look the same.
 
     A curve that would hide others is dashed, so that they are seen through its gaps.
 
@@ -79,10 +81,12 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
-    """Return dashes, as a style of matplotlib, for each line that merges with an earlier one; else None.
+    """Return dashes, as a style of matplotlib, for each line that merges with an earlier one.
 
-    The first of some lines that merge is without dashes, below the others. The dashes of the others are one
-    after the other along the line, with a gap through which the first line is seen.
+    For any other line the result is None.
+
+    The first of some lines that merge is without dashes, below the others. The dashes of the other lines
+    follow each other along the line, with a gap through which the first line is seen.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -118,7 +122,7 @@ def _apart(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
-    """Return whether a curve turns so often that its drawing would be an area.
+    """Return whether a curve turns so often that, drawn as a line, it would look like an area.
 
     A turn counts if the value changes by at least ``least`` until the next turn. The result is False for a
     curve with missing values, or with at most ``bins`` rows.

@@ -22,11 +22,11 @@ from chain_impact.pictures.style import (
     styled,
 )
 
-# [inch] the width of the figure, the space above and below all bars, the space between two blocks, and the
-# height for one bar
+# [inch] the width of the figure; the space above and below all bars; the space between two blocks of bars;
+# the height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
-HEADING_ROW = -1.0  # the place of the heading of the texts, in rows
+HEADING_ROW = -1.0  # the position of the heading of the texts, in rows above the first bar
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # blocks with the same label have one scale if the ratio of their longest bars is at most this number
 ONE_SCALE = 10.0
@@ -54,7 +54,7 @@ class Bars:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least and the largest value, one of which may be 0."""
+        """The least and the largest value of the axis; one of these may be 0."""
         return min([0.0, *self.values]), max([0.0, *self.values])
 
 
@@ -87,7 +87,7 @@ def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[B
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of the axis of each block: the same for all blocks whose bars can be compared."""
+    """Return the ends of the axis of each block; blocks whose bars can be compared have the same ends."""
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or max(longest) > ONE_SCALE * min(longest):
         return [block.ends for block in blocks]
@@ -98,7 +98,7 @@ def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
 def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool) -> None:
     """Draw a block into axes from one end to the other, with the texts in a column at the right.
 
-    ``small``: with small names and few ticks.
+    ``small``: whether the names are small, and the ticks few.
     """
     rows = range(len(block.names))
     colours = block.colours or [BLUE if value > 0.0 else VERMILLION for value in block.values]

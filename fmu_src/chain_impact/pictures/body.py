@@ -21,7 +21,7 @@ CARRIAGE = 0.5  # the opacity of a carriage, from 0 to 1
 def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, linewidth: float) -> None:
     """Draw the bodies in one row of the recording: outlines of links, points, and the carriage.
 
-    An end that can touch, but belongs to no outline, is drawn as a disc.
+    An end of a link that can touch, but belongs to no outline, is drawn as a disc.
     """
     points, sites = recording.points[row], recording.sites[row]
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
@@ -44,7 +44,7 @@ def body_look(colour: Any) -> dict[str, Any]:
 
 
 def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
-    """Draw the line of a slider with its stops, and return its artists."""
+    """Draw the line of a slider with its stops; return the drawn objects (artists of matplotlib)."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0])

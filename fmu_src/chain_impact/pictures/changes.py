@@ -34,8 +34,10 @@ from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.text import plural, speed_unit
 from chain_impact.scene.unit_text import in_brackets
 
-NO_CHANGE = 1e-12  # a change of an output that is not larger than this, relative to its range, is round-off
-LARGEST_EFFECTS = 4  # the largest number of parameters with individual curves: those with the largest effects
+# a change of an output up to this, relative to the range of the output, counts as round-off
+NO_CHANGE = 1e-12
+# the largest number of parameters with curves of their own: the parameters with the largest effects
+LARGEST_EFFECTS = 4
 STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
 Looks = list[dict[str, Any]]
 
@@ -194,7 +196,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time from the first row, if any, in which all derivatives are unknown, to the end."""
+    """Shade the time in which all derivatives are unknown, from its first row to the end."""
     unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

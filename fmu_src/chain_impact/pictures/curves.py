@@ -1,4 +1,4 @@
-"""Outputs over time as curves: a panel for each unit, with a line at each impact."""
+"""Outputs over time as curves: a panel for each unit, with a vertical line at each impact."""
 
 from __future__ import annotations
 
@@ -26,19 +26,24 @@ from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import in_brackets, unit_text
 
 DASHES = ("-", "--", ":")
-# largest number of curves in a panel, and largest number of panels
+# the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 AROUND_PANELS = 1.1  # [inch] the space above and below all panels
-WIDEST = 28  # the legend is beside the panel if no name has more characters, else above the panel
-# a unit gets a prefix if the largest value is less than SMALL_VALUE or at least LARGE_VALUE
+# the largest number of characters of a name with which the legend is beside the panel; with a longer name it
+# is above
+WIDEST = 28
+# a unit gets a prefix if the largest value in the panel is less than SMALL_VALUE or at least LARGE_VALUE
 SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
-# units that only one quantity has → this quantity
+# table: unit that only one quantity has → this quantity
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
-# the line at the end of an impact mixes this fraction of the text colour with the ground's colour
+# the part of the text's colour in the colour of the line at the end of an impact; the rest is the ground's
+# colour
 END_LINE = 0.5
-MOST_NAMED = 4  # of the outputs that are always 0, at most this number are named at the foot of the picture
+# the largest number of outputs, of those that are always 0, that are named at the foot of the picture
+MOST_NAMED = 4
 LONGEST = 14  # a name with more characters has two lines beside its panel
-SIDE = 8  # the legend is beside the panel for at most this number of curves, else above the panel
+# the largest number of curves with which the legend is beside the panel; with more curves it is above
+SIDE = 8
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
@@ -110,7 +115,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
-    """Return words for the impact in view; "" for a view of the whole run."""
+    """Return words for the impact in view; "" in a view of the whole run."""
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
@@ -140,7 +145,10 @@ def draw_all(
     *,
     beside: bool = True,
 ) -> None:
-    """Draw the panels into the axes of a grid; ``beside``: whether legends may stand beside the axes."""
+    """Draw the panels into the axes of a grid.
+
+    ``beside``: whether legends may stand beside the axes.
+    """
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
     start, factor, label = 0.0, 1.0, ""
@@ -198,7 +206,8 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     """Return, for each curve of a panel, the index of its colour and dashes, from 0.
 
     Quantities of one owner, such as a point, have the same index in all panels, if a panel has one curve for
-    each owner. ``places``: owner → index in earlier panels; the owners of this panel are added.
+    each owner. ``places`` maps an owner to its index in earlier panels; the function adds the owners of this
+    panel.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]
@@ -226,7 +235,7 @@ def look_of_energy(name: str) -> dict[str, Any]:
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
     """Return the outputs that are not drawn, because they are 0 at all times.
 
-    In a panel they are left out only if there are two or more of them, and another curve is drawn.
+    In a panel such outputs are left out only if there are two or more of them, and another curve is drawn.
     """
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 

@@ -1,4 +1,4 @@
-"""Dark grounds: the colours of pictures are chosen for a white figure, and change to suit a dark one."""
+"""Dark grounds: the colours of pictures are chosen for white figures, and are changed for dark ones."""
 
 from __future__ import annotations
 
@@ -28,17 +28,18 @@ LEAST_LUMINANCE = 0.2
 # which are lines. Paler greys are areas and grids, without a least ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# the number of mixtures that are tried; a mixture with this luminance is white
+# the number of mixtures with white that are tried
 MIXTURES, NEAR_WHITE = 41, 0.999
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"
-ORANGE, SKY = "#e69f00", "#56b4e9"  # for curves on a dark ground; too pale for lines on white
-# colours too dark for a dark ground → replacements; mixed with white, the colours would look alike
+ORANGE, SKY = "#e69f00", "#56b4e9"  # colours of curves on a dark ground; on white they are too pale for lines
+# table: colour that is too dark for a dark ground → its replacement; mixed with white, several of these
+# colours would look alike
 REPLACED = {UMBER: ORANGE, PLUM: SKY}
 COLOURED = 0.3  # a colour with less saturation counts as a grey
-# on a dark ground, the distance of a grey from the ground, 0…1, is raised to this power: it becomes larger,
-# because greys near black are hard to see
+# On a dark ground, the distance of a grey from the ground, 0…1, is raised to this power. The distance becomes
+# larger, because greys near black are hard to see.
 SPREAD = 0.8
 TEXT_OUTLINE = 3.0  # [points] the width of the outline of a text
 # the name of the colour map for time; on a dark ground its colours change, because lines are drawn in them
@@ -74,7 +75,8 @@ class Ground(NamedTuple):
     def suit(self, artists: Iterable[Artist]) -> None:
         """Give artists that were drawn for a white figure the colours for this ground.
 
-        An axis must come after its ticks, as in ``findobj``: otherwise the colours of ticks change twice.
+        An axis must come after its ticks, as ``findobj`` returns them: otherwise the colours of ticks change
+        twice.
         """
         for artist in artists:
             if isinstance(artist, Line2D):
@@ -90,11 +92,12 @@ class Ground(NamedTuple):
                 artist.set_edgecolor(self.suited(colours[1]))
             elif isinstance(artist, Text):
                 artist.set_color(self.suited(artist.get_color()))
-                if artist.get_path_effects():  # the outline must have the colour of the ground
+                if artist.get_path_effects():  # the outline of a text must have the colour of the ground
                     artist.set_path_effects([withStroke(linewidth=TEXT_OUTLINE, foreground=self.ground)])
                 if isinstance(artist, Annotation) and artist.arrow_patch is not None:
                     self.suit([artist.arrow_patch])
-            elif isinstance(artist, Axis):  # ticks that matplotlib makes later get these colours, too
+            # ticks that matplotlib makes later get the colours of the axis, too
+            elif isinstance(artist, Axis):
                 artist.set_tick_params(which="both", color=self.text, labelcolor=self.text)
 
     def _suited_or_none(self, colour: Any) -> Any:
@@ -118,7 +121,10 @@ class Ground(NamedTuple):
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
-        """Return the colour map for an artist: TIME in new colours, others with that of missing values."""
+        """Return the colour map for an artist.
+
+        The map TIME gets new colours; any other map gets a new colour for missing values.
+        """
         own = artist.get_cmap()
         if own.name == TIME:
             return ListedColormap([self.suited(own(index)) for index in range(own.N)], TIME)
@@ -127,7 +133,7 @@ class Ground(NamedTuple):
 
 def luminance(colour: Any) -> float:
     """Return the relative luminance of a colour, from 0 to 1 (as WCAG 2.1, with a simple power law)."""
-    # L = 0.2126 R^γ + 0.7152 G^γ + 0.0722 B^γ
+    # the luminance is L = 0.2126 R^γ + 0.7152 G^γ + 0.0722 B^γ for the colour R, G, B
     return float(np.array(to_rgba(colour)[:3]) ** GAMMA @ [0.2126, 0.7152, 0.0722])
 
 
@@ -137,14 +143,14 @@ def is_dark(ground: Any) -> bool:
 
 
 def least_luminance(ground: Any, ratio: float) -> float:
-    """Return the least luminance, at most 1, that has a contrast ratio to a dark ground."""
+    """Return the least luminance, at most 1, with a given contrast ratio to a dark ground."""
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
     """Return a colour with a luminance of at least LEAST_LUMINANCE, and of at least ``least``.
 
-    It has the same hue, except for the colours in REPLACED.
+    The returned colour has the same hue, except for the colours in REPLACED.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))

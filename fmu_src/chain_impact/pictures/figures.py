@@ -38,17 +38,20 @@ from chain_impact.pictures.style import (
 FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label
-USUAL_AXES_HEIGHT = 1.0  # [inch] the least mean height of axes with a label, if the user gives no height
+# [inch] the least mean height of axes with a label, if the user has not given a height
+USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
-NEARLY = 1.0  # [pixels] how far texts may reach beyond the figure, or overlap
-LIMIT_ROUND_OFF = 1e-9  # the largest difference that counts as round-off, relative to the length of an axis
-# if a figure is too low, larger heights are tried: multiples of STEP [inch], fewer than HIGHER
+NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
+# the largest difference of two limits of an axis that counts as round-off, relative to the axis' length
+LIMIT_ROUND_OFF = 1e-9
+# If a figure is too low, greater heights are tried: STEP [inch] times the numbers below HIGHER.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
-COARSE_STEPS = (1, 2, 4, 5, 10)  # the allowed distances between few numbers along x, times any power of ten
+# the allowed distances between numbers on an axis x with few numbers, times any power of ten
+COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# a label is broken into two lines if its length, relative to the length of its axis, exceeds this
+# a label is broken into two lines if its length exceeds this, relative to the length of its axis
 LONGER = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
@@ -117,7 +120,7 @@ def check_alone(path: object, size: object) -> None:
 
 
 def fill_or_refuse(fill: Fill, figure: Figure) -> None:
-    """Draw on a figure, or refuse a figure with too little room.
+    """Draw on a figure, or refuse a figure with too little room for its contents.
 
     The error names a sufficient height, or says that the figure must be wider.
 
@@ -167,10 +170,10 @@ def least_figure(
         ValueError: when no tried height is enough.
     """
     heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
-    # every height up to ``low`` is too low, and every height from ``high`` on is enough
+    # all heights up to ``low`` are too low, and all heights from ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the measured lack gives a good guess; if it is unknown, or 0, the interval is halved
+        # the measured lack of height gives a good guess; if the lack is unknown or 0, the interval is halved
         is_known = lacks != 0.0 and math.isfinite(lacks)
         guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
         k = min(max(guess, low + 1), high - 1)
@@ -181,7 +184,7 @@ def least_figure(
             low = k
             continue
         high, found = k, figure
-        if -STEP < lacks < 0.0:  # a figure that is lower by STEP would lack height
+        if -STEP < lacks < 0.0:  # then a figure that is lower by STEP would lack height
             break
     if found is None:
         raise NoRoomError(width, height, "wider for the panels")
@@ -262,7 +265,7 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
 
 
 def meet(first: Bbox, second: Bbox) -> bool:
-    """Return whether two successive numbers of an axis overlap, or are so close that they look like one."""
+    """Return whether two successive numbers of an axis overlap, or are so close that they read as one."""
     return bool(first.x1 + TICK_SPACE * first.height > second.x0)
 
 
@@ -278,7 +281,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
             label.set_text(label.get_text().replace(" [", "\n["))
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
-        # the label is centred on its axes, and must keep its distance from the figure's edge
+        # the label is centred on its axes, and must not reach beyond the figure's edges
         edge = EDGE * figure.dpi
         longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
         if label.get_window_extent().width > longest:

@@ -19,13 +19,13 @@ from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.warning import warn
 
-# [1/s] frames per second, by suffix; a gif stores the time of a frame in hundredths of a second
+# [1/s] frames per second for each suffix; a gif stores the time of a frame in hundredths of a second
 RATES = {".gif": 20, ".mp4": 30}
 # the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# a film with slow motion is slowed down for a fast sine, but only up to this number of frames, because more
-# take minutes to draw
+# The largest number of frames up to which a film with slow motion is slowed down for a fast sine: more frames
+# take minutes to draw.
 MOST_FRAMES = 1500
 # pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI:
 # the number for a film that is too small for energies
@@ -60,7 +60,7 @@ def write_film(
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
     start, stop = (float(recording.time[row]) for row in (0, -1))
     times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
-    frames = (len(times) - 1) * rate / usual  # the number of frames at the speed 1
+    frames = (len(times) - 1) * rate / usual  # the number of frames if the film runs at the speed 1
     speed = pace(recording, speed, rate, frames / MOST_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))
     shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
@@ -110,7 +110,8 @@ def draw_frames(
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         film = Film(figure, recording, times, ground)
         canvas.draw()
-        ground = canvas.copy_from_bbox(figure.bbox)  # the parts that do not move are drawn only once
+        # the ground contains the parts that do not move, which are drawn only once
+        ground = canvas.copy_from_bbox(figure.bbox)
         for frame, rate in enumerate(rates.tolist()):
             canvas.restore_region(ground)
             for artist in film.show(frame, rate):

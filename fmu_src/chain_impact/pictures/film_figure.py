@@ -55,12 +55,13 @@ FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED}
 ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 # position and size of the axes: left, bottom, width and height, relative to the size of the figure
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
-# position of the texts: left and middle of the height, relative to the size of the figure
+# positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-HALF_BAR = 0.035  # half of a bar of sticking, relative to the smaller side of the view
+# half of the length of the bar that marks sticking, relative to the smaller side of the view
+HALF_BAR = 0.035
 SCALE = 0.055  # the height of the rulers below the axes, relative to the height of the figure
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
@@ -134,7 +135,7 @@ class Film:
         self._suit(figure)
 
     def _suit(self, figure: Figure) -> None:
-        """Give the figure the colours of a dark style, if the style is dark."""
+        """Give the figure the colours for a dark ground, if the style in use is dark."""
         if self.ground:
             self.ground.suit(figure.findobj())
             figure.set_facecolor(self.ground.ground)
@@ -159,7 +160,7 @@ class Film:
         pinned = self.recording.pinned
         view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
-        # x and y have the same scale, so the axes show more than the view: space beside it or above it
+        # x and y have the same scale, so the axes also show space beside or above the view
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen = room * (size / room).max()
         low = view[0] - anchor * (seen - size)
@@ -182,7 +183,7 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Return the artists of the room in a frame if walls or the base move; else an empty list."""
+        """Return the artists of walls and base in a frame if walls or the base move; else an empty list."""
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -246,7 +247,10 @@ class Film:
             yield self.now
 
     def _show_last_impact(self, time: float) -> None:
-        """Write the last impact before a time [s] with the longest words that have room; none before one."""
+        """Write the last impact before a time [s], with the longest words that have room.
+
+        Before the first impact, nothing is written.
+        """
         recording, impacts = self.recording, self.recording.impacts
         number = int(np.searchsorted(impacts["onset"], time, side="right"))
         if number == self.last_impact:
@@ -318,7 +322,7 @@ class Film:
     def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
         """Add the arrow of the whole force on a point from its normal and its tangential part, ``force`` [N].
 
-        Add a bar along the wall if the contact sticks.
+        If the contact sticks, a bar along the wall is added.
         """
         plane = self.plane[wall]
         normal = np.array(plane.normal)
@@ -332,7 +336,10 @@ class Film:
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
     ) -> None:
-        """Add the arrow of a force of ``whole`` [N] from a point; ``with_size``: also its size as text."""
+        """Add the arrow of a force of ``whole`` [N] from a point.
+
+        ``with_size``: whether the force is also added as a text.
+        """
         head = foot + self.scale.length(whole) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)

@@ -11,9 +11,9 @@ from matplotlib.colors import to_rgb
 
 from chain_impact.extras import require
 
-SHADES = 6  # number of shades of each colour in a gif, from the colour towards the ground
-# a shade whose red, green and blue each differ from those of the ground by at most this number is left out,
-# because Pillow would take it for the ground
+SHADES = 6  # number of shades of each colour in a gif, between the colour and the ground
+# A shade is left out if its red, green and blue each differ by at most this number from those of the ground,
+# because Pillow would take the shade for the ground.
 NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 GIF_END = b";"  # the last byte of a gif
@@ -38,7 +38,7 @@ def write_gif(
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
     options: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}
-    # the frames are written one by one; Pillow's own `save` would keep all frames in memory
+    # the frames are written one by one, because Pillow's own `save` would keep all frames in memory
     with path.open("wb") as file:
         for part, corner, seconds in _changes(
             (Image.fromarray(picture).quantize(**options) for picture in pictures), rate

@@ -1,4 +1,4 @@
-"""The numbers at the arrows of a film: each is where it covers no body, line, arrow or other number."""
+"""The numbers at the arrows of a film, each placed where it covers no body, line, arrow or other number."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.dark import TEXT_OUTLINE
 from chain_impact.pictures.labels import directions
 
-# [points] the distances from the head of an arrow to its number that are tried, in this order
+# [points] the distances from the head of an arrow to its number, in the order in which they are tried
 DISTANCES = (5.0, 12.0, 20.0, 30.0)
-NUMBER_MARGIN = 3.0  # [points] the least space between a number and other things
+NUMBER_MARGIN = 3.0  # [points] the least space between a number and other drawn things
 SAMPLE = 3.0  # [points] the distance of the points of a line that a number must not cover
 
 
@@ -26,7 +26,7 @@ class Number(NamedTuple):
     """A number to write.
 
     Attributes:
-        size: the force [N] or moment [N·m]; large ones are written first.
+        size: the force [N] or moment [N·m]; large numbers are written first.
         words: the number with its unit.
         position: the head of the arrow [m].
         away: unit vector of the best direction from the head to the number.
@@ -48,7 +48,8 @@ def write_numbers(
     Args:
         axes: the axes in which the numbers are.
         wanted: the numbers.
-        lines: what must stay free: polygons and lines, each of shape (P, 2) [m]; a closed line is a body.
+        lines: the polygons and lines that numbers must not cover, each of shape (P, 2) [m]; a closed line is
+            a body.
         pale: a line of shape (P, 2) [m] that a number covers only if it has no room elsewhere.
     """
     if not wanted:

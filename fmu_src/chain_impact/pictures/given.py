@@ -1,4 +1,4 @@
-"""Drawing into axes of a user: in the colours of the user's style, and within the user's figure."""
+"""Drawing into axes that a user gives, in the colours of the user's style and within the user's figure."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
-TIMES = 3  # how often the axes are made smaller: after each time the texts may need another space
-LEAST_PART = 0.2  # axes are not made smaller than this part of their width or height; then texts stay cut off
+TIMES = 3  # the number of times that axes are made smaller: each time, the texts may need other space
+# axes are made smaller at most to this part of their width or height; then texts stay cut off
+LEAST_PART = 0.2
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 
@@ -41,7 +42,8 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 def fit_into_figure(axes: Sequence[Axes]) -> None:
     """Make axes smaller whose legends and labels are cut off by the edge of the figure, or by other axes.
 
-    A figure with a layout engine moves its axes itself when it is drawn; then only legends and labels change.
+    A figure with a layout engine moves its axes itself when it is drawn; for such a figure, only legends and
+    labels change.
     """
     for figure in {figure for panel in axes if (figure := panel.get_figure(root=True)) is not None}:
         own = [panel for panel in axes if panel.get_figure(root=True) is figure]
@@ -59,7 +61,7 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
 
 
 def _fit(axes: Axes, figure: Figure) -> None:
-    """Make axes smaller where they or their texts are beyond their room."""
+    """Make axes smaller if they or their texts extend beyond their room."""
     box, room = axes.get_tightbbox(), _room(axes, figure)
     if box is None:
         return

@@ -32,9 +32,10 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
-PEAK = 0.95  # the peak counts as reached when the force is this part of the largest force
-AFTER_PEAK = 4.0  # a long contact is shown at least for this number of times the time until the peak force
-# if a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown
+PEAK = 0.95  # the peak counts as reached when the force is at least this part of the largest force
+# the least time for which a long contact is shown, relative to the time until the peak force
+AFTER_PEAK = 4.0
+# If a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown.
 MUCH_LONGER = 2.0
 SHOWN_BEFORE = 0.03  # the shown time before the onset, relative to the whole shown time
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
@@ -79,7 +80,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     give_ticks(*timed, loop)
     figure.align_ylabels(timed)
     legend = loop.get_legend()
-    if legend is not None and len(legend.get_texts()) == 1:  # its entry repeats the text below the title
+    # the single entry of the legend repeats the text below the title, and is removed
+    if legend is not None and len(legend.get_texts()) == 1:
         legend.remove()
     settle(figure)
     figure.set_layout_engine("none")
@@ -131,7 +133,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
 
 
 def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw force over penetration into given axes."""
+    """Draw force over penetration into axes that a user gives."""
     with drawn_into([axes]):
         draw_loop(axes, impact, course, at_stop=at_stop)
         fit_into_figure([axes])
@@ -170,6 +172,6 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
 
 
 def restitution_text(impact: np.void) -> str:
-    """Return words for the realised restitution, or that the contact lasts if it is unknown."""
+    """Return words for the realised restitution, or, if it is unknown, words that the contact lasts."""
     restitution = impact["separation_speed"] / impact["impact_speed"]
     return "in contact to the end" if math.isnan(restitution) else f"restitution {restitution:.4g} realised"

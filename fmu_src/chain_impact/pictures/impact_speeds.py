@@ -1,4 +1,4 @@
-"""The panel of the speeds of impacts over time."""
+"""The panel with the speeds of impacts over time."""
 
 from __future__ import annotations
 
@@ -21,19 +21,21 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-MOST_COLOURED_POINTS = 5  # the largest number of points with individual colours, so that the legend has room
+# the largest number of points with a colour of their own, so that the legend has room
+MOST_COLOURED_POINTS = 5
 # impacts have equal distances if there are more than REGULAR of them, and the largest and the smallest
 # distance differ at most by EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
-# the height of the panel of impact speeds, relative to the largest speed, so that numbers have room
+# the height of the panel of impact speeds, relative to the largest speed; the excess is room for numbers
 HEADROOM = 1.3
-# [points] the size of the mark of an impact, and how much larger a mark is for each colour that covers it
+# [points] the size of the mark of an impact, and the increase of a mark for each colour that covers it
 IMPACT_DOT, COVERED_RIM = 4.0, 3.0
-# the size of the cells in which marks of impacts count as one, relative to the duration and the largest
-# height
+# The size of a cell in which all marks of impacts count as one mark, relative to the duration and to the
+# largest height.
 ONE_MARK = 0.005
-CONTACT, ROW = 2.5, 3.5  # [points] the width of the line of a contact, and the height of a row of these lines
+# [points] the width of the line that shows a contact, and the height of a row of these lines
+CONTACT, ROW = 2.5, 3.5
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
@@ -89,7 +91,7 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    depth = (0.5 + lane) * ROW / 72.0  # [inch]
+    depth = (0.5 + lane) * ROW / 72.0  # [inch] the height of the row above the axis
     lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
     look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered, "clip_on": False}
     axes.hlines(np.zeros(len(starts)), starts, ends, **look)
@@ -132,7 +134,10 @@ def heights(recording: Recording) -> np.ndarray:
 
 
 def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
-    """Return rounded time and height → the rows of the impacts, from 0, whose marks are at this place."""
+    """Return a table of the marks of impacts.
+
+    It maps rounded time and height to the rows of the impacts, from 0, with this mark.
+    """
     times, tops = recording.impacts["onset"], heights(recording)
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
@@ -143,7 +148,9 @@ def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
 
 
 def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the sizes of the marks of impacts, shape (I,) [points]: a covered mark is seen as a rim.
+    """Return the sizes of the marks of impacts, shape (I,) [points].
+
+    A covered mark is larger, so that it is seen as a rim.
 
     ``groups`` are the impacts of each colour, in the order of drawing.
     """
@@ -202,15 +209,17 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:
-    """Return k: only every k-th impact gets a number.
+    """Return the number k if only every k-th impact gets a number.
 
-    It is larger than 1 if the impacts have equal distances in time in which the numbers have no room.
+    The number is larger than 1 if the impacts have equal distances in time that are too short for the
+    numbers.
     """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)
     if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL * gaps.mean():
         return 1
-    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")  # the longest number, and two spaces
+    # a text to measure: the longest number, and two spaces
+    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")
     width = probe.get_window_extent().width
     probe.remove()
     ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]

@@ -18,9 +18,9 @@ from matplotlib.patheffects import withStroke
 from chain_impact.pictures.style import FLAT, INK, SHADE, faint
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
-# The distances that are tried are CLOSE times these factors, in this order: first NEARBY, where a label needs
-# no leader (a line from its position to the label). Then FAR, with a leader, or UNLED if leaders are not
-# allowed.
+# The distances that are tried are CLOSE times these factors, in this order: first the factors NEARBY, with
+# which a label needs no leader (a line from its position to the label); then FAR, with a leader, or UNLED if
+# leaders are not allowed.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
 FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
@@ -28,21 +28,22 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # steps away from the best direction, to both sides
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
-COVERED = 0.6  # the largest part of a leader that may cover other drawn things
+COVERED = 0.6  # the largest part of a leader's length that may cover other drawn things
 # STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] limits, tried in
 # this order, of the length of a leader on strong pixels; the first OWN [points] of a leader, where the mark
 # of its position is, do not count.
 CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
-# [points] where no leaders are allowed, a label is on its position's side of each strong line that is farther
-# away than this
+# [points] Where no leaders are allowed, a label and its position are on the same side of each strong line
+# that is farther away than this.
 OWN_LINE = 4.5
-# [pixels] a leader that passes a strong pixel or a leader at this distance counts as crossing it
+# [pixels] the distance from a strong pixel, or from another leader, at which a leader counts as crossing it
 CROSSING = 2
 LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 BEYOND = 64.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
-PAD = 1.0  # [points] free border around a label
+PAD = 1.0  # [points] width of the free border around a label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
-LABEL_LAYER = 6.0  # matplotlib's zorder of labels and their leaders: above links and points
+# matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
+LABEL_LAYER = 6.0
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 
 
@@ -63,7 +64,10 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """The drawn pixels of a figure; areas with the colour of a ground are free, as labels may stand there."""
+    """The drawn pixels of a figure.
+
+    Areas with the colour of a ground are free, so labels may stand there.
+    """
 
     def __init__(self, figure: Figure) -> None:
         """Draw the figure, which also arranges its contents, and store its pixels."""
@@ -77,7 +81,8 @@ class Ink:
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = counted(self._strong)
-        # strong pixels and their neighbours: no leader can pass the white rim between a mark and a link
+        # strong pixels with their neighbours: so a leader cannot pass through the white rim between a mark
+        # and a link
         self._near_strong = widened(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
@@ -106,7 +111,7 @@ class Ink:
     def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
         """Return whether a line between two positions [pixels] passes strong pixels.
 
-        Its first ``own`` pixels do not count.
+        The first ``own`` pixels of the line do not count.
         """
         _, beyond = _line_between(position, end, own)
         return bool(self._strong[beyond].any())
@@ -171,7 +176,10 @@ def widened(pixels: np.ndarray) -> np.ndarray:
 
 
 def counted(pixels: np.ndarray) -> np.ndarray:
-    """Return the number of true pixels below and to the left of each corner; four of them count a box."""
+    """Return the number of true pixels below and to the left of each corner.
+
+    The numbers at the four corners of a box give the count in the box.
+    """
     counts = np.zeros(np.add(pixels.shape, 1), np.int32)
     pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
     counts.cumsum(axis=1, out=counts)
@@ -194,7 +202,7 @@ def place_labels(
         look: properties of the text, with matplotlib's names.
     """
     steps = np.array(NEARBY + (FAR if lines else UNLED))
-    probe = axes.text(0.0, 0.0, "", **look)  # measures texts
+    probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
 
     @functools.cache
     def half_size(words: str) -> np.ndarray:
@@ -203,7 +211,10 @@ def place_labels(
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
     def written(order: Sequence[int], *, short: bool = False) -> list[int]:
-        """Write labels in this order, if wanted only their short texts; return those without room."""
+        """Write labels in this order, if wanted with their short texts only.
+
+        Return the labels without room.
+        """
         small = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
             [_home(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
@@ -300,7 +311,8 @@ def _place(
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
-        if crossed:  # the limit is for leaders: positions without one were tried with the first limit
+        # the limit applies to leaders only: positions without a leader were tried with the first limit
+        if crossed:
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if steps[step] in FAR else {}

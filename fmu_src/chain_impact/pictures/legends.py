@@ -1,4 +1,4 @@
-"""Legends above their axes or at the foot of a figure, not wider than these, in as few rows as possible."""
+"""Legends above their axes or at the foot of a figure, in as few rows as fit into the width."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from chain_impact.pictures.style import LEFT, foot_of, is_narrow, reserve
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
 ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
 BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-# the space between two entries, and between two rows, relative to the font size
+# the space between two entries of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
-MARK = "above"  # the gid of a legend above its axes, by which the legend is found
+MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
 
 
 def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
@@ -29,14 +29,17 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 
 def legend_beside(axes: Axes) -> Any:
-    """Put a legend with one column to the right of axes, whose layout it does not change; return it."""
+    """Put a legend with one column to the right of axes, without a change of their layout; return it."""
     legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
     legend.set_in_layout(False)
     return legend
 
 
 def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
-    """Put a legend for all axes at the foot of the figure, above other texts there, in as few rows as fit."""
+    """Put a legend for all axes at the foot of the figure, above other texts there.
+
+    It has as few rows as fit.
+    """
     low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
     legend = figure.legend(
         handles=list(handles), ncols=1, loc="lower center", bbox_to_anchor=(0.5, low), **options
@@ -50,7 +53,7 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 
 
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
-    """Break each legend above its axes into the fewest rows with which it is not wider than the axes.
+    """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
     In a narrow figure, a legend does not repeat entries of a legend below; without entries it is removed.
     Returns whether a legend has changed.
@@ -118,7 +121,10 @@ def _entries(box: Any) -> list[Any]:
 
 
 def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]:
-    """Return rows with the indices of entries, each with as many entries as fit into a width [pixels]."""
+    """Return rows of the indices of entries.
+
+    Each row has as many entries as fit into a width [pixels].
+    """
     rows: list[list[int]] = []
     filled = np.inf
     for k, width in enumerate(widths):

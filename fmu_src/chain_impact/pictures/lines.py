@@ -1,4 +1,4 @@
-"""Breaking of texts into as few lines as possible, of similar lengths, and where a line may end."""
+"""Breaking of texts into lines, as few as possible and of similar lengths, at the allowed places."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# a space at which a line may end: not beside = or ≤, and not before a unit
+# pattern of a space at which a line may end: not beside = or ≤, and not before a unit
 BREAKABLE_SPACE = re.compile(r"(?<![=≤]) (?![=≤]|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions; a line may be broken only after it
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
@@ -25,7 +25,7 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
         text: the text, which is changed.
         room: the width [pixels].
         parts: the text between two parts.
-        more: how many lines more than necessary are allowed, so that no line ends within a part.
+        more: the number of additional lines that are allowed so that no line ends within a part.
     """
     whole = text.get_text()
 
@@ -58,7 +58,7 @@ def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], p
     """Return lines, each with as many pieces as fit into a width [pixels]."""
     space = width("n n") - width("nn")
     lines: list[str] = []
-    filled = math.inf  # the width [pixels] of the last line and a space; infinite while no line exists
+    filled = math.inf  # the width [pixels] of the last line and a space; infinite as long as no line exists
     for piece in pieces:
         if filled + width(piece.rstrip(parts)) <= room:
             lines[-1] += f" {piece}"

@@ -1,4 +1,4 @@
-"""The headline of a picture of a recording, and the conditions of the recording."""
+"""The headline of the picture of a recording, and the text with the recording's conditions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
 
-NO_LOSS = 1e-12  # a smaller dissipated energy, relative to the largest energy, is round-off, not a loss
+# a dissipated energy up to this, relative to the largest energy, is round-off, and not a loss
+NO_LOSS = 1e-12
 
 SHORT_TIME = 0.1  # [s] a shorter time has a unit with a prefix
 
@@ -62,7 +63,10 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
 
 
 def conditions(recording: Recording, *first: str) -> str:
-    """Return the known conditions of the recording in one text; the texts ``first`` come before them."""
+    """Return the known conditions of the recording in one text.
+
+    The texts ``first`` come before the conditions.
+    """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
     for key, unit in (("damping", "N·m·s/rad"), ("friction", "N·m")):
@@ -76,7 +80,8 @@ def conditions(recording: Recording, *first: str) -> str:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
-        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):  # an impulsive law has no stiffness
+        # an impulsive law has no stiffness to name
+        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
@@ -93,7 +98,8 @@ def conditions(recording: Recording, *first: str) -> str:
 def friction(name: str, value: Any) -> str:
     """Return words for a parameter if it is a coefficient of dry friction: "0.3", "static 0.4 at y_min".
 
-    Return "" for other parameters, and for a coefficient of 0 unless it is the sliding friction of one wall.
+    The result is "" for other parameters, and for a coefficient of 0 unless it is the sliding friction of one
+    wall.
     """
     owner, _, wall, quantity = name_parts(name)
     is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")

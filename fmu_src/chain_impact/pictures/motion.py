@@ -31,32 +31,34 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
 
-MOST_STRONG_POSES = 6  # besides start and end, strong poses show the fastest impacts, at most this number
+# the largest number of strong poses between start and end; these show the fastest impacts
+MOST_STRONG_POSES = 6
 CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
 FAINT_POSES = 80  # the largest number of faint poses, of evenly spaced rows
-# A pose is left out that is nearer than this to another one, relative to the size of the motion.
-# FAINT_APART is for faint poses; STRONG_APART for strong ones, except that of the fastest impact.
+# A pose is left out if it is nearer than this to another pose, relative to the size of the motion:
+# FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
 FAINT_APART, STRONG_APART = 0.01, 0.1
 PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
 MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
-MOST_CLEAR_PATHS = 6  # the largest number of points with clear paths; with more points the paths are fainter
+# the largest number of points whose paths are clear; with more points the paths are fainter
+MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
-# COVERED_WITHIN: the distance of each point from its start below which this is so, relative to the size of
-# the motion
+# COVERED_WITHIN: the largest distance of the points at the end from their starts with which the chain counts
+# as covered, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
-BALL_LINE = 0.3  # the width of the line of a ball, relative to that of a link
+BALL_LINE = 0.3  # the width of the line of a ball, relative to the width of the line of a link
 SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
-# the distance within which impacts at a wall share a ring, relative to the larger side of the view
+# the distance within which impacts at the same wall share a ring, relative to the larger side of the view
 RING_DISTANCE = 0.03
-# the length of the arrow of the largest force in a joint, relative to the smaller side of the view
+# the length of the arrow for the largest force in a joint, relative to the smaller side of the view
 LONGEST_LOAD = 0.3
-# SHORTEST_LOAD: the least length of this arrow if all arrows are shortened to stay in the view, relative to
-# LONGEST_LOAD; an arrow near the edge may still leave the view
+# SHORTEST_LOAD: the least length, relative to LONGEST_LOAD, of the arrow for the largest force if all arrows
+# are shortened to stay in the view; an arrow near the edge may still leave the view
 SHORTEST_LOAD = 0.4
 # MOST_IN_LABEL: a ring lists at most this number of impacts, or of ranges such as "1–81"; LISTED_OF_MANY: a
-# ring with more lists this number of impacts, the fastest ones, and says how many others there are
+# ring with more lists this number of impacts, the fastest ones, and the number of its other impacts
 MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
@@ -73,7 +75,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
     thick, ball = 1.0, ball_of(recording)
-    if ball is not None:  # a thin line from the centre to a mark on the ball
+    if ball is not None:  # the ball is shown by a thin line from its centre to a mark on it
         thick, marks = BALL_LINE, marks | {"markevery": [ball]}
     strong = strong_times(recording)
     draw_moving(axes, recording, view, shade, strong)
@@ -87,7 +89,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
-        if row == 0 and is_covered(recording):  # a wider copy behind the chain, which the legend shows
+        # a wider copy of the chain behind the chain, which the legend also shows
+        if row == 0 and is_covered(recording):
             rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
@@ -109,7 +112,7 @@ def ball_of(recording: Recording) -> int | None:
     """Return the number of the point at the centre of a ball; None if the chain is not a ball.
 
     A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
-    least the length of the link.
+    least the length of the link, so that it contains the link.
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None
@@ -146,7 +149,7 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return a function that returns the colour for a time; the colours change in the time that is shown."""
+    """Return a function from a time to its colour; the colours change over the time that is shown."""
     shown = shown_time(recording)
     norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
     return lambda time: TIME_COLOURS(norm(time))
@@ -168,7 +171,7 @@ def strong_times(recording: Recording) -> list[float]:
 
 
 def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
-    """Return the indices of poses, shape (P, N+1, 2) [m], that are apart from each earlier one.
+    """Return the indices of poses, shape (P, N+1, 2) [m], that are apart from each earlier pose that is kept.
 
     Two poses are apart if the mean distance of their points is at least ``least`` [m]. The first ``always``
     poses are kept.
@@ -317,7 +320,7 @@ def _label_place(
     """Return the position of an impact's label, and the direction from the impact to it: into the wall.
 
     For a stop of a joint, the direction is across the link. For a stop of a slider, the label is beyond the
-    mark.
+    mark of the stop.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -332,7 +335,7 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return position of a ring → the rows of the impacts at this position, the fastest first.
+    """Return the rings of impacts: the position of each ring, and the rows of its impacts, the fastest first.
 
     Impacts at the same wall or stop share a position if they are close to each other.
     """

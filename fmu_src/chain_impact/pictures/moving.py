@@ -1,4 +1,4 @@
-"""Walls and a base that move: strong at start, end and impacts, faint in between, with a trace."""
+"""Walls and a base that move: drawn strongly at start, end and impacts, faintly in between, with a trace."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ TRACE_GAP = 0.04  # the distance of the trace from the end of a wall, relative t
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw walls and a base that move: in the colours of time at start, end and ``times``, else faint."""
+    """Draw walls and a base that move: at start, end and ``times`` in the colours of time, else faintly."""
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the visible part of the wall ``name`` at each of some times.
 
-        This is the part along the free region, inside the view: the two ends of a line, or nothing.
+        The visible part bounds the free region inside the view; it is given by its two ends, or empty.
         """
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
@@ -38,7 +38,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         for shown, width in ((times, 1.2), (ends, 2.4)):
             for time, line in zip(shown, lines(name, shown), strict=True):
                 _add(axes, [line], colors=[shade(time)], linewidths=width, zorder=2.0)
-        if any(map(len, between)) and not has_label:  # one entry of the legend for all walls
+        if any(map(len, between)) and not has_label:  # all walls share one entry of the legend
             axes.collections[-1].set_label("moving wall")
             has_label = True
         _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
@@ -83,7 +83,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
 
 
 def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return a copy of all lines for each displacement in ``ways``, shape (W, 2) [m], moved by it."""
+    """Return copies of all lines, moved by each displacement in ``ways``, shape (W, 2) [m]."""
     return [line + way for way in ways for line in lines]
 
 

@@ -1,4 +1,4 @@
-"""Long names of points: a picture has short names in its panels, and the full names at its foot."""
+"""Long names of points: the panels of a picture have short names, and its foot has the full names."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
-KEPT = 7  # the number of characters at each end of a shortened name
+KEPT = 7  # the number of characters that are kept at each end of a shortened name
 
 
 def short_names(recording: Recording, text: str) -> str:

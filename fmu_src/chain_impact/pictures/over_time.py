@@ -39,10 +39,10 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
 # an energy is dashed if its curve differs from an earlier one by at most ALIKE, relative to the range of all
-# energies, in at least the part MOSTLY of the rows
+# energies, in at least the part MOSTLY of all rows
 ALIKE, MOSTLY = 0.03, 0.8
-# the zero of the potential energy is moved if the range of all energies then is smaller than this, relative
-# to the range with the usual zero
+# The zero of the potential energy is moved if the range of all energies is then smaller than this, relative
+# to the range with the usual zero.
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
@@ -62,10 +62,11 @@ VISIBLE_ELASTIC = 0.01
 # the total and two others do, they are a band
 TINY = 0.05
 CLOCK_HEIGHT = 0.045  # [inch] the height of the colours of time
-# the height of a bar of sticking, and of a name above its bars, relative to the distance of two rows
+# the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
-SHORT = 0.002  # sliding for up to this part of the run's duration is too short to be explained in a legend
+# sliding that takes up to this part of the run's duration is too short to be explained in a legend
+SHORT = 0.002
 # the least duration of a contact, relative to the run's duration, that is drawn as a thick line
 SEEN_CONTACT = 0.01
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
@@ -80,7 +81,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     label_time(axes, recording, "the same colours as in the motion" if is_full(axes) else "")
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
-    axes.tick_params(bottom=False, labelbottom=False)  # the panel above has the numbers of this axis
+    axes.tick_params(bottom=False, labelbottom=False)  # the panel above already has the numbers of this axis
     give_ticks(axes)
 
 
@@ -157,7 +158,7 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
 
 
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
-    """Return energies for a picture, and what is added to the potential and the total energy [J].
+    """Return energies for a picture, and the number [J] that is added to potential and total energy.
 
     The zero of the potential energy is arbitrary. If a gap between its curve and the others would take much
     of the axis, its least value is drawn near 0. The added number has two digits; it is 0 without a large
@@ -183,7 +184,7 @@ def range_of(energies: dict[str, np.ndarray]) -> float:
 
 
 def offset_text(offset: float) -> str:
-    """Return what is added to an energy [J] as text: "+ 22 J"."""
+    """Return as text the number [J] that is added to an energy: "+ 22 J"."""
     return f"{'+' if offset > 0.0 else '−'} {abs(offset):.10g} J"
 
 
@@ -220,7 +221,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
             row, sticks = shown.index(location), phase["mode"] == STICKS
             colour, height = (INK, PHASE_HEIGHT) if sticks else (GREY, 0.3 * PHASE_HEIGHT)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    # a name is above its bars, so that a long name takes no width from the panels
+    # a name stands above its bars, so that a long name takes no width from the panels
     rows = [row + NAME_HEIGHT for row in range(len(shown))]
     names = [short_names(recording, location) for location in shown]
     axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
@@ -229,7 +230,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
     handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
-    # contacts slide for an instant before they stick, which cannot be seen
+    # a contact slides for an instant before it sticks, which is too short to be seen
     long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))

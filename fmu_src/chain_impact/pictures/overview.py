@@ -34,7 +34,7 @@ NUMBER, MOST_BAND = 26.0, 0.25
 
 
 def draw_place(axes: Axes, recording: Recording) -> None:
-    """Draw where the chain is: over time if it is a ball that moves along a line, else in the plane."""
+    """Draw the position of the chain: over time for a ball that moves along a line, else in the plane."""
     along = line_of_motion(recording)
     if along is None:
         draw_motion(axes, recording)
@@ -43,7 +43,10 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into a motion in the plane; over time, only the speeds have numbers."""
+    """Write the numbers of impacts into a motion in the plane.
+
+    If the motion is drawn over time, only the panel of speeds has numbers.
+    """
     return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
 
 
@@ -61,7 +64,8 @@ The functions return the numbers without room, as text.
 """
 # LISTED_HEIGHT: the largest height of texts at the foot that name impacts, relative to the figure's height
 LISTED_HEIGHT = 0.25
-FEET = 3  # how often, at most, the panels are arranged again because the text at the foot takes room
+# the largest number of times that the panels are arranged again because the text at the foot takes room
+FEET = 3
 PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
@@ -119,11 +123,13 @@ def number_and_list(
 
     ``motion`` are the axes of a motion with equal scales along x and y.
 
-    This text takes room from the panels. Then fewer numbers may have room, so the text is written again.
+    The text takes room from the panels, in which fewer numbers may then have room; so the text is written
+    again.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    # without a layout engine all artists stay where they are, also the labels that are now put between them
+    # without a layout engine all artists stay at their positions, also the labels that are now put between
+    # them
     figure.set_layout_engine("none")
     missing = number_all(figure, panel_axes, recording)
     for _ in range(FEET if missing else 0):

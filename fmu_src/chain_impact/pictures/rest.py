@@ -1,4 +1,4 @@
-"""The rests of a motion, and the time that a picture shows."""
+"""The rests of a motion in a picture, and the time that the picture shows."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-CUT_REST = 0.4  # rests at the start and the end are cut if they take at least this part of the whole time
-BEFORE, AFTER = 0.1, 0.25  # a cut rest before and after the motion, relative to the time with motion
+CUT_REST = 0.4  # a rest at the start or the end is cut if it takes at least this part of the whole time
+# the duration of a cut rest that is shown before and after the motion, relative to the time with motion
+BEFORE, AFTER = 0.1, 0.25
 
 
 class Shown(NamedTuple):

@@ -1,4 +1,4 @@
-"""The room of the motion: the walls, their free sides, and the visible part."""
+"""The room of the motion: the walls, their free sides, and the part in view."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from chain_impact.scene.half_planes import HalfPlane
 # wall; both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a
 # wall that is left out because it is farther away than NEAR is also outside of the margins.
 VIEW_MARGIN, BAND = 0.04, 0.14
-# a moving wall that is farther from the motion than this is not in view; relative to the motion's size
+# a moving wall that is farther from the motion than this, relative to the size of the motion, is not in view
 FARTHEST = 1.0
 # FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
 # FLAT_MARGIN: the margin above and below it, relative to its height
@@ -33,7 +33,7 @@ STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
 ON_WALL = 1e-9
-# left, right, lowest and highest point of a disc, from its centre, relative to its radius
+# the left, right, lowest and highest point of a disc, relative to its centre and in units of its radius
 DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
 
@@ -59,7 +59,7 @@ def is_flat(recording: Recording) -> bool:
 
 
 def seen_size(recording: Recording) -> float:
-    """Return the size of a motion [m] by which a reader tells poses apart: its height if it is flat."""
+    """Return the size of a motion [m] relative to which poses look apart: the height of a flat motion."""
     return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
 
 
@@ -99,7 +99,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     met = dict(near)
     for at, wall in everywhere.items():
         normal = np.array(wall.normal)
-        # how far the view reaches beyond the wall [m]
+        # the distance [m] by which the view reaches beyond the wall
         beyond = -wall.clearance(*np.where(normal > 0.0, *view))
         if at not in near and beyond > 0.0:
             met[at] = wall
@@ -115,7 +115,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
 
 
 def drawn_places(recording: Recording) -> np.ndarray:
-    """Return the positions of all points, and of what is drawn around them, shape (T, M, 2) [m]."""
+    """Return the positions of all points, and of the things drawn around them, shape (T, M, 2) [m]."""
     places, points = places_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
@@ -126,7 +126,7 @@ def drawn_places(recording: Recording) -> np.ndarray:
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
-    """Yield the walls of a recording at two extreme positions.
+    """Yield the walls of a recording in two extreme positions.
 
     First each moving wall is where it leaves the chain the most room, then where it leaves the least.
     """

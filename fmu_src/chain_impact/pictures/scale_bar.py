@@ -1,4 +1,4 @@
-"""A bar of a round length below the moving chain of a film, as the scale of its lengths."""
+"""A bar of a round length, below the moving chain of a film, which shows the scale of lengths."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import blended_transform_factory
 
 LONGEST_BAR = 1 / 6  # the largest length of the bar, relative to the width of the view
-FACTORS = (5, 2, 1)  # a round length is a power of ten times one of these
-LENGTH_EXCESS = 1e-12  # the relative excess of a length that counts as round-off
-SMALL_LENGTH = 0.01  # [m] a shorter bar has its length in millimetres
+FACTORS = (5, 2, 1)  # a round length is one of these numbers times a power of ten
+LENGTH_EXCESS = 1e-12  # the relative excess of a length over a round length that counts as round-off
+SMALL_LENGTH = 0.01  # [m] the length of a bar below which its number is in millimetres
 
 
 def round_length(most: float) -> float:
@@ -25,9 +25,9 @@ def round_length(most: float) -> float:
 
 
 def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
-    """Return what a ruler below axes needs: their figure, the place of lines, and the look of texts.
+    """Return the figure of axes, the transform for a ruler's lines below the axes, and the look of texts.
 
-    The place is a transform of x in the data of axes and of y relative to the height of the figure.
+    The transform takes x in the data of axes and y relative to the height of the figure.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None

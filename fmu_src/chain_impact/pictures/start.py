@@ -26,13 +26,13 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
 DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of the drawing, and of the icon
-# [inch] the width and height that stay free, for both sides together: in the drawing, and in the icon
+# [inch] the width and height that stay free, for both sides together: in the drawing and in the icon
 DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
-# [points] the length of an arrow, the radius of the arc of an angle, the length of the line from which an
+# [points] three lengths: of an arrow, of the radius of the arc of an angle, and of the line from which an
 # angle is measured
 ARROW, ARC, REFERENCE = 30.0, 18.0, 32.0
 # the largest number of links with which all points and angles get labels; with more links only some points
-# and the first angle get one
+# and the first angle get a label
 LABELLED = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
@@ -104,7 +104,7 @@ def _chain(
     joints, sites = np.split(points, [len(scene.chain.links) + 1])
     planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
     seen = np.array([*points, *(_foot(plane, middle) for plane in planes)])
-    scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # m per inch
+    scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # the scale [m per inch] of the drawing
     centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
@@ -153,7 +153,7 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    # [points] the link is above the line if the angle is positive; the text is on the other side
+    # [points] the link is above this line if the angle is positive, so the text is on the other side
     below = -9.0 if turned > 0.0 else 6.0
     _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
 

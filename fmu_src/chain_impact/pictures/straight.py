@@ -1,4 +1,4 @@
-"""The motion of a ball along a line, over time: its place, the walls, and the impacts."""
+"""The motion of a ball along a line, drawn over time: the ball's position, the walls, and the impacts."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from chain_impact.pictures.room import STRAIGHT, moves, view_of
 from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.recording.recording import Recording
 
-BENT = 0.01  # the largest width of the path of a ball that moves along a line, relative to the path's length
+BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of the path
 # the margin beyond the ball, and the visible width of the area outside of a wall, relative to the range of
 # the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14
-BALL_OPACITY = 0.25  # of the ball around its centre
-# SMALLEST_RING: [points] the least size of the mark of an impact; RING_PART: its size if there are many,
-# relative to the width of the axes for each impact
+BALL_OPACITY = 0.25  # the opacity, from 0 to 1, of the disc of the ball around its centre
+# SMALLEST_RING: [points] the least size of the mark of an impact; RING_PART: the size of the mark if there
+# are many impacts, relative to the width of the axes divided by their number
 SMALLEST_RING, RING_PART = 3.0, 0.7
 
 
@@ -83,15 +83,15 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
 
 
 def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
-    """Return wall → the place of its surface along an axis over time, shape (T,) [m], of walls across it.
+    """Return the position of each wall's surface along an axis over time, by the wall's name, shape (T,) [m].
 
-    The surface of an inclined wall is taken beside the ball.
+    The walls are across the axis. The surface of an inclined wall is taken beside the ball.
     """
     ball, still, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
     for name in view_of(recording).walls:
         wall = recording.walls[name]
         offset = wall.offset + recording.moved_walls.get(name, still)
-        # n·p = offset, with the ball's coordinate across the axis
+        # the surface lies where n·p = offset, with the ball's coordinate across the axis
         beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
         surfaces[name] = (offset - beside) / wall.normal[along]
     return surfaces

@@ -26,7 +26,7 @@ from chain_impact.system import written_whole
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 OCHRE, BROWN, VIOLET = "#c07f00", "#7a4b2a", "#7a3fa8"
-LOAD = "#0b7285"  # the forces in joints, also in films and pages
+LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 
@@ -39,8 +39,8 @@ OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground: beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
 """The colours of areas on which labels may stand."""
-# These colours mix a fraction of the text colour with the ground. SHADE: for a time in which nothing moves;
-# LINE: for the line at an impact.
+# Parts of the text's colour in a mixture with the ground. SHADE: for a time in which nothing moves; LINE: for
+# the line at an impact.
 SHADE, LINE = 0.05, 0.1
 # the colour map viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
@@ -50,7 +50,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
-    "figure.constrained_layout.w_pad": 0.075,  # [inch] the space at the left and right of axes
+    "figure.constrained_layout.w_pad": 0.075,  # [inch] the space to the left and to the right of axes
     "figure.titlesize": 11,
     "figure.titleweight": "bold",
     "grid.color": PALE,
@@ -60,9 +60,9 @@ STYLE: Any = {
     "legend.borderaxespad": 0.2,
     "xtick.labelsize": "small",
     "ytick.labelsize": "small",
-    "pdf.fonttype": 42,  # TrueType fonts, because many journals refuse Type 3 fonts
+    "pdf.fonttype": 42,  # type 42 stands for TrueType fonts, because many journals refuse Type 3 fonts
     "ps.fonttype": 42,
-    "svg.fonttype": "none",  # text stays text; it does not become outlines
+    "svg.fonttype": "none",  # with "none", text stays text, and does not become outlines
     # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
     "text.hinting": "none",
 }
@@ -81,7 +81,8 @@ If the user's style is dark, ``suit_figure`` then changes the colours.
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, that a figure keeps until it is drawn."""
 DPI = 160
-FULL, WIDE = 10.0, 6.0  # [inch] FULL: the usual width of a figure; WIDE: the least for two columns of axes
+# [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes
+FULL, WIDE = 10.0, 6.0
 LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
 GAP = 0.09  # [inch] space below the headline, and below the conditions
 MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to the height of the figure
@@ -95,7 +96,7 @@ COUNT_STEPS = (1, 2, 5, 10)  # the same for numbers of impacts and runs
 
 @contextmanager
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
-    """Draw in the style of all pictures; the context manager is also a decorator.
+    """Draw in the style of all pictures; the function is a context manager and a decorator.
 
     A user's axes are drawn without ``colours``, so that they keep the colours of their own style.
     """
@@ -128,7 +129,7 @@ class StyledFigure(Figure):
             }
 
     def draw(self, renderer: Any) -> None:
-        """Draw with the settings with which the figure was arranged, as they determine fonts and ticks."""
+        """Draw with the settings with which the figure was arranged, which determine fonts and ticks."""
         with mpl.rc_context(self.settings):
             super().draw(renderer)
 
@@ -145,7 +146,7 @@ class StyledFigure(Figure):
 
 
 def suit_figure(figure: Figure) -> None:
-    """Change the colours of a figure, drawn black on white, to those of the style in use if it is dark."""
+    """Change the colours of a figure for a white ground to those for the style in use, if it is dark."""
     ground = Ground.of_style()
     if ground is None:
         return
@@ -216,10 +217,10 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 
 
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
-    """Write a text at the foot of a figure, above other texts there; return the text, None without room.
+    """Write a text at the foot of a figure, above other texts there.
 
-    All texts at the foot take at most the part ``most`` of the figure's height, by default FREE_FOOT or
-    MOST_FOOT.
+    Return the text, or None if it has no room. All texts at the foot take at most the part ``most`` of the
+    figure's height, by default FREE_FOOT or MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT

@@ -30,7 +30,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
-    # Hermite interpolation of the position p between rows 0 and 1, a time h apart, at the fraction s of h:
+    # p is the position by Hermite interpolation between rows 0 and 1, a time h apart, at the fraction s of h:
     # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁), with the velocities v
     start, end = tip[row], tip[row + 1]
     before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
