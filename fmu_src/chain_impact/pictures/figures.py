@@ -299,6 +299,10 @@ def thin_ticks(axes: Axes) -> None:
         ):
             return
         axes.locator_params(axis="x", nbins=most, min_n_ticks=most, steps=COARSE_STEPS)
+    texts = numbers_in_view(axes.xaxis)
+    boxes = [text.get_window_extent() for text in texts]
+    if any(map(meet, boxes, boxes[1:])):
+        axes.set_xticks([float(texts[end].get_position()[0]) for end in (0, -1)])
 
 
 def labels_of(figure: Figure) -> list[str]:

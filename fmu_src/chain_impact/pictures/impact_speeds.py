@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.labels import Ink, Label, listed, place_labels
@@ -93,8 +94,10 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int
     assert figure is not None
     depth = (0.5 + lane) * ROW / 72.0  # [inch] the height of the row above the axis
     lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
-    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered, "clip_on": False}
-    axes.hlines(np.zeros(len(starts)), starts, ends, **look)
+    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
+    lines = axes.hlines(np.zeros(len(starts)), starts, ends, **look)
+    lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))  # only the sides clip
+    lines.set_in_layout(False)
 
 
 def shared_word(names: Sequence[str]) -> list[str]:
