@@ -290,9 +290,8 @@ export class GridMap {
 
   #drawScales() {
     const { names, values } = this.shown;
-    const varied = names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]); // of no one value
-    const common = { ...values, ...Object.fromEntries(varied) };
-    const units = names.map((name) => ({ ...this.#unitOf(name, common), isLogarithmic: isLogarithmic(name) }));
+    const varied = Object.fromEntries(names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]));
+    const units = names.map((name) => ({ ...this.#unitOf(name, { ...values, ...varied }), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
     this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
@@ -362,8 +361,8 @@ export class GridMap {
   #valueText(name, value, values) {
     const { factor, text } = this.#unitOf(name, values);
     const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
-    const unit = presentUnit(this.changes, name, values);
-    return `${name} = ${[withMinus(numberText(Number(value.toPrecision(5)))), unit].filter(Boolean).join("\u202f")}${degrees}`;
+    const shown = [withMinus(numberText(Number(value.toPrecision(5)))), presentUnit(this.changes, name, values)];
+    return `${name} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
   }
 
   /** Open a run; the first touch of a run with a finger only shows its values. */
