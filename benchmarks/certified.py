@@ -60,7 +60,7 @@ def missing(d: Any) -> str:
         "points held by rigid walls": touch["active_count"] > touch["compliant_count"],
         "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
         "dry friction of laws that damp on approach only": drawn.any(),
-        "rotors of drives": d["model"]["has_armatures"],
+        "rotors of drives": d["chain"]["has_armatures"],
         "moving base or walls": d["channels"] > 0 and d["moved"]["piece"][1:].any(),
         "inputs that vary in a step": course["order"] > 0 and any(part.any() for part in varied),
         "contact law of the user": USER_LAW in d["law"]["number"],

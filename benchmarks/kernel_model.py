@@ -278,7 +278,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
 @compiled
 def static_depth(d):
     """Return the penetration [m] under the weight of one link."""
-    weight = abs(d.model.gravity[1]) * d.model.mass[0]
+    weight = abs(d.chain.gravity[1]) * d.chain.mass[0]
     return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
 
 
@@ -325,16 +325,16 @@ def cvode_weights(d, careful, y, weight):
     have no relative part, and during a contact no more than a part of the static penetration.
     """
     n, tolerance = d.links, d.solver.tolerance
-    position = tolerance * d.model.longest_link
+    position = tolerance * d.chain.longest_link
     if careful and d.touch.active_count > 0:
         position = min(position, POSITION_ERROR * static_depth(d))
     for j in range(2 * n + 5):
         if j < n + 2:
-            allowed = position if j < 2 else position / d.model.longest_link
+            allowed = position if j < 2 else position / d.chain.longest_link
             if not careful:
                 allowed += tolerance * abs(y[j])
         else:
-            scale = d.model.longest_link if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy_scale
+            scale = d.chain.longest_link if j < n + 4 else 1.0 if j < 2 * n + 4 else d.chain.energy_scale
             allowed = tolerance * (scale + abs(y[j]))
         weight[j] = 1.0 / allowed
     return 0

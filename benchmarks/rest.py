@@ -65,9 +65,9 @@ def outcome(run: Any) -> dict[str, Any]:
     start = energy(run)
     run.run()
     drift, record, last = energy(run) - start, run.instance.record, run.rows[-1]
-    output, model = record["output"], record["model"]
+    output, chain = record["output"], record["chain"]
     floor = record["candidate"]["wall"] == 2
-    weight = float(model["mass"].sum() * -model["gravity"][1])
+    weight = float(chain["mass"].sum() * -chain["gravity"][1])
     return {
         **{name: int(last[name]) for name in ("steps", "rejected", "rhs", "jacobians", "flag")},
         "onsets": int(record["impact"]["count"]),

@@ -32,21 +32,21 @@ class Step:
 
     def __init__(self, d: Any) -> None:
         """Copy the needed data from the record."""
-        step, touch, model, own = d["step"], d["touch"], d["model"], d["inputs"]
-        self.links, self.pinned = int(d["links"]), bool(model["has_base_joint"])
+        step, touch, chain, own = d["step"], d["touch"], d["chain"], d["inputs"]
+        self.links, self.pinned = int(d["links"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
-        self.regularized, self.lever = int(step["regularized"]), float(model["longest_link"])
+        self.regularized, self.lever = int(step["regularized"]), float(chain["longest_link"])
         free = range(2 * self.pinned, self.links + 2)
         variables = [*free, *(self.links + 2 + j for j in free)]
         variables += [2 * self.links + 6] if self.regularized >= 0 else []
         self.free = len(free)
         self.first = self.free - self.links  # index of the first angle
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
-        place = d["moved"]["position"] if model["base_moves"] else step["state"]
+        place = d["moved"]["position"] if chain["base_moves"] else step["state"]
         self.base = [arb(float(value)) for value in place[:2]]
         self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, END)]
-        self.gravity, self.tip = model["gravity"].tolist(), own["tip_force"].tolist()
-        self._bodies(model)
+        self.gravity, self.tip = chain["gravity"].tolist(), own["tip_force"].tolist()
+        self._bodies(chain)
         names = ("motor", "drive_stiffness", "target", "drive_damping", "target_velocity")
         self.joints = [[float(own[name][i]) for name in names] for i in range(self.links)]
         for i, mode in enumerate(d["drive"]["mode"][: self.links]):
@@ -76,10 +76,10 @@ class Step:
         self.unit = 2.0 ** np.round(np.log2(unit))
         self.scale = arb(float(touch["depth_scale"][self.regularized])) if self.regularized >= 0 else arb(1)
 
-    def _bodies(self, model: Any) -> None:
+    def _bodies(self, chain: Any) -> None:
         """Set the masses, the arms a_kj, and the factors A_ij of the mass matrix A_ij cos(θ_i − θ_j)."""
         names = ("length", "mass", "center_of_mass", "inertia")
-        length, mass, middle, inertia = ([arb(x) for x in model[name].tolist()] for name in names)
+        length, mass, middle, inertia = ([arb(x) for x in chain[name].tolist()] for name in names)
         links = range(self.links)
         beyond = [sum(mass[i + 1 :], arb(0)) for i in links]
         moment = [mass[i] * middle[i] + length[i] * beyond[i] for i in links]

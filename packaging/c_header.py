@@ -9,7 +9,7 @@ from pathlib import Path
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
 from chain_impact.fmu.table import HEAD, MAGIC, TABLE_KINDS, TABLE_TYPES, VARIABLE
-from chain_impact.kernel.forces.inputs import REINITIALIZE
+from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.status import ONSET_DUE, PAUSED
 
@@ -33,7 +33,7 @@ def header() -> str:
         f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};",
         "/* kernel/status.py: statuses of the kernel that are no faults */\n"
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
-        "/* kernel/forces/inputs.py: the value of given.changed with which the solver re-initializes */\n"
+        "/* kernel/chain/inputs.py: the value of given.changed with which the solver re-initializes */\n"
         f"enum {{ REINITIALIZE = {REINITIALIZE} }};",
         "/* compilation/signatures.py: the functions of the kernel */\n"
         f"typedef union {{ double real; int64_t integer; }} Word;\n{declarations()}",

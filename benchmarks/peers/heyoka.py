@@ -30,7 +30,7 @@ class Taylor(OnKernel):
 
     def __init__(self, scene: Scene, stop: float) -> None:
         super().__init__(scene, stop)
-        self.contact, self.given = scene.contact, self.instance.record["model"]
+        self.contact, self.given = scene.contact, self.instance.record["chain"]
         candidate = self.instance.record["candidate"]
         self.pairs = list(zip(candidate["point"].tolist(), candidate["wall"].tolist(), strict=True))
         self.integrators: dict[tuple[int, ...], Any] = {}

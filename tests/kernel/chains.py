@@ -96,7 +96,7 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
     """Return a random state y of a record, whose u and time are those of the start of a step."""
     n = d.links
     y = rng.uniform(-2.0, 2.0, len(d.step.state))
-    if d.model.has_base_joint:
+    if d.chain.has_base_joint:
         y[:2] = y[n + 2 : n + 4] = 0.0
     y[sundman_u_at(n)], y[time_at(n)] = 1.0, 0.0
     return y
@@ -139,7 +139,7 @@ def gradients(scene: Scene, d: Plain, angles: Sequence[float], candidates: Itera
 
 def free_coordinates(d: Plain) -> slice:
     """Return the indices of the coordinates that can move."""
-    return slice(2, None) if d.model.has_base_joint else slice(None)
+    return slice(2, None) if d.chain.has_base_joint else slice(None)
 
 
 def vectors(record: Any) -> np.ndarray:

@@ -66,16 +66,16 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
             row, i = np.zeros(d.links + 2), drive_of_element(d, e)
-            row[2 + i] = d.model.longest_link
+            row[2 + i] = d.chain.longest_link
             if i > 0:
-                row[1 + i] = -d.model.longest_link
+                row[1 + i] = -d.chain.longest_link
             rows.append(row)
     return np.array(rows).reshape(-1, d.links + 2)
 
 
 def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return M⁻¹ Jᵀ and W = J M⁻¹ Jᵀ of gradients; a pinned base does not move."""
-    free = slice(2, None) if d.model.has_base_joint else slice(None)
+    free = slice(2, None) if d.chain.has_base_joint else slice(None)
     response = np.zeros(rows.T.shape)
     mass = mass_matrix(scene, y[2 : d.links + 2])
     response[free] = np.linalg.solve(mass[free, free], rows[:, free].T)
@@ -134,7 +134,7 @@ class AtRest:
         held = [
             d.law.static_friction[e] * d.touch.force[e]
             if e < d.candidates
-            else d.drive.friction[e - d.candidates] / d.model.longest_link
+            else d.drive.friction[e - d.candidates] / d.chain.longest_link
             for e in self.elements
         ]
         own = [d.law.friction[e] * d.touch.force[e] if e < d.candidates else 0.0 for e in self.elements]

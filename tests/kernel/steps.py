@@ -42,7 +42,7 @@ def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend:
     parts[0, :half] = rng.uniform(-2.0, 2.0, half)
     parts[1, :half] = rng.uniform(-speed, speed, half)
     parts[2, :half] = 0.5 * rng.uniform(-bend, bend, half)
-    if d.model.has_base_joint:
+    if d.chain.has_base_joint:
         parts[:, :2] = 0.0
     parts[0, half : 2 * half], parts[1, half : 2 * half] = parts[1, :half], 2.0 * parts[2, :half]
     parts[0, sundman_u_at(n)], parts[1, time_at(n)] = 1.0, 1.0
@@ -73,7 +73,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
 def points_of(d: Plain, y: np.ndarray) -> np.ndarray:
     """Return the points of a state, as complex numbers; for many states, shape (…, N+1)."""
     n = d.links
-    ends = np.cumsum(d.model.length * np.exp(1j * y[..., 2 : n + 2]), axis=-1)
+    ends = np.cumsum(d.chain.length * np.exp(1j * y[..., 2 : n + 2]), axis=-1)
     base = y[..., 0:1] + 1j * y[..., 1:2]
     return base + np.concatenate([np.zeros_like(base), ends], axis=-1)
 
@@ -131,7 +131,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
     wall_at(d, c, motion.at(0.0), 0.0)
     touch(d, [c])
-    d.model.gravity[:] = d.model.gravity_size = 0.0
+    d.chain.gravity[:] = d.chain.gravity_size = 0.0
     piece = d.inputs.piece
     piece.order, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
     let_push(d, c, force)
@@ -142,7 +142,7 @@ def let_push(d: Plain, c: int, force: Iterable[float]) -> None:
     """Set the torque of ``held_tip`` to one against which the wall pushes with this force."""
     angle = d.step.state[2]
     normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
-    lever = d.model.length[0] * np.array([-np.sin(angle), np.cos(angle)]) @ normal
+    lever = d.chain.length[0] * np.array([-np.sin(angle), np.cos(angle)]) @ normal
     powers = d.inputs.piece.motor
     powers[:, 0] = 0.0
     for m, part in enumerate(force):

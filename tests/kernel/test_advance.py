@@ -50,7 +50,7 @@ def test_a_run_ends_when_its_energy_drifts(monkeypatch):
     assert d["statistics"]["steps"] == 1
 
 
-def test_a_call_pauses_after_its_work_and_goes_on():
+def test_a_call_pauses_after_its_cost_and_goes_on():
     whole, parts, calls = started(), started(), 0
     assert advance(whole, 0.6) == OK
     while (status := advance(parts, 0.6, cost_limit=loop.cost_so_far(parts) + 100)) == PAUSED:

@@ -25,7 +25,7 @@ def d():
 
 
 @pytest.mark.parametrize(("evaluations", "looks", "over"), [(100, 0, False), (0, 100, False), (60, 41, True)])
-def test_the_limit_counts_all_work_in_a_second(d, evaluations, looks, over):
+def test_the_limit_counts_all_cost_in_a_second(d, evaluations, looks, over):
     d.statistics.rhs_evaluations += evaluations
     d.limits.other_cost += looks
     assert cost.cost_so_far(d) == 700 + evaluations + looks
@@ -57,7 +57,7 @@ def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
 
 
 @pytest.mark.parametrize("count", [1, 100])
-def test_a_call_returns_after_as_much_work_of_the_points_of_a_chain(count):
+def test_a_call_returns_after_a_cost_that_falls_with_the_points_of_a_chain(count):
     _, d = chain(np.random.default_rng(0), count)
     most = cost.cost_of_a_call(d)
     assert most == int(most)
@@ -83,13 +83,13 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
 def test_each_joint_and_the_slider_may_have_their_own_events(kind):
     """A cart with a pole has two stops, which are candidates, and the drives of a joint and of a slider."""
     d = begun(cart())
-    d.friction.used, d.model.has_drive_limits = kind == "friction", kind == "limit"
+    d.friction.used, d.chain.has_drive_limits = kind == "friction", kind == "limit"
     limit = 4 * cost.MOST_EVENTS
     assert cost.check_events(d, limit) == OK
     assert cost.check_events(d, 1) == EVENT_STORM
 
 
-def test_work_for_outputs_is_not_counted(d):
+def test_the_cost_of_outputs_is_not_counted(d):
     counted = cost.counted_cost(d)
     cost.count_evaluations(d, 7)
     cost.count_other_cost(d, 11)

@@ -70,7 +70,7 @@ def resting():
 def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
     _, d = chain(np.random.default_rng(0), 3, "pinned")
     last_step.reset_step(d, 0.0, d.step.state_end)
-    d.model.has_springs_or_dampers = 1
+    d.chain.has_springs_or_dampers = 1
     d.trial.state[:] = sign * size
     d.trial.state[0], d.trial.state[velocity_at(3) + 2] = 0.25, -1e-99
     d.trial.state[time_at(3)], d.trial.size = 0.1, 0.1

@@ -55,17 +55,17 @@ def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, cou
 @BASES
 def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     _, d, y, (first, _second) = prepared(base, count)
-    assert d.model.has_springs == (count > 1 or base == "pinned")
+    assert d.chain.has_springs == (count > 1 or base == "pinned")
     springs = drives.spring_energy(d, y)
     contacts = [force_formula.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
     press_in(d, first, -1e-3)  # the point has left its wall, and the end of its contact is not located yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
-    d.model.has_springs = 0
+    d.chain.has_springs = 0
     assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
     make_rigid(d)
     assert stored_energy(d, y) == 0.0
-    d.model.has_springs = 1
+    d.chain.has_springs = 1
     make_rigid(d, 0)
     touch(d, [])
     assert stored_energy(d, y) == springs

@@ -65,7 +65,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     """Gᵀ (u − c G ω) with the rates G ω of the joints; dissipated Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
-    d.model.has_springs = sprung
+    d.chain.has_springs = sprung
     dissipated, supplied = equations.joint_moments(d, y)
     found = d.scratch.moment.copy()
     if sprung:
@@ -91,7 +91,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     loads = rng.normal(size=(count + 1, 2))
     set_vectors(d.scratch.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
-    if inputs or d.model.has_springs_or_dampers:
+    if inputs or d.chain.has_springs_or_dampers:
         powers = equations.joint_moments(d, y)
         moments = d.scratch.moment.copy()
         d.scratch.moment[:] = 9.0
@@ -169,13 +169,13 @@ def test_in_free_flight_no_point_is_located():
     equations.rate_from_points(d, y, other)
     np.testing.assert_array_equal(rate[:-2], other[:-2])
     # an input acts on the tip, whose speed gives the input's power
-    d.model.has_inputs, d.inputs.tip_force[0] = 1, 2.0
+    d.chain.has_inputs, d.inputs.tip_force[0] = 1, 2.0
     d.scratch.velocity.x[:] = 77.0
     equations.rate_from_state(d, y, rate)
     assert rate[state.supplied_at(3)] == pytest.approx(2.0 * d.scratch.velocity.x[3])
     assert d.scratch.velocity.x[3] != 77.0
     # a contact also needs located points, without any input
-    d.model.has_inputs = 0
+    d.chain.has_inputs = 0
     touch(d, [2])
     d.scratch.velocity.x[:] = 77.0
     equations.rate_from_state(d, y, rate)

@@ -12,9 +12,9 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.advance import advance, advance_to_onset
+from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.cost import UNLIMITED
 from chain_impact.kernel.entry import trajectory
-from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK

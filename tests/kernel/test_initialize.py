@@ -52,25 +52,25 @@ def prepared(count=3, base="free", **more):
 def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     """I + m c² about either end of a link, and the absolute scales of lengths and energies."""
     scene, d = prepared(count, base)
-    model, links = d.model, scene.chain.links
+    chain, links = d.chain, scene.chain.links
     for name in ("proximal_inertia", "distal_inertia", "center_of_mass_ratio"):
-        model[name][:] = math.nan
-    model.longest_link = model.reach = model.energy_scale = 99.0
+        chain[name][:] = math.nan
+    chain.longest_link = chain.reach = chain.energy_scale = 99.0
     derive_chain(d)
     for i, link in enumerate(links):
         alone = link.inertia + link.mass * link.center_of_mass**2
-        assert model.proximal_inertia[i] == pytest.approx(alone, rel=1e-14)
-        assert model.center_of_mass_ratio[i] * link.length == pytest.approx(link.center_of_mass, rel=1e-14)
+        assert chain.proximal_inertia[i] == pytest.approx(alone, rel=1e-14)
+        assert chain.center_of_mass_ratio[i] * link.length == pytest.approx(link.center_of_mass, rel=1e-14)
         # Steiner: m (L − c)² in place of m c²
         other = alone + link.mass * link.length * (link.length - 2.0 * link.center_of_mass)
-        assert model.distal_inertia[i] == pytest.approx(other, rel=1e-13)
-    assert model.proximal_inertia[-1] == pytest.approx(mass_matrix(scene, np.zeros(count))[-1, -1], rel=1e-13)
+        assert chain.distal_inertia[i] == pytest.approx(other, rel=1e-13)
+    assert chain.proximal_inertia[-1] == pytest.approx(mass_matrix(scene, np.zeros(count))[-1, -1], rel=1e-13)
     lengths, mass = [link.length for link in links], sum(link.mass for link in links)
-    assert model.longest_link == max(lengths)
-    assert model.reach == pytest.approx(sum(lengths), rel=1e-14)
-    assert model.energy_scale == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
-    assert model.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
-    assert model.meeting_joint == (0 if base == "pinned" else count // 2)
+    assert chain.longest_link == max(lengths)
+    assert chain.reach == pytest.approx(sum(lengths), rel=1e-14)
+    assert chain.energy_scale == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
+    assert chain.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
+    assert chain.meeting_joint == (0 if base == "pinned" else count // 2)
 
 
 @BASES
@@ -79,12 +79,12 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
 def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
     for count in (1, 3):
         _, d = prepared(count, base, springs=springs, dampers=dampers)
-        d.model.has_springs = d.model.has_springs_or_dampers = 7
+        d.chain.has_springs = d.chain.has_springs_or_dampers = 7
         derive_drives(d)
         joints = count > 1 or base == "pinned"
         expected = springs and joints, (dampers or springs) and joints
-        assert (d.model.has_springs, d.model.has_springs_or_dampers) == expected
-        assert (d.model.joint_rate_bound > 0.0) == expected[1]
+        assert (d.chain.has_springs, d.chain.has_springs_or_dampers) == expected
+        assert (d.chain.joint_rate_bound > 0.0) == expected[1]
 
 
 IMPACTS = ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
@@ -127,7 +127,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     told = []
     assert initialize(d, 2.0) == OK
     first = {
-        name: d.numpy_record[name].tobytes() for name in ("model", "law", "step", "statistics", "balance")
+        name: d.numpy_record[name].tobytes() for name in ("chain", "law", "step", "statistics", "balance")
     }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.limits.event_start = d.limits.cost_start = 9.0
@@ -168,11 +168,11 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
 
 
 POSITIVE = [("solver", "tolerance"), ("solver", "work_limit"), ("contact", "minimum_impact_speed")]
-POSITIVE += [("contact", "exponent"), ("model", "length"), ("model", "mass")]
-NOT_NEGATIVE = [("model", "inertia"), ("model", "joint_armature")]
+POSITIVE += [("contact", "exponent"), ("chain", "length"), ("chain", "mass")]
+NOT_NEGATIVE = [("chain", "inertia"), ("chain", "joint_armature")]
 NOT_NEGATIVE += [("given", name) for name in ("drive_damping", "drive_stiffness")]
 NOT_NEGATIVE += [("contact", "radius")]
-FINITE = [("given", "target"), ("model", "center_of_mass"), ("model", "wall")]
+FINITE = [("given", "target"), ("chain", "center_of_mass"), ("chain", "wall")]
 FINITE += [("walls", name) for name in ("x", "y", "angle")]
 
 
@@ -194,7 +194,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
             else:
                 d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
-        of_link = record == "model" and field != "wall"
+        of_link = record == "chain" and field != "wall"
         assert d.fault.part == (1 + d.candidates + i if of_link and not good else d.fault.part)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
@@ -218,9 +218,9 @@ def test_a_method_is_one_of_the_list(number):
 
 def test_links_that_can_turn_without_moving_mass_are_refused():
     _, d = prepared()
-    d.model.inertia[1] = 0.0
+    d.chain.inertia[1] = 0.0
     assert check_parameters(d) == OK
-    d.model.inertia[:], d.model.center_of_mass[:] = 0.0, 0.0
+    d.chain.inertia[:], d.chain.center_of_mass[:] = 0.0, 0.0
     assert check_parameters(d) == MASS_MATRIX_SINGULAR
 
 
@@ -231,7 +231,7 @@ def test_a_start_beyond_a_wall_is_refused(depth, status):
     _, d = prepared()
     for c in range(d.candidates):
         d.candidate.offset[:] = -1e6
-        d.model.longest_link, d.candidate.radius[:] = 1.0, 0.0
+        d.chain.longest_link, d.candidate.radius[:] = 1.0, 0.0
         d.candidate.normal_x[c], d.candidate.normal_y[c] = 0.0, 1.0
         d.step.state[:] = 0.0
         d.candidate.offset[c] = depth
@@ -268,7 +268,7 @@ def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
     assert check_parameters(d) == OK
     d.stops[name] = bad
     assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
-    d.model.has_joint_stops = 0  # without stops the value is not used
+    d.chain.has_joint_stops = 0  # without stops the value is not used
     assert check_parameters(d) == OK
 
 

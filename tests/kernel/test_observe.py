@@ -219,7 +219,7 @@ def test_the_outputs_of_stops_are_those_of_their_joints(base, at_max):
     """Moments and angles, at the first stop of each joint; moments at joint_max are negative."""
     _, d = stopped_chain(3, base)
     given = let_stops_act(d, np.random.default_rng(5), at_max)
-    out, size, stops = d.output, d.model.longest_link, stops_of(d)
+    out, size, stops = d.output, d.chain.longest_link, stops_of(d)
     for low, high in zip(stops[::2], stops[1::2], strict=True):
         assert [first_stop(d, c) for c in (low, high)] == [low, low]
         touched, sign = ((low, 1.0), (high, -1.0))[at_max]
@@ -253,8 +253,8 @@ def test_a_joint_with_one_stop_has_its_outputs_there():
         d.output[name][:] = 0.0
     d.output.force[second], d.output.penetration[second] = 3.0, 0.2
     combine_forces(d)
-    assert d.output.force[second] == pytest.approx(-3.0 * d.model.longest_link, rel=1e-14)
-    assert d.output.penetration[second] == pytest.approx(0.2 / d.model.longest_link, rel=1e-14)
+    assert d.output.force[second] == pytest.approx(-3.0 * d.chain.longest_link, rel=1e-14)
+    assert d.output.penetration[second] == pytest.approx(0.2 / d.chain.longest_link, rel=1e-14)
 
 
 @pytest.fixture
@@ -280,14 +280,14 @@ def stopped():
 
 
 def force_of_stop(d, high, rate):
-    return law_force(d, high, 0.02 * d.model.longest_link, rate * d.model.longest_link)[0]
+    return law_force(d, high, 0.02 * d.chain.longest_link, rate * d.chain.longest_link)[0]
 
 
 def test_a_stop_has_its_moment_and_its_depth_as_outputs(stopped):
     """The force law of angles applies to a joint beyond its joint_max."""
     d, low, high, rate = stopped
     force = force_of_stop(d, high, rate)
-    assert d.output.force[low] == pytest.approx(-force * d.model.longest_link, rel=1e-9)
+    assert d.output.force[low] == pytest.approx(-force * d.chain.longest_link, rel=1e-9)
     assert d.output.penetration[low] == pytest.approx(0.02, rel=1e-9)
     assert d.output.penetration_rate[low] == pytest.approx(rate, rel=1e-9)
     assert not d.output.force[high]

@@ -119,7 +119,7 @@ def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
     assert 1e-18 <= trials.sizes[-1] < 1e-17
 
 
-def test_a_refused_step_may_be_the_last_that_the_work_allows(monkeypatch):
+def test_a_refused_step_may_be_the_last_that_the_cost_allows(monkeypatch):
     trials = Trials(monkeypatch, [20.0, 0.5])
     monkeypatch.setattr(loop, "cost_exceeded", lambda _: True)
     assert trials.run()[0] == TOO_MUCH_WORK

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import entry, hooks
+from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.kernel.entry import is_sound, within_bounds
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.marks import NEIGHBOUR
 from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
-from chain_impact.kernel.forces.inputs import DEGREE
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.ode.last_step import SOLVER
@@ -63,7 +63,7 @@ def test_each_candidate_has_a_law_once_a_run_has_started(d):
 
 # lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
 BOUNDS = {
-    ("model", "meeting_joint"): (0, 3),
+    ("chain", "meeting_joint"): (0, 3),
     ("step", "regularized"): (NO_CONTACT, 15),
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
@@ -152,7 +152,7 @@ def test_a_law_may_be_missing_only_before_a_start_without_contacts():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
     assert not within_bounds(d)
-    d.model.longest_link = 0.0  # the start derives the size
+    d.chain.longest_link = 0.0  # the start derives the size
     assert within_bounds(d)
     touch(d, [1])
     assert not within_bounds(d)

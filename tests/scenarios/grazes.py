@@ -33,8 +33,8 @@ def set_motion(record, random, motion):
         velocity, top = [drift + spin * middle[1], -spin * middle[0]], (0.5 * math.pi - angle) / spin
         height = middle[1] + 0.5 * length
     mass = random.uniform(0.1, 3.0)
-    record["model"]["gravity"] = 0.0, -gravity
-    record["model"]["length"], record["model"]["mass"] = length, mass
+    record["chain"]["gravity"] = 0.0, -gravity
+    record["chain"]["length"], record["chain"]["mass"] = length, mass
     record["initial"]["velocity"], record["initial"]["angular_velocity"] = velocity, spin
     record["initial"]["angle"] = angle
     record["solver"]["tolerance"] = 10.0 ** random.uniform(-12.0, -3.0)
@@ -43,7 +43,7 @@ def set_motion(record, random, motion):
 
 def run(rod, wall, time):
     """Run to a time [s] with the wall at a height [m]; return how high the tip is [m], and its hits."""
-    rod.record["model"]["wall"][3] = wall
+    rod.record["chain"]["wall"][3] = wall
     rod.initialize()
     assert rod.advance(time) == OK
     rod.observe()

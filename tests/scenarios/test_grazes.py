@@ -32,7 +32,7 @@ def test_every_graze_is_found_and_no_other(motion):
         depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-12.0, -3.0)
         _, hits = run(rod, height - depth, 1.2 * top)
         if depth > 0.0 and law != "newton_impact":
-            error += HARMLESS_DEPTH * float(rod.record["model"]["length"][0])
+            error += HARMLESS_DEPTH * float(rod.record["chain"]["length"][0])
         if abs(depth) > error:
             clear += 1
             assert (hits > 0) == (depth > 0.0), (case, law, depth, error)

@@ -116,7 +116,7 @@ def test_links_that_could_turn_without_moving_mass_are_refused(base, links, reas
 def test_the_kernel_refuses_them_too():
     """An importer may set any value."""
     instance = Instance(double([0.0, 0.0]))
-    instance.record["model"]["given_center_of_mass"][1] = 0.0
+    instance.record["chain"]["given_center_of_mass"][1] = 0.0
     assert initialize(instance) == MASS_MATRIX_SINGULAR
 
 

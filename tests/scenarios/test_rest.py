@@ -191,7 +191,7 @@ def test_restitution_of_two_percent_under_every_law(law):
 # ---- bounded work -------------------------------------------------------------------------------------
 
 
-def test_a_bound_on_work_ends_a_simulation_with_what_it_has():
+def test_a_bound_on_cost_ends_a_simulation_with_what_it_has():
     limited = with_values(CHAIN, {("solver", "work_limit"): 1500.0})
     with pytest.raises(SimulationError, match=r"solver\.work_limit") as caught:
         simulate(limited)

@@ -209,7 +209,7 @@ def test_a_fault_on_the_way_keeps_the_rows_before():
     assert np.isnan(found.slopes[~known]).all()
 
 
-def test_inputs_over_time():
+def test_inputs():
     """A torque is switched on; the derivative by an added constant is compared with differences."""
     case = sprung_chain()
     name, output = "joint[2].torque", "link[3].angle"

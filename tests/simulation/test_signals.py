@@ -1,6 +1,7 @@
 """Signals of a scene: motions against the same functions in Python, derivatives against differences."""
 
-# Tests: kernel/chain/signals.py, kernel/events/segments.py, scene/signal_values.py, variables/driving.py
+# Tests: kernel/chain/signals.py, kernel/events/segments.py
+# Tests: scene/signal_values.py, variables/signal_filling.py
 
 import math
 
@@ -10,7 +11,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline, PPoly
 
 from chain_impact import Chain, SceneError, simulate
-from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals, travel_of_sines
+from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals, travel_of_sines
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signal_values import spline_of_position, value_at_start
 from chain_impact.simulation.derivatives import DifferentiatedRun
@@ -363,7 +364,7 @@ def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts
     scene = parse_scene(f'{limited}\n[signals.drive]\ninput = "{one}"\n{FORMS["shaken"][1]}', "arm.toml")
     d = begun(scene)
     assert rate_of_signals(d) == pytest.approx(40.0 * math.pi)
-    assert rate_of_drives(d) == (rate_of_signals(d) if counts else 0.0)
+    assert rate_in_limited_drives(d) == (rate_of_signals(d) if counts else 0.0)
 
 
 @pytest.mark.parametrize("one", [TORQUE, PUSH, TARGET])

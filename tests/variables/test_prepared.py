@@ -62,13 +62,13 @@ def test_words_of_the_scene_become_numbers():
     held = PreparedScene(with_values(box, changes)).new_instance()[0]
     assert held["given"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
-    assert (held["model"]["has_base_joint"], held["model"]["has_inputs"]) == (0, 0)
+    assert (held["chain"]["has_base_joint"], held["chain"]["has_inputs"]) == (0, 0)
     arm = PreparedScene(load_scene("pinned_arm")).new_instance()[0]
     assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {
         1,
         2,
     }  # all points except the base
-    assert (arm["model"]["has_base_joint"], arm["model"]["has_inputs"]) == (1, 1)
+    assert (arm["chain"]["has_base_joint"], arm["chain"]["has_inputs"]) == (1, 1)
 
 
 def test_a_new_instance_holds_nothing_but_the_scene():

@@ -32,7 +32,7 @@ KINDS = {
 }
 """The parameters that are reals, without materials, which laws check, and without steps of signals."""
 OTHER_CHECKS = {
-    ("model", "gravity"),  # the state and its energy at the start are finite
+    ("chain", "gravity"),  # the state and its energy at the start are finite
     *(("initial", name) for name in ("position", "velocity", "angle", "angular_velocity")),
     *(("drive", stop) for stop in ("min", "max")),  # one stop is below the other
     *(("given", name) for name in ("stiffness", "restitution", "friction", "static_friction")),  # by the law
@@ -41,7 +41,7 @@ OTHER_CHECKS = {
     *(("signal", name) for name in ("value", "mean", "initial", "final", "start", "duration")),
 }
 WIDER = {
-    ("model", "height"): (0.0, LARGEST),  # 0: the link is not a box
+    ("chain", "height"): (0.0, LARGEST),  # 0: the link is not a box
     ("signal", "frequency"): (-LARGEST, LARGEST),
 }
 """Ranges in the kernel that are wider than those of the keys."""

@@ -58,15 +58,15 @@ def test_word_index_counts_as_numpy_does():
 
 
 NOWHERE = [
-    ("model", "length", 4),
-    ("model", "length", -1),
-    ("model", "lengths", 0),
-    ("model",),
-    ("model", "length"),
+    ("chain", "length", 4),
+    ("chain", "length", -1),
+    ("chain", "lengths", 0),
+    ("chain",),
+    ("chain", "length"),
 ]
 
 
-@pytest.mark.parametrize("place", [*NOWHERE, ("model",), ("model", "length"), ("step", "dense", 1)])
+@pytest.mark.parametrize("place", [*NOWHERE, ("chain",), ("chain", "length"), ("step", "dense", 1)])
 def test_word_index_refuses_what_is_not_there_or_not_one_number(place):
     with pytest.raises((KeyError, IndexError)):
         word_index(PreparedScene(SCENES["four_link_box"]).new_instance().dtype, place)

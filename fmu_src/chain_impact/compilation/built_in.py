@@ -25,20 +25,20 @@ from chain_impact.compilation.record_type import (
     built,
 )
 from chain_impact.kernel import functions
-from chain_impact.kernel.chain import inputs
+from chain_impact.kernel.chain import input_fields
 from chain_impact.kernel.record import ranges
 from chain_impact.kernel.record.fields import SETTABLE
 from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
     *(duals.block, duals.as_words, duals.copy_values, duals.copy_given),
-    *(functions.clear_numbers, functions.copy_row, inputs.input_field),
+    *(functions.clear_numbers, functions.copy_row, input_fields.input_field),
     *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
 """The functions for which this module gives numba the code."""
 
 
-@type_callable(inputs.input_field)
+@type_callable(input_fields.input_field)
 def _type_of_input(_context: Any) -> Any:
     def typer(part: types.Type, _number: types.Type) -> types.Type | None:
         if not isinstance(part, Record):
@@ -50,10 +50,10 @@ def _type_of_input(_context: Any) -> Any:
 
 
 def _inputs(part: Record) -> list[Field]:
-    return [part.field(name) for name in inputs.FIELDS]
+    return [part.field(name) for name in input_fields.FIELDS]
 
 
-@lower_builtin(inputs.input_field, Record, types.Integer)
+@lower_builtin(input_fields.input_field, Record, types.Integer)
 def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, given = arguments
     part, kind = signature.args

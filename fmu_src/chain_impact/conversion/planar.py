@@ -327,8 +327,7 @@ class _Conversion:
 
     def _tell_unheld(self, joint: Joint) -> None:
         """Report the values of a joint that the scene does not have, because the base is free."""
-        keys = ("damping", "stiffness", "friction", "armature", "torque_limit", "low", "high")
-        values = {key.replace("_", " "): getattr(joint, key) for key in keys}
+        values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
         lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
         if lost:
             text = f"{', '.join(lost)}: the base of the scene is free, and has none of these"

@@ -101,15 +101,10 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
         low: its least angle or position in the scene; −∞ without a stop.
         high: its largest angle or position in the scene; ∞ without a stop.
     """
-    always = ("damping", "stiffness", "friction", "armature")
-    values = {key: value for key in always if (value := getattr(joint, key))}
-    if joint.stiffness:
-        values["rest"] = rest
-    if joint.torque_limit is not None:
-        values["torque_limit"] = joint.torque_limit
-    stops = {"low": low, "high": high}
-    values |= {key: value for key, value in stops.items() if math.isfinite(value)}
-    return {key: values[key] for key in JOINT_KEYS if key in values}
+    values = {key: getattr(joint, key) or None for key in JOINT_KEYS}  # 0 is the default of a scene
+    values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
+    values |= {"low": low, "high": high}
+    return {key: value for key, value in values.items() if value is not None and math.isfinite(value)}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Faults of an FMU, each as a sentence with its place.
+"""Faults of an FMU, each as a sentence with the file and the variable that it concerns.
 
 Faults of the zip are found before the zip is unpacked.
 """
@@ -46,7 +46,7 @@ class Finding:
     attribute: str = ""
 
     def __str__(self) -> str:
-        """Return the place and the sentence in one line."""
+        """Return file, variable, attribute and sentence in one line."""
         return ": ".join([part for part in (self.file, self.variable, self.attribute) if part] + [self.text])
 
 

@@ -7,6 +7,16 @@ communication point has passed the event. ``d`` is the record of the instance (r
 """
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.inputs import (
+    REINITIALIZE,
+    apply_inputs,
+    belts_jump,
+    inputs_continue,
+    inputs_in_use,
+    interpolate_motion,
+    limit_to_piece,
+    withdraw_request,
+)
 from chain_impact.kernel.cost import (
     UNLIMITED,
     begin_call,
@@ -37,16 +47,6 @@ from chain_impact.kernel.events.segments import (
 )
 from chain_impact.kernel.forces.active_contacts import clear_loads, latch
 from chain_impact.kernel.forces.candidate_laws import laws_in_use, update_laws
-from chain_impact.kernel.forces.inputs import (
-    REINITIALIZE,
-    apply_inputs,
-    belts_jump,
-    inputs_continue,
-    inputs_in_use,
-    interpolate_motion,
-    limit_to_piece,
-    withdraw_request,
-)
 from chain_impact.kernel.initialize import derive_drives, first_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (

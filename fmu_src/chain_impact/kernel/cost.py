@@ -116,5 +116,5 @@ def check_events(d, events):
         limits.event_start = d.step.end
         limits.event_count = 0
     limits.event_count += events
-    elements = d.candidates + (d.links + d.slides if d.friction.used or d.model.has_drive_limits else 0)
+    elements = d.candidates + (d.links + d.slides if d.friction.used or d.chain.has_drive_limits else 0)
     return OK if limits.event_count <= MOST_EVENTS * elements else EVENT_STORM

@@ -7,7 +7,7 @@ wrong number leads to a fault or to wrong results, never to an access outside th
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
-from chain_impact.kernel.chain.inputs import CHANNEL, input_field
+from chain_impact.kernel.chain.input_fields import CHANNEL, input_field
 from chain_impact.kernel.chain.signals import knot_count
 from chain_impact.kernel.cost import (
     UNLIMITED,
@@ -60,7 +60,7 @@ def relations_hold(d):
     """Return whether the indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
     fits = d.contact_log.count >= 0 and is_within(d.touch.compliant_count, 0, d.touch.active_count)
-    fits = fits and is_within(d.model.base_moves, 0, d.channels // 2)
+    fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
         fits = fits and candidate_within_bounds(d, c)
         fits = fits and is_within(d.shift.channel[c], -1, max(-1, d.channels - 2))
@@ -97,7 +97,7 @@ def friction_counts_fit(d):
 
 def least_law(d):
     """Return the least valid number of a law: 1 in a run without a fault or with active contacts, else 0."""
-    started = d.model.longest_link != 0.0 and d.statistics.status == OK
+    started = d.chain.longest_link != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
 

@@ -20,6 +20,7 @@ from chain_impact.kernel.chain.drives import (
     spring_energy,
 )
 from chain_impact.kernel.chain.elimination import accelerations
+from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import joint_place, move_site_loads
 from chain_impact.kernel.chain.slider import carriage_energy
@@ -36,7 +37,6 @@ from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_tru
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
-from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.functions import inlined
 from chain_impact.kernel.rows.compliance import accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
@@ -60,7 +60,7 @@ def other_energy(d, y):
 
 def stored_energy(d, y):
     """Return the elastic energy [J] of active contacts, at located points, and of passive drives' springs."""
-    energy = spring_energy(d, y) if d.model.has_springs else 0.0
+    energy = spring_energy(d, y) if d.chain.has_springs else 0.0
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
@@ -77,29 +77,29 @@ def mechanical_energy(d, y):
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
-        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
-        # the centre of mass, at c from the proximal joint: p_C = p_i + c, v_C = v_i + ω c⊥
+        m, ratio, omega = d.chain.mass[i], d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
+        # the centre of mass, at r_C from the proximal joint: p_C = p_i + r_C, v_C = v_i + ω r_C⊥
         cx, cy = ratio * d.scratch.link.x[i], ratio * d.scratch.link.y[i]
         if d.skewed:
-            beside = d.model.offset_ratio[i]
+            beside = d.chain.offset_ratio[i]
             cx, cy = cx - beside * d.scratch.link.y[i], cy + beside * d.scratch.link.x[i]
         vx = d.scratch.velocity.x[i] - omega * cy
         vy = d.scratch.velocity.y[i] + omega * cx
-        kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
+        kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.chain.inertia[i] * omega * omega
         x = d.scratch.position.x[i] + cx
         y_ = d.scratch.position.y[i] + cy
-        potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
+        potential -= m * (d.chain.gravity[0] * x + d.chain.gravity[1] * y_)
     if d.slides:
         of_motion, of_height = carriage_energy(d, y)
         kinetic, potential = kinetic + of_motion, potential + of_height
-    return kinetic + rotor_energy(d, y) if d.model.has_armatures else kinetic, potential
+    return kinetic + rotor_energy(d, y) if d.chain.has_armatures else kinetic, potential
 
 
 @inlined
 def rate_from_state(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
     # in free flight no force acts at a point, so the positions of points and walls are not needed
-    if d.touch.active_count > 0 or d.model.has_inputs or d.friction.count > 0:
+    if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)
     else:
         set_link_vectors(d, y)
@@ -154,7 +154,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
     """
     n = d.links
     supplied = 0.0
-    if d.model.has_springs_or_dampers or d.model.has_inputs or d.model.has_joint_places:
+    if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
     if d.slides:
@@ -165,7 +165,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
     move_site_loads(d, d.scratch.link, d.scratch.load)
-    if d.model.has_armatures:
+    if d.chain.has_armatures:
         accelerations_with_armatures(d, y, rate)
     else:
         accelerations(d, y, rate)
@@ -196,7 +196,7 @@ def joint_moments(d, y):
     dissipated, supplied = 0.0, 0.0
     # without inputs no force acts at the tip, and the velocity of the tip, which is unknown in flight, is not
     # read
-    if d.model.has_inputs:
+    if d.chain.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
     for i in range(d.links):
@@ -207,11 +207,11 @@ def joint_moments(d, y):
         d.scratch.moment[i] = torque
         if i > 0:
             d.scratch.moment[i - 1] -= torque
-    if d.model.has_drive_limits:
+    if d.chain.has_drive_limits:
         d.drive.margin = min(d.drive.margin, mode_margin(d, y))
-    if d.model.has_springs:
+    if d.chain.has_springs:
         add_spring_moments(d, y)
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         add_place_moments(d)
     return dissipated, supplied
 
@@ -222,7 +222,7 @@ def add_place_moments(d):
     The moments follow from the loads at the joint's place.
     """
     for i in range(d.links):
-        add_joint_moment(d, i, d.model.longest_link * d.scratch.load.x[joint_place(d, i)])
+        add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):

@@ -11,6 +11,7 @@ from chain_impact.kernel.chain.inertia import (
     loose_links,
     middle_of_rod,
 )
+from chain_impact.kernel.chain.inputs import apply_inputs, begin_motion
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
@@ -26,7 +27,6 @@ from chain_impact.kernel.events.saturation import choose_saturation, clear_satur
 from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
-from chain_impact.kernel.forces.inputs import apply_inputs, begin_motion
 from chain_impact.kernel.functions import clear_numbers
 from chain_impact.kernel.loads import start_loads
 from chain_impact.kernel.mathematics.angles import direction
@@ -111,7 +111,7 @@ def set_initial_state(d, y):
     n = d.links
     for j in range(2):
         # the state does not contain the motion of a moving base: the base's entries are 0
-        y[j] = 0.0 if d.channels > 0 and d.model.base_moves else d.initial.position[j]
+        y[j] = 0.0 if d.channels > 0 and d.chain.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
         rate = d.initial.slider_velocity
@@ -153,60 +153,60 @@ def clear_run(d, time):
 
 def derive_chain(d):
     """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``."""
-    model = d.model
+    chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
     # choose the middle joint as `accelerations` (chain/elimination.py) does
-    model.meeting_joint = 0 if model.has_base_joint else len(model.length) // 2
-    model.longest_link, model.reach = 0.0, 0.0
-    for i in range(len(model.length)):
-        c = given_or_derived(model.given_center_of_mass[i], middle_of_rod(model.length[i]))
-        model.center_of_mass[i] = c
-        inertia = inertia_of_box(model.mass[i], model.length[i], model.height[i])
-        model.inertia[i] = given_or_derived(model.given_inertia[i], inertia)
-        model.center_of_mass_ratio[i] = c / model.length[i]
-        # the inertia I + m c² of the link about its proximal joint
-        model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
-        to_distal = model.length[i] - c
-        model.distal_inertia[i] = model.inertia[i] + model.mass[i] * to_distal * to_distal
+    chain.meeting_joint = 0 if chain.has_base_joint else len(chain.length) // 2
+    chain.longest_link, chain.reach = 0.0, 0.0
+    for i in range(len(chain.length)):
+        c = given_or_derived(chain.given_center_of_mass[i], middle_of_rod(chain.length[i]))
+        chain.center_of_mass[i] = c
+        inertia = inertia_of_box(chain.mass[i], chain.length[i], chain.height[i])
+        chain.inertia[i] = given_or_derived(chain.given_inertia[i], inertia)
+        chain.center_of_mass_ratio[i] = c / chain.length[i]
+        # the inertia I + m r_C² of the link about its proximal joint
+        chain.proximal_inertia[i] = chain.inertia[i] + chain.mass[i] * c * c
+        to_distal = chain.length[i] - c
+        chain.distal_inertia[i] = chain.inertia[i] + chain.mass[i] * to_distal * to_distal
         if d.skewed:
-            beside = model.center_of_mass_offset[i]
-            model.offset_ratio[i] = beside / model.length[i]
-            model.proximal_inertia[i] += model.mass[i] * beside * beside
-            model.distal_inertia[i] += model.mass[i] * beside * beside
-        model.longest_link = max(model.longest_link, model.length[i])
-        model.reach += model.length[i]
+            beside = chain.center_of_mass_offset[i]
+            chain.offset_ratio[i] = beside / chain.length[i]
+            chain.proximal_inertia[i] += chain.mass[i] * beside * beside
+            chain.distal_inertia[i] += chain.mass[i] * beside * beside
+        chain.longest_link = max(chain.longest_link, chain.length[i])
+        chain.reach += chain.length[i]
     if d.sites > 0:
         derive_sites(d)
     total, armatures = d.slider.mass if d.slides else 0.0, 0.0
-    for i in range(len(model.length)):
-        total += model.mass[i]
+    for i in range(len(chain.length)):
+        total += chain.mass[i]
         armatures += drive_inertia(d, i)
-    model.energy_scale = total * model.longest_link * model.longest_link + armatures
-    model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
-    model.has_joint_stops = 0
+    chain.energy_scale = total * chain.longest_link * chain.longest_link + armatures
+    chain.gravity_size = math.sqrt(chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1])
+    chain.has_joint_stops = 0
     for c in range(d.candidates):
         if at_joint_stop(d, c):
-            model.has_joint_stops = 1
+            chain.has_joint_stops = 1
     if d.slides:
         d.slider.ux, d.slider.uy = direction(d.slider.angle)
 
 
 def derive_sites(d):
     """Derive the first site of each link, the sites' radii and relative positions, and the chain's reach."""
-    before, s, model = 0.0, 0, d.model
+    before, s, chain = 0.0, 0, d.chain
     for i in range(d.links):
-        model.first_site[i] = s
+        chain.first_site[i] = s
         while s < d.sites and d.site.link[s] == i:
-            length = model.length[i]
+            length = chain.length[i]
             if d.site.corner[s] > 0:
-                d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, model.height[i])
+                d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, chain.height[i])
             x, y = d.site.x[s], d.site.y[s]
             d.site.along[s], d.site.beside[s] = x / length, y / length
             d.site.radius[s] = given_or_derived(d.site.given_radius[s], d.contact.radius)
-            model.reach = max(model.reach, before + math.sqrt(x * x + y * y))
+            chain.reach = max(chain.reach, before + math.sqrt(x * x + y * y))
             s += 1
-        before += model.length[i]
-    model.first_site[d.links] = s
+        before += chain.length[i]
+    chain.first_site[d.links] = s
 
 
 def derive_drives(d):
@@ -216,7 +216,7 @@ def derive_drives(d):
     """
     clear_saturation(d)
     set_effect_flags(d)
-    d.model.joint_rate_bound = joint_rate_bound(d)
+    d.chain.joint_rate_bound = joint_rate_bound(d)
 
 
 def check_parameters(d):
@@ -229,7 +229,7 @@ def check_parameters(d):
         return status
     if d.signals > 0 and not signals_are_valid(d):
         return PARAMETER_OUT_OF_RANGE
-    first, _ = loose_links(d.model, d.slides and d.slider.mass == 0.0)
+    first, _ = loose_links(d.chain, d.slides and d.slider.mass == 0.0)
     if first >= 0:
         return refuse_link(d, first, MASS_MATRIX_SINGULAR)
     for i in range(drive_count(d)):
@@ -243,7 +243,7 @@ def check_parameters(d):
 def check_ranges(d):
     """Check that each real that the scene gives is in its range (record/fields.py); return a status."""
     for k in range(len(RANGED)):
-        if RANGE_OWNERS[k] == OF_STOPS and not d.model.has_joint_stops:
+        if RANGE_OWNERS[k] == OF_STOPS and not d.chain.has_joint_stops:
             continue
         values = ranged_field(d, k)
         for i in range(len(values)):

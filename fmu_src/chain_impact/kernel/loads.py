@@ -76,7 +76,7 @@ def link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
     for i in range(d.links):
         vx, vy = at_center_of_mass(d, d.scratch.velocity, i)
-        x[i], y[i] = d.model.mass[i] * vx, d.model.mass[i] * vy
+        x[i], y[i] = d.chain.mass[i] * vx, d.chain.mass[i] * vy
 
 
 def joint_forces(d, contact_force, friction_force, x, y):
@@ -86,8 +86,8 @@ def joint_forces(d, contact_force, friction_force, x, y):
     """
     for i in range(d.links):
         ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
-        x[i] = d.model.mass[i] * (ax - d.model.gravity[0])
-        y[i] = d.model.mass[i] * (ay - d.model.gravity[1])
+        x[i] = d.chain.mass[i] * (ax - d.chain.gravity[0])
+        y[i] = d.chain.mass[i] * (ay - d.chain.gravity[1])
     for k in range(d.touch.active_count):
         subtract_contact(d, d.touch.active_index[k], contact_force, friction_force, x, y)
     sum_from_tip(d, d.inputs.tip_force, x, y)
@@ -157,7 +157,7 @@ def fill_loads(d, y, rate):
 
 def fill_slider_reaction(d):
     """Fill the outputs of force and moment of the line on the carriage, from the loads of joint 1."""
-    out, slider, gravity = d.output, d.slider, d.model.gravity
+    out, slider, gravity = d.output, d.slider, d.chain.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
     # the carriage does not turn
     fx, fy = out.load.x[0] - slider.mass * gravity[0], out.load.y[0] - slider.mass * gravity[1]
@@ -187,8 +187,8 @@ def fill_load_impulses(d):
     x, y, lasted = out.load.impulse_x, out.load.impulse_y, d.step.time - transmitted.start_time
     link_momenta(d, x, y)
     for i in range(d.links):
-        x[i] -= transmitted.start_x[i] + d.model.mass[i] * d.model.gravity[0] * lasted
-        y[i] -= transmitted.start_y[i] + d.model.mass[i] * d.model.gravity[1] * lasted
+        x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * lasted
+        y[i] -= transmitted.start_y[i] + d.chain.mass[i] * d.chain.gravity[1] * lasted
     for c in range(d.candidates):
         subtract_contact(d, c, out.impulse, out.friction.impulse, x, y)
     sum_from_tip(d, transmitted.tip_impulse, x, y)

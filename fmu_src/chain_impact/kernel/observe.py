@@ -6,6 +6,7 @@ the state and of integrals, such as impulses, stay unchanged until the next step
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.drives import along_drive, lever_of_drive
+from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
@@ -25,7 +26,6 @@ from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import apply_true_contacts
 from chain_impact.kernel.forces.friction import STICKS, drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.loads import fill_load_impulses, fill_load_peaks, fill_loads, store_tip_impulse
 from chain_impact.kernel.ode.dense import fraction, interpolate, quadrature_within
 from chain_impact.kernel.ode.folds import refine_rate
@@ -64,7 +64,7 @@ def fill_outputs(d):
     if d.loads > 0:
         fill_load_impulses(d)
     list_latest(d)
-    if d.model.has_joint_stops:
+    if d.chain.has_joint_stops:
         combine_forces(d)
         combine_impulses(d)
     if d.loads > 0:
@@ -76,7 +76,7 @@ def refill_motion(d):
     """Fill all outputs again except impulses, peaks and friction energy, with the values at ``step.time``."""
     counted = counted_cost(d)
     fill_motion(d, fraction(d, d.step.time))
-    if d.model.has_joint_stops:
+    if d.chain.has_joint_stops:
         combine_forces(d)
     uncount_cost(d, counted)
 

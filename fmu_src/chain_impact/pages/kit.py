@@ -31,13 +31,13 @@ from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
-from chain_impact.variables.driving import acting
 from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
 from chain_impact.variables.kind import MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
+from chain_impact.variables.signal_filling import input_at
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
@@ -179,7 +179,7 @@ def _driven_row(kind: Kind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
     drives = {"family": family(kind.name), "alone": driven_alone(kind.name)}
     displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
-    of_row = {"unit": kind.unit, "acts": acting(kind.record_path), "displaces": displaces}
+    of_row = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
     return _name_and_condition(kind) | drives | of_row
 
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
+from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
-from chain_impact.kernel.forces.inputs import REINITIALIZE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.rows.geometry import NORMALS, STOP_CODES, WALLS

@@ -1,6 +1,6 @@
 """Pictures of a recording: functions that fill figures, and ``draw_figure``, which writes or returns one."""
 
-from chain_impact.pictures.bars import ONE_SCALE, Bars, bars_size, fill_bars
+from chain_impact.pictures.bars import Bars, bars_size, fill_bars, have_one_scale
 from chain_impact.pictures.changes import fill_sensitivities
 from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
 from chain_impact.pictures.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
@@ -14,7 +14,6 @@ __all__ = [
     "FIGURE_SIZE",
     "IMPACT_SIZE",
     "MM",
-    "ONE_SCALE",
     "Bars",
     "NoRoomError",
     "bars_size",
@@ -31,5 +30,6 @@ __all__ = [
     "fill_impact",
     "fill_loop_axes",
     "fill_sensitivities",
+    "have_one_scale",
     "usual_size",
 ]

@@ -86,10 +86,15 @@ def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[B
     settle(figure)
 
 
+def have_one_scale(longest: Sequence[float]) -> bool:
+    """Return whether blocks have one scale, for the length of the longest bar of each."""
+    return max(longest) <= ONE_SCALE * min(longest)
+
+
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
     """Return the ends of the axis of each block; blocks whose bars can be compared have the same ends."""
     longest = [max(map(abs, block.ends)) for block in blocks]
-    if len({block.label for block in blocks}) > 1 or max(longest) > ONE_SCALE * min(longest):
+    if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]
     low, high = zip(*(block.ends for block in blocks), strict=True)
     return [(min(low), max(high))] * len(blocks)

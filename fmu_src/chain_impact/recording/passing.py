@@ -17,25 +17,25 @@ NAMED_POINTS = 4  # the largest number of points that a sentence names
 
 
 def passing(
-    places: np.ndarray,
+    positions: np.ndarray,
     walls: Mapping[int, tuple[str, HalfPlane, np.ndarray | float]],
     pairs: Collection[tuple[int, int]],
 ) -> list[str]:
     """Return a sentence for each wall that points pass through without touching it.
 
     Args:
-        places: positions of the points, shape (T, P, 2) [m].
+        positions: positions of the points, shape (T, P, 2) [m].
         walls: number of a wall → its name, its free side, and its displacement, shape (T,) or one number [m].
         pairs: the pairs of a point and a wall that can touch, by their numbers.
     """
     sentences = []
     for number, (name, plane, moved) in walls.items():
-        free = [k for k in range(places.shape[1]) if (k, number) not in pairs]
-        if not free or not len(places):
+        free = [k for k in range(positions.shape[1]) if (k, number) not in pairs]
+        if not free or not len(positions):
             continue
         # [m] the distance of each point from the wall, negative beyond the wall
-        gaps = places[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
-        least = THROUGH * size_of_motion(places)
+        gaps = positions[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
+        least = THROUGH * size_of_motion(positions)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
         if len(through):
             points = few([str(k) for k in through.tolist()], NAMED_POINTS)

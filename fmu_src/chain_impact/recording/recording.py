@@ -172,7 +172,7 @@ class Recording:
     def outlines(self) -> dict[int, np.ndarray]:
         """Link → its outline in the link's axes, shape (C, 2) [m], for links with points other than ends.
 
-        The dict is empty if the places of points on links are not known.
+        The dict is empty if the positions of points on links are not known.
         """
         return outlines_from(self.parameters, self.touching)
 
@@ -303,7 +303,7 @@ class Recording:
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return the place [m] of an impact: the position of its point, projected onto its wall.
+        """Return the position [m] of an impact: its point, projected onto its wall.
 
         An impact at a stop of a joint is where the link crosses the arc of the joint's range. An impact at a
         stop of a slider is where the stop is drawn, half a carriage beyond the base.

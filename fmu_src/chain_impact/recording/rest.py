@@ -33,30 +33,30 @@ def ends_at_rest(recording: Recording) -> bool:
 def rests(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each time in which no point or wall moves noticeably and no impact begins.
 
-    Speeds and accelerations are small: a chain that only turns back, as a pendulum at its highest place, is
-    not at rest. A rest shorter than SHORTEST_REST is left out.
+    Speeds and accelerations are small: a chain that only turns back, as a pendulum at its highest position,
+    is not at rest. A rest shorter than SHORTEST_REST is left out.
     """
-    time, places = recording.time, recording.all_points
+    time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
     if len(time) < FEWEST_ROWS or not span > 0.0:
         return []
-    size = max(_extent(places, 0), SMALLEST_PATH * _extent(places[0], 0))
+    size = max(_extent(positions, 0), SMALLEST_PATH * _extent(positions[0], 0))
     walls = [np.stack([moved, 0.0 * moved], axis=-1)[:, None] for moved in recording.moved_walls.values()]
-    places = np.concatenate([places, *walls], axis=1)
-    still = _largest(np.diff(places, axis=0)) * span <= REST_WAY * size * np.diff(time)
+    positions = np.concatenate([positions, *walls], axis=1)
+    still = _largest(np.diff(positions, axis=0)) * span <= REST_WAY * size * np.diff(time)
     hit = np.searchsorted(time, recording.impacts["onset"], side="right") - 1
     still[hit.clip(0, len(still) - 1)] = False
     reach = max(1, int(len(time) * SHORTEST_REST / 2))
     for low, high in _runs(still):
-        steady = _accelerations(time[low : high + 1], places[low : high + 1], reach) * span**2
+        steady = _accelerations(time[low : high + 1], positions[low : high + 1], reach) * span**2
         still[low:high] = steady <= 2.0 * REST_WAY * size
     found = [(float(time[low]), float(time[high])) for low, high in _runs(still)]
     return [(low, high) for low, high in found if high - low >= SHORTEST_REST * span]
 
 
-def _extent(places: np.ndarray, axis: int) -> float:
-    """Return the largest extent [m] of places along an axis of the array; the last axis is x and y."""
-    return float(np.hypot(*np.ptp(places, axis=axis).T).max())
+def _extent(positions: np.ndarray, axis: int) -> float:
+    """Return the largest extent [m] of positions along an axis of the array; the last axis is x and y."""
+    return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 
 
 def _largest(vectors: np.ndarray) -> np.ndarray:
@@ -71,7 +71,7 @@ def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
     return [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
 
 
-def _accelerations(time: np.ndarray, places: np.ndarray, reach: int) -> np.ndarray:
+def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.ndarray:
     """Return the largest mean acceleration [m/s²] of a point around each interval between rows.
 
     The mean is over ``reach`` rows to both sides, or fewer if there are fewer rows: the small and fast
@@ -80,7 +80,7 @@ def _accelerations(time: np.ndarray, places: np.ndarray, reach: int) -> np.ndarr
     reach = min(reach, (len(time) - 1) // 2)
     if reach == 0:
         return np.full(len(time) - 1, np.inf)
-    speeds = (places[reach:] - places[:-reach]) / (time[reach:] - time[:-reach])[:, None, None]
+    speeds = (positions[reach:] - positions[:-reach]) / (time[reach:] - time[:-reach])[:, None, None]
     changes = _largest(speeds[reach:] - speeds[:-reach]) / (time[2 * reach :] - time[: -2 * reach])
     around: np.ndarray = 2.0 * changes[(np.arange(len(time) - 1) - reach).clip(0, len(changes) - 1)]
     return around
@@ -94,8 +94,8 @@ def rest_lines(recording: Recording) -> Iterator[str]:
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         start, last = rests(recording)[-1][0], recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}
-        places = [f"{name} at ({_metres(x)}, {_metres(y)}) m" for name, (x, y) in ends.items()]
-        yield f"rest     {rest_word(recording)} from {start:.4g} s on: {', '.join(places)}"
+        texts = [f"{name} at ({_metres(x)}, {_metres(y)}) m" for name, (x, y) in ends.items()]
+        yield f"rest     {rest_word(recording)} from {start:.4g} s on: {', '.join(texts)}"
 
 
 def _metres(length: float) -> str:

@@ -41,8 +41,8 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
     phases: list[tuple[int, int, float, float, int]] = []
     order = np.argsort(changes["time"], kind="stable")
     for contact in np.unique(changes[["point", "wall"]]):
-        of_place = changes[order][changes[order][["point", "wall"]] == contact]
-        phases.extend(_phases(of_place))
+        of_element = changes[order][changes[order][["point", "wall"]] == contact]
+        phases.extend(_phases(of_element))
     return np.sort(np.array(phases, STICK_SLIP_DTYPE), order=["start", "point", "wall"])
 
 
@@ -58,7 +58,7 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """Return words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
+    """Return words for the element of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
 
     Args:
         phase: the phase of dry friction.
@@ -71,7 +71,7 @@ def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase as texts: start, end, place (see ``element_label``) and mode.
+    """Return a phase as texts: start, end, element (see ``element_label``) and mode.
 
     The end is "" if the phase lasts.
     """

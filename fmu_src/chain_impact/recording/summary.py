@@ -161,13 +161,13 @@ def _friction_lines(result: Recording) -> Iterator[str]:
     sticking = int((phases["mode"] == STICKS).sum())
     yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
     last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
-    places = [
+    elements = [
         f"{element_label(phase, result.wall_names, result.point_names)} since {phase['start']:.6f} s"
         for phase in last
     ]
-    if places:
-        more = [f"{len(places) - NAMED_STICKING} more"] if len(places) > NAMED_STICKING else []
-        yield f"{'':9}sticks at the end: {', '.join([*places[:NAMED_STICKING], *more])}"
+    if elements:
+        more = [f"{len(elements) - NAMED_STICKING} more"] if len(elements) > NAMED_STICKING else []
+        yield f"{'':9}sticks at the end: {', '.join([*elements[:NAMED_STICKING], *more])}"
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:

@@ -47,10 +47,10 @@ class Pictured(Recording):
         moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
         walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
         try:
-            places = self.all_points
+            positions = self.all_points
         except UnknownNameError:  # positions were left out of the result
             return []
-        return passing(places, walls, set(point_wall_pairs(self.scene)))
+        return passing(positions, walls, set(point_wall_pairs(self.scene)))
 
     def plot(
         self,

@@ -180,6 +180,9 @@ class Ranking:
         from chain_impact import pictures
 
         percent, blocks = f"{100.0 * PART:g} %", self._blocks()
+        sizes = [max(abs(effect.change) for effect in effects) for effects in blocks]
+        if blocks and pictures.have_one_scale(sizes):
+            sizes = [max(sizes)] * len(sizes)
         factor, unit = readable(self.value, self.unit)
         added = any(not effect.value for effects in blocks for effect in effects)
         more = max(len(self.effects) - MOST_BARS, 0)
@@ -196,19 +199,16 @@ class Ranking:
             title=f"{self.source}: effect of + {percent} on {self.quantity}"
             f" = {with_unit(digits(factor * self.value), unit)}",
             conditions="; ".join(filter(None, parts)),
-            blocks=[pictures.Bars(**self._bars(effects)) for effects in blocks],
+            blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
         )
 
     def _blocks(self) -> list[list[Effect]]:
         """Return the effects that have bars, in a list for each kind of step."""
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
-    def _bars(self, effects: Sequence[Effect]) -> dict[str, Any]:
-        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits the bars."""
-        from chain_impact import pictures
-
-        own, of_all = (max(abs(effect.change) for effect in some) for some in (effects, self.effects))
-        factor, unit = readable(of_all if of_all <= pictures.ONE_SCALE * own else own, self.unit)
+    def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
+        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits their ``size``."""
+        factor, unit = readable(size, self.unit)
         names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
         texts = [

@@ -61,8 +61,9 @@ def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         discs: list[Disc] = []
         if (height := values.get(f"link[{link}].height")) is not None:
-            places = (corner_of_box(n, values[f"link[{link}].length"], height) for n in range(1, CORNERS + 1))
-            discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in places]
+            length = values[f"link[{link}].length"]
+            corners = (corner_of_box(n, length, height) for n in range(1, CORNERS + 1))
+            discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in corners]
         names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
         for of in takewhile(lambda site: f"{site}.x" in values, names):
             x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))

@@ -33,8 +33,8 @@ def with_shapes(scene: AnyScene) -> AnyScene:
         if link.height is None:
             links.append(link)
             continue
-        places = (corner_of_box(number, link.length, link.height) for number in range(1, CORNERS + 1))
-        corners = (Site(x=x, y=y, radius=None) for x, y in places)
+        positions = (corner_of_box(number, link.length, link.height) for number in range(1, CORNERS + 1))
+        corners = (Site(x=x, y=y, radius=None) for x, y in positions)
         links.append(replace(link, points=(*corners, *link.points)))
     return replace(scene, chain=replace(scene.chain, links=tuple(links)))
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.kernel.forces.inputs import REINITIALIZE
+from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, in_order
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]

@@ -11,7 +11,7 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chain_impact.kernel.forces.inputs import CONTINUES, REINITIALIZE
+from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.names import INPUTS_OF, DataPath, input_key
 from chain_impact.scene.reading import SceneError

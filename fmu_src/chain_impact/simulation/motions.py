@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.kernel.rows.geometry import OVERLAP
 from chain_impact.scene.checks import start_hint
 from chain_impact.scene.names import AXES

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.chain.inputs import DEGREE
 
 VALUE_ROUND_OFF = 4e-15  # the error of a function's values, relative to the largest value
 

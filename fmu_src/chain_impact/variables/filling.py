@@ -25,12 +25,12 @@ from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.rules import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
-from chain_impact.variables.driving import fill_signals
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND
 from chain_impact.variables.owners import OWNER_KINDS, RECORD, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.signal_filling import fill_signals
 from chain_impact.variables.structure import Structure
 
 _GIVEN_IF = {
@@ -80,8 +80,8 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
         if AT not in path:
             part[key] = number_in(rule, value_of)
         elif members := members_in(over, value_of):
-            places = slice(len(members)) if at == "order" else numbers_of(at, members, value_of)
-            part[key][places] = numbers_of(rule, members, value_of)
+            entries = slice(len(members)) if at == "order" else numbers_of(at, members, value_of)
+            part[key][entries] = numbers_of(rule, members, value_of)
     fill_signals(d, scene, structure)
     _fill_materials(d, scene)
 
@@ -210,18 +210,18 @@ def _words_of(
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
-    places_of = {of: _places(of, known) for of in {kind.owner_kind for kind, _ in kinds}}
+    indices_of = {of: _indices(of, known) for of in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
         given = kind.given if not kind.given_if or kind.given_if in met else None
-        places = places_of[kind.owner_kind]
+        indices = indices_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given)):
-            words += [word_index(layout, filled(path, place)) for place in places]
-        if places:
+            words += [word_index(layout, filled(path, index)) for index in indices]
+        if indices:
             there.append(reader)
     return np.array(words, int), there
 
 
-def _places(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
+def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
     """Return the index ``at`` in the record of each possible owner of a kind."""
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)

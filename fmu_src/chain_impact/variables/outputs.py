@@ -67,8 +67,8 @@ def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[st
     name, unit, text, *more = cells
     attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
     attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
-    name, place = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
-    steps = [int(step) if step.isdecimal() else step for step in place.split(".")]
+    name, field = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
+    steps = [int(step) if step.isdecimal() else step for step in field.split(".")]
     index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
     path = (part, *steps, *index)
     return Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes)

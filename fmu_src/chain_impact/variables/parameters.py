@@ -106,7 +106,7 @@ PARAMETERS = (
     block(
         "one",
         *_vector(
-            Contents, path=("gravity",), record_path=("model", "gravity", INDEX), text="{axis} of the {}"
+            Contents, path=("gravity",), record_path=("chain", "gravity", INDEX), text="{axis} of the {}"
         ),
     ),
     block(
@@ -114,12 +114,12 @@ PARAMETERS = (
         *_of_table(
             Link,
             path=("chain", "links", AT, KEY),
-            record_path=("model", KEY, AT),
+            record_path=("chain", KEY, AT),
             names=[key for key in _rules(Link) if key not in ("points", "shape")],
             height={"if_missing": 0.0, "hint": HAS_ONE},
             center_of_mass_offset={"absent_at": 0.0, "hint": HAS_ONE},
-            center_of_mass={"given": ("model", "given_center_of_mass", AT)},
-            inertia={"given": ("model", "given_inertia", AT)},
+            center_of_mass={"given": ("chain", "given_center_of_mass", AT)},
+            inertia={"given": ("chain", "given_inertia", AT)},
             joint_damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
             joint_stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
             joint_rest_angle={
@@ -191,7 +191,7 @@ PARAMETERS = (
             for kind in _of_table(
                 Box,
                 path=("box", KEY),
-                record_path=("model", "wall", w),
+                record_path=("chain", "wall", w),
                 names=(wall,),
                 text="position of the {}",
             )

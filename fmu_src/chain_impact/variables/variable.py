@@ -41,7 +41,7 @@ class Variable:
         variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
         unit: name of the unit, a key of ``units.UNITS``; "" if the variable is not a real number.
         description: one line.
-        record_path: path in the instance record, for example ``("model", "length", 2)``.
+        record_path: path in the instance record, for example ``("chain", "length", 2)``.
         given_path: path to the given value of a parameter that may be derived, while ``record_path`` has the
             value in use (kernel/chain/inertia.py); None for all other variables.
         rule: the rule by which the scene derives the value; None if the value is given.

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import derive_chain, derive_drives
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import record_of

@@ -52,14 +52,14 @@ def test_the_box_is_a_uniform_rectangle_with_four_corners():
 
 def test_each_start_derives_anew_what_is_not_given():
     _, d = chain(np.random.default_rng(0), 2)
-    given = [d.model.center_of_mass[1], d.model.inertia[1]]
-    d.model.given_center_of_mass[0] = d.model.given_inertia[0] = DERIVED
+    given = [d.chain.center_of_mass[1], d.chain.inertia[1]]
+    d.chain.given_center_of_mass[0] = d.chain.given_inertia[0] = DERIVED
     for length, mass in ((0.8, 2.0), (1.7, 0.3)):
-        d.model.length[:], d.model.mass[:] = length, mass
+        d.chain.length[:], d.chain.mass[:] = length, mass
         assert initialize(d, 0.0) == OK
-        assert d.model.center_of_mass[0] == length / 2
-        assert d.model.inertia[0] == mass * length * length / 12
-        assert [d.model.center_of_mass[1], d.model.inertia[1]] == given
+        assert d.chain.center_of_mass[0] == length / 2
+        assert d.chain.inertia[0] == mass * length * length / 12
+        assert [d.chain.center_of_mass[1], d.chain.inertia[1]] == given
 
 
 def test_stops_follow_the_walls_where_nothing_else_is_given():

@@ -95,11 +95,11 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
         rate = np.full(len(y), np.nan)
         arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
-        d.model.meeting_joint = middle
+        d.chain.meeting_joint = middle
         found = answer(d, FREE, impedance, loads, (joints, moments))
         np.testing.assert_allclose(found, moved, rtol=1e-9, atol=1e-10)
     # the arms of a free chain meet at any joint, and a pinned chain is held at its base
-    d.model.has_base_joint, rate = 1, np.full(len(y), np.nan)
+    d.chain.has_base_joint, rate = 1, np.full(len(y), np.nan)
     accelerations(d, y, rate)
     held = np.linalg.solve(mass_matrix(scene, angles)[2:, 2:], force[2:])
     np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], [0.0, 0.0, *held], rtol=1e-9, atol=1e-10)
@@ -111,7 +111,7 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     rng = np.random.default_rng([count, pinned])
     _, d = chain(rng, count)
     if pinned:
-        d.model.has_base_joint, d.model.meeting_joint = 1, 0
+        d.chain.has_base_joint, d.chain.meeting_joint = 1, 0
     y, scratch = random_state(rng, d), d.scratch
     set_link_vectors(d, y)
     scratch.moment[:] = rng.normal(size=count)

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.drives import (
     spring_stretch,
 )
 from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate
-from chain_impact.kernel.ode.extended import drive_resistance
+from chain_impact.kernel.ode.extended import drive_resistance, extend_start, extended_slopes
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.damped import prepared, random_chain
@@ -30,12 +30,14 @@ def sprung(request):
 
 
 def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
-    links, d, _ = sprung
-    held = [1.0 if i > 0 or d.model.has_base_joint else 0.0 for i in range(d.links)]
+    links, d, y = sprung
+    held = [1.0 if i > 0 or d.chain.has_base_joint else 0.0 for i in range(d.links)]
     own = [
         (link.joint_damping * one, link.joint_stiffness * one) for link, one in zip(links, held, strict=True)
     ]
-    assert [drive_slopes(d, i) for i in range(d.links)] == own
+    assert [drive_slopes(d, y, i) for i in range(d.links)] == own
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
     assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]
     assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
 
@@ -48,7 +50,7 @@ def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
         [spring_stretch(d, y, i) for i in range(d.links)], relative, rtol=0, atol=1e-15
     )
     stiffness = np.array([link.joint_stiffness for link in links])
-    stiffness[0] *= d.model.has_base_joint
+    stiffness[0] *= d.chain.has_base_joint
     assert spring_energy(d, y) == pytest.approx(0.5 * stiffness @ relative**2, rel=1e-14, abs=1e-300)
 
 
@@ -57,7 +59,7 @@ def test_springs_are_slack_at_rest_angles_and_while_the_chain_turns(sprung):
     y[2 : d.links + 2] = np.cumsum([link.joint_rest_angle for link in links])
     assert spring_energy(d, y) == pytest.approx(0.0, abs=1e-28)
     y[2 : d.links + 2] += 0.7
-    turned = 0.5 * links[0].joint_stiffness * 0.7**2 * d.model.has_base_joint
+    turned = 0.5 * links[0].joint_stiffness * 0.7**2 * d.chain.has_base_joint
     assert spring_energy(d, y) == pytest.approx(turned, rel=1e-13, abs=1e-28)
 
 

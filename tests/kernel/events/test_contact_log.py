@@ -301,7 +301,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     """With the lever arm s: φ = δ/s, M = F s, inertia m s²; peaks are the largest values of either kind."""
     _, d = stopped_chain(2)
     stop, arm, log = stops_of(d)[0], 1.4, d.contact_log
-    d.model.longest_link = arm
+    d.chain.longest_link = arm
     for c, force, depth in ((0, 2.0, 1e-3), (1, 1.0, 5e-3), (2, 3.0, 2e-3), (stop, 9.0, 0.3)):
         d.touch.onset_speed[c], d.touch.effective_mass[c] = 0.7, 2.5
         d.touch.peak_force[c], d.touch.max_penetration[c] = force, depth

@@ -101,7 +101,7 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
     assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
 
 
-def test_a_search_ends_when_there_is_no_work_left():
+def test_a_search_ends_when_its_cost_is_used_up():
     d, _ = moving(0, near=1)
     d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
     before = d.limits.other_cost
@@ -123,7 +123,7 @@ def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base)
     n = d.links
     turns = [np.abs(motion.at(t)[n + 4 : 2 * n + 4]).max(axis=0) for t in (0.0, 0.2)]
     bends = np.abs(motion.at(0.0, 1)[n + 2 : 2 * n + 4]).sum()
-    most = bends * (1.0 + d.model.length.max()) + d.model.reach * np.max(turns) ** 2 * 4.0
+    most = bends * (1.0 + d.chain.length.max()) + d.chain.reach * np.max(turns) ** 2 * 4.0
     assert (d.search.curvature < 3.0 * most + 1.0).all()
 
 

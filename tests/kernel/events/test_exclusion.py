@@ -87,7 +87,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         elif field == "change_rate":
             d.inputs.piece.change_rate = 1.1 / d.step.size
         else:
-            d.model.joint_rate_bound = 20.0 / d.step.size
+            d.chain.joint_rate_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
         if field != "fade":
             assert d.search.suspect.tolist() == list(range(d.candidates))
@@ -119,13 +119,13 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
     The tolerance of a position is added; nothing moves in this step.
     """
     _, d = chain(np.random.default_rng(0), 2)
-    off = 10.0 / 46080.0 * d.model.length.sum() * turn**2 * max(turn, fade) ** 4
-    off += 0.0 if active else d.solver.tolerance * d.model.length.sum()
+    off = 10.0 / 46080.0 * d.chain.length.sum() * turn**2 * max(turn, fade) ** 4
+    off += 0.0 if active else d.solver.tolerance * d.chain.length.sum()
     for clear in (0.999, 1.001) if off > 0.0 else (-1e-3, 1e-3):
         motion = translation(d, [0.0], [0.0])
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
-        d.inputs.piece.change_rate, d.model.joint_rate_bound = turn / 0.5, fade / 0.5
+        d.inputs.piece.change_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
         d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]

@@ -128,7 +128,7 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
     assert not any(chain.modes)
     e = chain.elements[-1]
     force = float(d.element.force[e])
-    d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.model.longest_link
+    d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
     d.element.event[e] = STICKING_ENDS
     assert pending_changes(d) == 1
     update_modes(d, False)
@@ -234,7 +234,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
         d.element.mode[c], d.element.undecided[c] = sign, 1
-        backward = -sign * part * ACCELERATION_ERROR * (50.0 + d.model.gravity_size + d.model.longest_link)
+        backward = -sign * part * ACCELERATION_ERROR * (50.0 + d.chain.gravity_size + d.chain.longest_link)
         place = d.candidate.place[c]
         d.scratch.acceleration.x[place] = backward * d.candidate.normal_y[c]
         d.scratch.acceleration.y[place] = -backward * d.candidate.normal_x[c]
@@ -347,7 +347,7 @@ def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.scratch.acceleration.x[place] = -sign * d.candidate.normal_y[c]
     d.scratch.acceleration.y[place] = sign * d.candidate.normal_x[c]
-    allowed = d.solver.tolerance * d.model.longest_link
+    allowed = d.solver.tolerance * d.chain.longest_link
     for speed, slack in ((-allowed, 2.0 * allowed), (-0.1 * allowed, allowed), (allowed, allowed)):
         move_at(d, c, sign * speed)
         set_slack(d, c)

@@ -230,8 +230,8 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
 def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
     d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
-    d.inputs.drive_damping[:], d.model.has_springs_or_dampers = 1e12, 1
-    d.model.joint_rate_bound = joint_rate_bound(d)
+    d.inputs.drive_damping[:], d.chain.has_springs_or_dampers = 1e12, 1
+    d.chain.joint_rate_bound = joint_rate_bound(d)
     choose_next_size(d, C, False)
     sizes = [control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method

@@ -105,7 +105,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     y[6:12] = 0.0
     y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
     d.step.state_end[:] = y
-    d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
+    d.chain.gravity[:] = -3.0 * d.chain.gravity if seed % 2 else d.chain.gravity
     impacts.handle_impact(d)
     after = d.step.state_end
     # 0 ≤ p ⟂ u⁺ ≥ 0: a point leaves if no push can stop the point
@@ -121,7 +121,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     assert d.contact_log.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.model.longest_link
+        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.chain.longest_link
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.touch.event.any()
 
@@ -258,8 +258,8 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         touch(d, [c])
         d.law.minimum_impact_speed[:] = 1e-12
         d.step.state_end[6:12] = 0.0
-        d.model.gravity[:] = 0.0, -9.81
-        slow = math.sqrt(2.0 * 9.81 * LEAST_RISE * d.model.longest_link)
+        d.chain.gravity[:] = 0.0, -9.81
+        slow = math.sqrt(2.0 * 9.81 * LEAST_RISE * d.chain.longest_link)
         locate_points(d, d.step.state_end)
         d.constraints.impulse[0] = 1.0
         d.constraints.reached[0] = times * slow
@@ -312,7 +312,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     locate_points(d, d.step.state_end)
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
     np.testing.assert_allclose(
-        gaps, [0.0, impacts.RELEASE_GAP * d.model.longest_link, 0.0], rtol=0, atol=3e-14
+        gaps, [0.0, impacts.RELEASE_GAP * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
     )
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
@@ -326,7 +326,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
 @pytest.mark.parametrize("away", [0.0, 30.0, 1e4])
 def test_a_released_point_all_but_touches_at_any_distance(away):
     d, y, *_ = touching(1, POINTS[:1], kinds=NONE)
-    y[:2] += away * d.model.longest_link
+    y[:2] += away * d.chain.longest_link
     locate_points(d, y)
     press_in(d, 1, 0.0)
     d.step.state_end[:] = y
@@ -334,15 +334,15 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gap, _ = clearance(d, 1)
-    farthest = max(np.abs(vectors(d.scratch.position)).max(), d.model.longest_link)
-    right = max(1e-13 * d.model.longest_link, 1e-14 * farthest)
+    farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
+    right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
     d.touch.event[:] = NONE
     impacts.join_near_contacts(d)
     assert d.touch.event[1] == NEIGHBOUR
     # the energy of a fall over this gap is too little to leave
     d.touch.event[1] = ONSET
-    weight = d.model.mass.sum() * d.model.gravity_size
+    weight = d.chain.mass.sum() * d.chain.gravity_size
     d.touch.effective_mass[1], d.touch.onset_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
     d.law.minimum_impact_speed[:] = 0.0
     assert impacts.is_gentle(d)
@@ -357,11 +357,11 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
     near = impacts.release_gap(d, c, largest_coordinate(d))
     y[:2] += 1e6
     locate_points(d, y)
-    assert impacts.release_gap(d, c, largest_coordinate(d)) == near == 1e-13 * d.model.longest_link
+    assert impacts.release_gap(d, c, largest_coordinate(d)) == near == 1e-13 * d.chain.longest_link
     assert impacts.release_gap(d, 0, largest_coordinate(d)) >= 1e-8
     # an angle of many turns has a larger round-off
     y[3:5] += 1e4
-    assert impacts.release_gap(d, c, largest_coordinate(d)) > 5e-11 * d.model.longest_link
+    assert impacts.release_gap(d, c, largest_coordinate(d)) > 5e-11 * d.chain.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():

@@ -19,7 +19,7 @@ from tests.kernel.chains import chain, stopped_chain, stops_of
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
     """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.size, d.step.regularized, d.model.longest_link = size, -1, 1.0
+    d.step.size, d.step.regularized, d.chain.longest_link = size, -1, 1.0
     d.touch.active[0] = active
     search = d.search
     search.phi_start[:], search.phi_end[:] = 9.0, 9.0
@@ -105,7 +105,7 @@ def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
 def test_a_curvature_of_round_off_counts_as_small(part):
     """The curvature term A w²/8 is below 1e-15 of a link length."""
     d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
-    d.model.longest_link = 3.0
+    d.chain.longest_link = 3.0
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
     for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
         d.search.curvature[0] = curvature
@@ -143,7 +143,7 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
         turn, change = rate_bounds(d.step, 0)
         d.step.state[0], d.step.dense[:, 0] = before, kept
         # at the lever arm of a stop, the longest link
-        assert found == pytest.approx((d.model.longest_link * turn, d.model.longest_link * change), rel=1e-12)
+        assert found == pytest.approx((d.chain.longest_link * turn, d.chain.longest_link * change), rel=1e-12)
     assert joints == {1, 2, 3}
 
 
@@ -175,7 +175,7 @@ def test_curvature_bounds_of_stops_and_points_hold(bounded):
     reach = [0.0]
     for i in range(LINKS):
         omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
-        reach.append(reach[-1] + d.model.length[i] * (alpha + omega**2))
+        reach.append(reach[-1] + d.chain.length[i] * (alpha + omega**2))
     for c in range(d.candidates):
         _, bend = crossing.motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]

@@ -47,7 +47,7 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
 ])  # fmt: skip
 def test_an_onset_is_believed_at_the_wall_of_a_point_that_arrives(depth, rate, kind, believed):
     d = touched(0.3, -1.0, kind=kind)
-    d.search.phi_end[1], d.search.phi_end_rate[1] = -depth * DEEPEST_ONSET * d.model.longest_link, rate
+    d.search.phi_end[1], d.search.phi_end_rate[1] = -depth * DEEPEST_ONSET * d.chain.longest_link, rate
     assert is_credible_crossing(d, 0.5) == believed
     d.candidate.offset[1] += 0.4  # the point starts inside the wall, which a shorter step would show, too
     assert is_credible_crossing(d, 0.0)

@@ -22,7 +22,7 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     """
     _, d = stopped_chain(2)
     log, size, stop, arm = d.contact_log, len(d.contact_log.point), stops_of(d)[0], 1.4
-    d.model.longest_link, log.count = arm, count % size
+    d.chain.longest_link, log.count = arm, count % size
     active = [0, stop]
     for c in range(d.candidates):
         d.touch.active[c] = c in active

@@ -307,9 +307,9 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     """m (g + Σ s (ω² + |α|)) with the chain's mass m, at least 1 rad/s²; round-off is a fraction of it."""
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
-    d.model.gravity_size = gravity
+    d.chain.gravity_size = gravity
     d.step.state[7:10], d.scratch.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
-    mass, size = d.model.mass.sum(), d.model.length.max()
+    mass, size = d.chain.mass.sum(), d.chain.length.max()
     turning = max(1.0, omega**2 + abs(alpha))
     assert sampled.plausible_pull(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
     assert sampled.pull_limit(d) == pytest.approx(sampled.PULL_ROUND_OFF * mass * (gravity + size), rel=1e-12)

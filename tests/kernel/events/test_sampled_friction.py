@@ -254,7 +254,7 @@ def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
 def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     d, elements = rubbing
     e = elements[0]
-    size, mass = d.model.longest_link, np.mean(d.model.mass)
+    size, mass = d.chain.longest_link, np.mean(d.chain.mass)
     d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
     assert sampled.rest_speed(d) == sampled.REST_SPEED * size
     assert sampled.friction_round_off(d, e) == pytest.approx(

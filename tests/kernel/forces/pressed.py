@@ -18,8 +18,8 @@ def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
     rng = np.random.default_rng([len(base), seed])
     scene, d = chain(rng, 4, base, model="newton_impact")
     if masses:
-        d.model.mass[:] = masses
-        d.model.given_center_of_mass[:] = d.model.given_inertia[:] = DERIVED
+        d.chain.mass[:] = masses
+        d.chain.given_center_of_mass[:] = d.chain.given_inertia[:] = DERIVED
         derive_chain(d)
     candidates = CANDIDATES[: len(pressed)]
     if base == "pinned":

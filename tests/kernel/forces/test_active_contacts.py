@@ -109,7 +109,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     assert d.quadrature.impulse_at_onset[c] == 3.5
     assert touched.number[c] == 5
     if law == "newton_impact":
-        assert touched.depth_scale[c] == d.model.longest_link
+        assert touched.depth_scale[c] == d.chain.longest_link
     else:
         energy = 0.5 * mass * first**2
         assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)

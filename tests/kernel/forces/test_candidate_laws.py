@@ -37,7 +37,7 @@ def laws_of(d):
 def given():
     """Return a record with two walls of their own material, and stops, and a candidate of each kind."""
     _, d = stopped_chain(2)
-    d.model.longest_link = SIZE
+    d.chain.longest_link = SIZE
     d.given.law, d.given.stiffness, d.given.restitution = NUMBER["flores"], 1e6, 0.4
     d.given.stop_stiffness, d.given.stop_restitution = 1e3, 0.2
     d.contact.exponent, d.stops.exponent, d.stops.law = 1.5, 1.0, 0
@@ -307,7 +307,7 @@ def test_stops_have_a_law_of_their_own(law):
     d, c = stop_with(law)
     assert d.law.number[c] == law.number
     assert d.law.number[0] == d.given.law != law.number or law.id == "zhang_sharf"
-    assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * d.model.longest_link, rel=1e-14)
+    assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * d.chain.longest_link, rel=1e-14)
     assert d.law.impulsive[c] == law.impulsive
     assert d.law.restitution[c] == restitution_for(law)
 
@@ -320,7 +320,7 @@ def test_stops_have_a_law_of_their_own(law):
 def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
     """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
     d, c = stop_with(law)
-    size, n, m = d.model.longest_link, d.stops.exponent, law.mass_power
+    size, n, m = d.chain.longest_link, d.stops.exponent, law.mass_power
     d.touch.effective_mass[c], d.touch.impact_speed[c] = INERTIA / size**2, RATE * size
     set_damping(d, c)
     p = n if law.rate_exponent is None else law.rate_exponent
@@ -339,7 +339,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     monkeypatch.setattr(user_law, "is_present", lambda: 1)
     monkeypatch.setattr(user_law, "force", lambda *arguments: told.append(arguments) or 12.0)
     _, d = stopped_chain(2)
-    size, d.stops.law = d.model.longest_link, USER_LAW
+    size, d.stops.law = d.chain.longest_link, USER_LAW
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
     assert start_laws(d) == OK
     c = d.candidates - 1

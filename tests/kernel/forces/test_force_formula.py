@@ -238,7 +238,7 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
         d.solver.tolerance, d.touch.impact_speed[0] = tolerance, speed
-        at_rest = tolerance * d.model.longest_link
+        at_rest = tolerance * d.chain.longest_link
         margin = forces.turning_margin(d, 0)
         assert ((margin - at_rest) / speed) ** 2 == pytest.approx(
             forces.TURNING_RATE**2 * tolerance, rel=1e-9

@@ -73,7 +73,7 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     rows = tangents(scene, d, y, found)
     response, _ = mobility(scene, d, y, rows)
     normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
-    sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.model.longest_link)
+    sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.chain.longest_link)
     n = d.links
     np.testing.assert_allclose(
         rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4], response @ (-sign * sizes), rtol=1e-9, atol=1e-9
@@ -81,7 +81,7 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     speeds = rows @ y[n + 2 : 2 * n + 4]
     assert rate[2 * n + 4] - free[2 * n + 4] == pytest.approx(sign * sizes @ speeds, rel=1e-9)
     np.testing.assert_allclose(d.element.force[found], -sign * sizes, rtol=1e-12)
-    limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.model.longest_link)
+    limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.chain.longest_link)
     np.testing.assert_allclose(d.element.limit[found], limits, rtol=1e-12)
 
 

@@ -62,13 +62,13 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
 def test_tolerated_momentum_is_that_of_tolerance_and_a_small_fall():
     """m √(2 (g + 1/s²·size) LEAST_RISE size) + m tol (size/s + v)."""
     d, *_ = problem()
-    total = d.model.mass.sum()
+    total = d.chain.mass.sum()
     rise = math.sqrt(
-        2.0 * (math.hypot(2.3, 9.81) + d.model.longest_link) * holding.LEAST_RISE * d.model.longest_link
+        2.0 * (math.hypot(2.3, 9.81) + d.chain.longest_link) * holding.LEAST_RISE * d.chain.longest_link
     )
     for tolerance, speed in ((1e-4, 0.0), (1e-8, 7.0)):
         d.solver.tolerance = tolerance
-        expected = total * (rise + tolerance * (d.model.longest_link + speed))
+        expected = total * (rise + tolerance * (d.chain.longest_link + speed))
         assert holding.tolerated_momentum(d, speed) == pytest.approx(expected, rel=1e-12)
 
 
@@ -97,7 +97,7 @@ def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
 def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
     """Where W is nearly singular a small gap needs large rotations; then separate points stay in place."""
     d, _, _, response, _ = problem(pressed=(1, 1))
-    own, size = d.constraints, d.model.longest_link
+    own, size = d.constraints, d.chain.longest_link
     if bad:  # one point touches two walls with an angle of 1e-3 rad
         first, second = d.touch.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
@@ -143,7 +143,7 @@ def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
 @pytest.mark.parametrize("turns", [False, True])
 def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved, again, turns):
     d, *_ = problem(pressed=(1, 1))
-    own, size, called = d.constraints, d.model.longest_link, []
+    own, size, called = d.constraints, d.chain.longest_link, []
     own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
     limit = holding.LARGEST_CORRECTION * (1e-6 + 4e-3 / size)

@@ -157,12 +157,12 @@ def moving(**more):
 
 def test_the_units_are_those_of_the_stretched_chain():
     d, _ = moving()
-    mass, size = d.model.mass, max(d.model.length)
-    reach = size + np.cumsum(d.model.length)
+    mass, size = d.chain.mass, max(d.chain.length)
+    reach = size + np.cumsum(d.chain.length)
     assert d.balance.unit_motion == pytest.approx(
-        math.sqrt(sum(mass * reach**2 + d.model.inertia)), rel=1e-13
+        math.sqrt(sum(mass * reach**2 + d.chain.inertia)), rel=1e-13
     )
-    weight = sum(mass) * math.hypot(*d.model.gravity)
+    weight = sum(mass) * math.hypot(*d.chain.gravity)
     assert d.balance.weight == pytest.approx(weight, rel=1e-13)
     assert d.balance.unit_scale == pytest.approx(weight * reach[-1] + sum(mass) * size**2, rel=1e-13)
 
@@ -181,7 +181,7 @@ def slid():
 def test_the_carriage_of_a_slider_moves_and_has_a_weight():
     d, _ = slid()
     assert d.balance.weight == pytest.approx(2.5 * 9.81, rel=1e-13)
-    assert d.balance.unit_motion**2 == pytest.approx(2.0 * 0.25 + 0.5 + d.model.inertia[0], rel=1e-13)
+    assert d.balance.unit_motion**2 == pytest.approx(2.0 * 0.25 + 0.5 + d.chain.inertia[0], rel=1e-13)
     assert d.balance.unit_scale == pytest.approx(2.5 * 9.81 + 2.5 * 0.25, rel=1e-13)
 
 
@@ -328,10 +328,10 @@ def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
     for method, number in ((EXPLICIT, 0.9), (EXPLICIT, 1.1), (IMPLICIT, 1.1)):
         d.step.last_method = method
         d.step.end = d.step.start + number * methods.STABLE_STEP / (
-            methods.joint_stiffness_number(d, 1e3) / 1e3
+            methods.find_joint_stiffness(d, 1e3) / 1e3
         )
         assert balance.is_long(d) == (method == EXPLICIT and number > 1.0)
-    d.step.last_method, d.model.has_springs_or_dampers = EXPLICIT, 0
+    d.step.last_method, d.chain.has_springs_or_dampers = EXPLICIT, 0
     assert not balance.is_long(d)
 
 
@@ -343,7 +343,7 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, a
     at = dissipated_at(LINKS)
     monkeypatch.setattr(balance, "impact_energy", lambda _: impacts)
     d.step.state[at], d.step.state_end[at] = before, after
-    slack = 10.0 * 3.0 * TOLERANCE * (d.model.energy_scale + after + impacts)
+    slack = 10.0 * 3.0 * TOLERANCE * (d.chain.energy_scale + after + impacts)
     least, most = min(before, after), max(before, after)
     assert balance.dissipates_evenly(d, 0.5 * (least + most))
     for part, right in ((0.99, True), (1.01, False)):
@@ -355,7 +355,7 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, a
 def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     d = after_a_turn(0.0)
     motion = free_motion(np.random.default_rng(1), d, speed=0.0, bend=0.0)
-    d.model.gravity[:] = d.model.gravity_size = 0.0
+    d.chain.gravity[:] = d.chain.gravity_size = 0.0
     set_step(d, motion, 0.1)
     balance.start_balance(d, 0.0)
     assert balance.interpolates(d)

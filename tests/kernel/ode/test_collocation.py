@@ -148,7 +148,7 @@ def stiff_joint(damping, tolerance=1e-8):
     """
     scene, d = at_start(tolerance)
     d.inputs.drive_damping[:-1] = 0.0, damping, 0.0
-    d.model.has_springs_or_dampers, d.implicit.listing = 1, STALE
+    d.chain.has_springs_or_dampers, d.implicit.listing = 1, STALE
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
@@ -156,7 +156,7 @@ def stiff_joint(damping, tolerance=1e-8):
     rho = damping * across @ vector
     fast = vector * (across @ d.scratch.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
     speeds = d.step.state_end[velocity_at(N) : 2 * N + 4]
-    scale = np.where(np.arange(N + 2) < 2, d.model.longest_link, 1.0) + np.abs(speeds)
+    scale = np.where(np.arange(N + 2) < 2, d.chain.longest_link, 1.0) + np.abs(speeds)
     return d, rho, (np.abs(fast) / scale).max() / tolerance
 
 

@@ -70,7 +70,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, ag
     d.touch.depth_scale[0], d.touch.impact_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
     y[control.ANGLES + 1] = -4e3
     d.touch.onset[0], d.step.end = 1.0, 1.0 + age
-    size, gap = d.model.longest_link, control.sundman_u_at(2)
+    size, gap = d.chain.longest_link, control.sundman_u_at(2)
     before, after = np.ones((2, gap + 1))
     control.set_scales(d, y, before, 1)
     control.set_scales(d, y, after, 1)

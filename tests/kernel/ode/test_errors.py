@@ -37,8 +37,8 @@ def deep(depth=1e-3, **more):
 
 def scales(d, y):
     """Return the error scale of each component of a state: its allowed error over the tolerance."""
-    n, size = d.links, d.model.longest_link
-    energy = d.model.energy_scale + abs(y[dissipated_at(n)]) + control.impact_energy(d)
+    n, size = d.links, d.chain.longest_link
+    energy = d.chain.energy_scale + abs(y[dissipated_at(n)]) + control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
     return np.concatenate(
         [[size, size], np.ones(n), size + np.abs(y[velocity_at(n) : omega_at(n)]), turns, [energy]]
@@ -61,8 +61,8 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
         assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # a smaller error does not count beside a larger error
         d.scratch.error[ONE][0], d.scratch.error[OTHER][0] = (
-            5e-6 * d.model.longest_link,
-            -5e-6 * d.model.longest_link,
+            5e-6 * d.chain.longest_link,
+            -5e-6 * d.chain.longest_link,
         )
         assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
     d.scratch.error[:] = 0.0
@@ -116,7 +116,7 @@ def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
 def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     """The scale is δ for fast impacts and larger for slow impacts; the error stays below 1 % of δ."""
     _, d, touched, _ = deep(depth=1e-4)
-    c, size = touched[0], d.model.longest_link
+    c, size = touched[0], d.chain.longest_link
     depth = d.touch.depth_scale[c]
     for speed, leeway in (
         (4.0 * size, 1.0),
@@ -148,7 +148,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.scratch.error[:] = rng.uniform(-1e-3, 1e-3, d.scratch.error.shape)
-    unit = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
+    unit = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
     for row in (ONE, OTHER):
         turns = np.diff(d.scratch.error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.scratch.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
@@ -163,7 +163,7 @@ def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
     d.scratch.error[ONE][:2], d.scratch.error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
     line = np.array([math.cos(0.1), math.sin(0.1)])
     force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
-    unit = d.model.energy_scale * (1.0 + 9.81 / 0.5)
+    unit = d.chain.energy_scale * (1.0 + 9.81 / 0.5)
     assert control.force_errors(d)[ONE] == pytest.approx(0.5 * force / unit, rel=1e-12)
 
 

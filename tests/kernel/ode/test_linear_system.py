@@ -30,7 +30,7 @@ def linearized(turn, stiffness, damping):
     if stiffness > 0.0:
         d.inputs.drive_stiffness[1:3] = stiffness, 0.3 * stiffness
         d.inputs.drive_damping[1] = 0.0
-        d.model.has_springs = d.model.has_springs_or_dampers = 1
+        d.chain.has_springs = d.chain.has_springs_or_dampers = 1
     assert int(d.touch.active_count) > 0
     kinematics.locate_points(d, d.step.state_end)
     extended.extend_start(d)
@@ -112,7 +112,7 @@ def held(base, stiffness, damping):
         d.inputs.drive_stiffness[0] = d.inputs.drive_damping[0] = 0.0
     candidates = [6, 16] if base == "free" else [5, 15]
     d.step.state_end[:] = struck(rng, d, candidates, 0.0)
-    d.model.has_springs_or_dampers = d.model.has_springs = 1
+    d.chain.has_springs_or_dampers = d.chain.has_springs = 1
     extended.extend_start(d)
     extended.extended_slopes(d, d.implicit.start)
     angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)

@@ -98,7 +98,7 @@ def pressed(rng):
     touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
     struck(rng, d, touched)
     d.touch.effective_mass[touched] = 1.0
-    assert not d.model.has_springs_or_dampers
+    assert not d.chain.has_springs_or_dampers
     d.solver.method = AUTO
     methods.begin_explicit(d)
     d.touch.onset[touched] = 0.0
@@ -108,15 +108,15 @@ def pressed(rng):
 
 def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
     d, _, rate = jointed(rng)
-    bound = d.model.joint_rate_bound
+    bound = d.chain.joint_rate_bound
     assert rate < bound
     # below this limit the bound replaces the rate, whose computation costs more
     for number, right in (
         (0.99 * STIFF_STEP, 0.99 * STIFF_STEP),
         (1.01 * STIFF_STEP, 1.01 * STIFF_STEP * rate / bound),
     ):
-        assert methods.joint_stiffness_number(d, number / bound) == pytest.approx(right)
-    assert methods.joint_stiffness_number(d, 50.0) == pytest.approx(50.0 * rate)
+        assert methods.find_joint_stiffness(d, number / bound) == pytest.approx(right)
+    assert methods.find_joint_stiffness(d, 50.0) == pytest.approx(50.0 * rate)
 
 
 def test_the_rate_of_contacts_is_that_of_the_fastest(pressed):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics, response
+from chain_impact.kernel.chain.drives import drive_slopes
 from chain_impact.kernel.ode.extended import drive_resistance
 from chain_impact.kernel.rows import compliance, geometry
 from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
@@ -44,7 +45,7 @@ def made(case, resist=True):
     rows = [
         of_walls[c]
         if c in walls
-        else d.candidate.stop[c] * d.model.longest_link * across[d.candidate.point[c] - 1]
+        else d.candidate.stop[c] * d.chain.longest_link * across[d.candidate.point[c] - 1]
         for c in range(d.candidates)
     ]
     touched = np.array([rows[c] for c in d.touch.active_index[: d.touch.active_count]]).reshape(-1, count + 2)
@@ -64,8 +65,8 @@ def assert_moved(scene, d, angles, change):
     count = d.links
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.scratch.motion), moved, rtol=0, atol=1e-9)
-    if d.model.has_joint_stops:
-        turns = d.model.longest_link * (relative_motion(count) @ change)
+    if d.chain.has_joint_stops:
+        turns = d.chain.longest_link * (relative_motion(count) @ change)
         np.testing.assert_allclose(d.scratch.motion.x[count + 1 :], turns, rtol=0, atol=1e-9)
 
 
@@ -77,7 +78,7 @@ def assert_loads(scene, d, angles, added, work):
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
     for i, turn in enumerate(
-        d.model.longest_link * relative_motion(count) if d.model.has_joint_stops else ()
+        d.chain.longest_link * relative_motion(count) if d.chain.has_joint_stops else ()
     ):
         work = work - d.scratch.load.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
@@ -95,7 +96,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     """
     scene, d, angles, _, jacobian, rng = made(case, resist)
     count, active, across = d.links, len(jacobian), relative_motion(d.links)
-    assert d.model.has_springs_or_dampers == (resist and (count > 1 or d.model.has_base_joint))
+    assert d.chain.has_springs_or_dampers == (resist and (count > 1 or d.chain.has_base_joint))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
     compliance.factorize_contacts(d, response.HELD, impedance)
     compliance.solve_contacts(d, response.HELD, impulse, d.constraints.change)
@@ -105,12 +106,13 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
+        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, d.step.state_end, i)
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)
-    with_joints = d.model.has_springs_or_dampers or d.model.has_joint_stops
+    with_joints = d.chain.has_springs_or_dampers or d.chain.has_joint_stops
     response.factorize(d, d.scratch.link, d.scratch, response.SHIFTED, with_joints)
     joints = rng.normal(size=count) * with_joints
-    joints[0] *= d.model.has_base_joint  # a free base is no joint
+    joints[0] *= d.chain.has_base_joint  # a free base is no joint
     geometry.clear_loads_of(d, d.scratch.load)
     for k in range(active):
         geometry.add_along(geometry.normal_row(d, d.touch.active_index[k]), d.scratch.load, impulse[k])
@@ -119,7 +121,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     compliance.solve_space(d, d.scratch.link, d.scratch, response.SHIFTED, change)
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
-    resistance[0] *= d.model.has_base_joint
+    resistance[0] *= d.chain.has_base_joint
     stiff = mass_matrix(scene, angles) + added + across.T @ np.diag(resistance) @ across
     expected = solved(d, stiff, work + across.T @ joints)
     np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)

@@ -81,7 +81,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     """An impulse p moves the point by W/(1 + D W) p, some millionths of W p."""
     d, _, _, _, w = problem(base)
     amount = compliance.holding_impedance(d)
-    assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.model.mass.mean(), rel=1e-14)
+    assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.chain.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.constraints.impedance[0] = amount
@@ -172,12 +172,12 @@ def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
     for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
         mobility = part / amount
         left = 1.0 - mobility / compliance.held_mobility(d, mobility)
-        assert left == pytest.approx((1.0 + part) ** -compliance.STICKING_PASSES, rel=1e-9, abs=1e-15)
+        assert left == pytest.approx((1.0 + part) ** -compliance.STICKING_ITERATIONS, rel=1e-9, abs=1e-15)
     least = compliance.held_mobility(d, 0.0)
     assert (
         compliance.held_mobility(d, -1e-30)
         == least
-        == pytest.approx(1.0 / (compliance.STICKING_PASSES * amount))
+        == pytest.approx(1.0 / (compliance.STICKING_ITERATIONS * amount))
     )
 
 

@@ -71,7 +71,7 @@ def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
         wall = d.candidate.wall[c]
         if wall < len(WALLS):  # walls of the box are exact
             assert normal_row(d, c)[1:] == NORMALS[wall]
-            assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
+            assert abs(d.candidate.offset[c]) == abs(d.chain.wall[wall])
 
 
 def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
@@ -137,9 +137,9 @@ def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
     size, angles, joints = (
-        d.model.longest_link,
+        d.chain.longest_link,
         np.diff(y[2:5], prepend=0.0),
-        [1, 2, 3] if d.model.has_base_joint else [2, 3],
+        [1, 2, 3] if d.chain.has_base_joint else [2, 3],
     )
     assert lever_of_candidate(d, 0) == 1.0
     assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
@@ -184,7 +184,7 @@ def assert_adjoint(d, rows, change):
 def any_change(d):
     """Return some change of the coordinates, along which the points and joints move."""
     change = np.random.default_rng(8).normal(size=d.links + 2)
-    change[: 2 * d.model.has_base_joint] = 0.0
+    change[: 2 * d.chain.has_base_joint] = 0.0
     kinematics.move_points(d, d.scratch.link, change, d.scratch.motion)
     return change
 
@@ -208,7 +208,7 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
     for c in stops_of(d):
         joint = d.candidate.point[c] - 1
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
-        expected = d.candidate.stop[c] * d.model.longest_link * turn
+        expected = d.candidate.stop[c] * d.chain.longest_link * turn
         assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
 
 
@@ -220,13 +220,13 @@ def test_any_place_may_be_the_fastest(place):
         d.scratch.motion[axis][:] = 0.25
     d.scratch.motion.x[place] = -4.0
     assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 4.0)
-    d.model.has_joint_stops = 0
+    d.chain.has_joint_stops = 0
     assert length_bound(d, d.scratch.motion) == (4.25 if place <= 3 else 0.5)
 
 
 def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     d = stopped_chain(3, "pinned")[1]
-    y, position, size = np.zeros(len(d.step.state)), d.scratch.position, d.model.longest_link
+    y, position, size = np.zeros(len(d.step.state)), d.scratch.position, d.chain.longest_link
     position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
     y[2:5] = 0.5, -1.5, 4.0
     joints = {1: 0.5, 2: 2.0, 3: 5.5}
@@ -274,6 +274,6 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
         e = d.candidates + i
         assert tangent_row(d, e) == (n + 1 + i, 1.0, 0.0)
         speed = tangential_rate(d, e)
-        assert speed == pytest.approx(d.model.longest_link * rates[i], rel=1e-12, abs=1e-14)
+        assert speed == pytest.approx(d.chain.longest_link * rates[i], rel=1e-12, abs=1e-14)
     change = any_change(d)
     assert_adjoint(d, [tangent_row(d, e) for e in range(d.elements)], change)

@@ -23,13 +23,13 @@ class Dual:
     def __init__(self, value: float, slope: Any) -> None:
         self.value, self.slope = value, np.asarray(slope, float)
 
-    def carried(self, number: float, slope: float) -> Dual:
+    def dual_with_slope(self, number: float, slope: float) -> Dual:
         return Dual(number, slope * self.slope)
 
-    def sloped(self, direction: int, slope: float) -> Dual:
+    def with_slope(self, direction: int, slope: float) -> Dual:
         return Dual(self.value, [slope if k == direction else one for k, one in enumerate(self.slope)])
 
-    def varies(self) -> bool:
+    def has_slope(self) -> bool:
         return bool((self.slope != 0.0).any())
 
     def __add__(self, other: Dual | float) -> Dual:
@@ -99,9 +99,9 @@ class Duals(Columns):
                 own.copy_values(given)
             elif isinstance(own, np.ndarray) and own.dtype == object:
                 for place in np.ndindex(own.shape):
-                    own[place] = own[place].carried(given[place], 1.0)
+                    own[place] = own[place].dual_with_slope(given[place], 1.0)
             else:
-                setattr(self, name, own.carried(given, 1.0) if isinstance(own, Dual) else given)
+                setattr(self, name, own.dual_with_slope(given, 1.0) if isinstance(own, Dual) else given)
 
 
 def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...] = ()) -> Duals:

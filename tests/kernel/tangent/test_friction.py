@@ -23,7 +23,7 @@ def t():
     one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
     one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
     one.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
-    one.model = SimpleNamespace(longest_link=dual(2.0))
+    one.chain = SimpleNamespace(longest_link=dual(2.0))
     one.trust = SimpleNamespace(reason=trust.TRUSTED)
     return one
 
@@ -129,7 +129,7 @@ def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t
 
 def settling(monkeypatch, t, largest):
     """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
-    t.model.longest_link, t.model.gravity_size, t.trust.neglected = dual(2.0), dual(6.0), 0.0
+    t.chain.longest_link, t.chain.gravity_size, t.trust.neglected = dual(2.0), dual(6.0), 0.0
     t.scratch.position = "position"
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_slope", lambda _t, k: largest[k])

@@ -149,7 +149,7 @@ def slopes(start, end, parts):
     for (i, j), part in parts.items():
         own.parts[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
-    d.implicit, d.model = SimpleNamespace(weight=[2.0, 10.0]), None
+    d.implicit, d.chain = SimpleNamespace(weight=[2.0, 10.0]), None
     return d, SimpleNamespace(implicit=own)
 
 
@@ -190,13 +190,15 @@ def test_the_linear_system_is_that_of_the_run():
     def data(scale):
         link = SimpleNamespace(x=[scale, 2 * scale], y=[3 * scale, 4 * scale])
         slopes = {"stiffness": [5 * scale, 6 * scale], "damping": [7 * scale, 8 * scale]}
+        slopes |= {"drive_stiffness": [9 * scale, 10 * scale], "drive_damping": [11 * scale, 12 * scale]}
         own = SimpleNamespace(link=link, start=[scale], **slopes)
-        return SimpleNamespace(links=2, touch=SimpleNamespace(active_count=1), implicit=own)
+        return SimpleNamespace(links=2, slides=0, touch=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
     replay.copy_jacobian_data(d, t)
     assert (t.implicit.link.x, t.implicit.link.y) == ([1, 2], [3, 4])
     assert (t.implicit.stiffness, t.implicit.damping) == ([5, 600], [7, 800])
+    assert (t.implicit.drive_stiffness, t.implicit.drive_damping) == ([9, 10], [11, 12])
 
 
 @pytest.mark.parametrize("reason", [trust.TRUSTED, trust.GRAZING])

@@ -89,7 +89,7 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
     )
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
-    d.model, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
+    d.chain, d.drive, t.drive = SimpleNamespace(limited=0), SimpleNamespace(event=0), SimpleNamespace(event=0)
     d.touch, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS
+from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.forces import active_contacts, candidate_laws, force_formula
-from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
@@ -41,7 +41,7 @@ def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
 
 
 PARAMETERS = {
-    "model": (
+    "chain": (
         *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
         "joint_armature",
     ),
@@ -157,7 +157,7 @@ def twins(monkeypatch):
     blank = record_of(scene)
     for name in ("links", "candidates", "candidate"):
         t.numpy_record[name] = blank.numpy_record[name]
-    t.model.has_base_joint, t.model.has_inputs = d.model.has_base_joint, d.model.has_inputs
+    t.chain.has_base_joint, t.chain.has_inputs = d.chain.has_base_joint, d.chain.has_inputs
     return d, t
 
 
@@ -168,7 +168,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     assert initialize(d, 1.5) == OK
     t.scratch.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     starts.start_tangent(d, t)
-    records = ["model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
+    records = ["chain", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch"]
     records += ["given", "stops", "solver"]
     for record in records:
         dtype = d.numpy_record.dtype[record].base  # the type of a table's rows

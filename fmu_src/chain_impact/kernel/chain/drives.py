@@ -1,19 +1,21 @@
-"""Drives: a motor, a damper, a spring and a rotor along a coordinate q, an angle or the slider's position.
+"""Drives: a motor, a damper, a spring and a rotor along a coordinate ψ, an angle or the slider's position.
 
 Drive i acts in the proximal joint of link i, with i counted from 0. If the chain has a slider, drive N acts
 along the slider's line. Drive N has lengths, forces and masses in place of angles, torques and moments of
 inertia. The force or torque of a drive is
 
-    F = u − c (q̇ − q̇_t) − k (q − q_t)
+    F = u − c (ψ̇ − ψ̇_t) − k (ψ − ψ_t)
 
-u is the force or torque of the motor, c the damping and k the stiffness. With targets q_t, q̇_t a drive is a
-servo; otherwise q_t is the rest position of the spring, and q̇_t is 0. F may have a limit. A drive with a
+u is the force or torque of the motor, c the damping and k the stiffness. With targets ψ_t, ψ̇_t a drive is a
+servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A drive with a
 limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1
 while F is at the positive or the negative limit. The rotor of a joint's drive has the armature I_a, its
-inertia reflected through the gear, so the joint transmits F − I_a q̈.
+inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
 
 Only this module has the formulas of motor, damper, spring and rotor. Other modules ask it for sums: force,
-power, energy, inertia, the slopes of the force, and ``set_effect_flags`` for what the drives of a scene have.
+power, energy, inertia, the slopes of the force in a state, their bounds over all states, and
+``set_effect_flags`` for what the drives of a scene have. The slopes may depend on the state: the implicit
+method, the error norm and the choice of the method evaluate them where they need them.
 Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
 
 The angles of links and joints include full turns. The base of a pinned chain has the angle 0.
@@ -29,13 +31,13 @@ from chain_impact.kernel.functions import has_dual_rule
 # the largest excess of a drive's force F over its limit that counts as round-off, relative to the limit
 DRIVE_EXCESS = 1e-12
 # the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
-# position and target, k (|q| + |q_t|)
+# position and target, k (|ψ| + |ψ_t|)
 SPRING_ROUND_OFF = 1e-14
 
 
 def first_joint(d):
     """Return the index of the first joint, and so of the first drive: 0, or 1 if the base is free."""
-    return 0 if d.model.has_base_joint else 1
+    return 0 if d.chain.has_base_joint else 1
 
 
 def drive_count(d):
@@ -60,9 +62,9 @@ def along_drive(d, values, first, i):
 
 
 def spring_stretch(d, y, i):
-    """Return the stretch q − q_t [rad or m] of the spring of drive i.
+    """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i.
 
-    The rest or target position of the spring is q_t.
+    The rest or target position of the spring is ψ_t.
     """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
@@ -70,7 +72,7 @@ def spring_stretch(d, y, i):
 
 
 def coordinates_of_drive(d, y, i):
-    """Return the sum [rad or m] of the absolute coordinates whose round-off enters q of drive i."""
+    """Return the sum [rad or m] of the absolute coordinates whose round-off enters ψ of drive i."""
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
     return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
@@ -78,7 +80,7 @@ def coordinates_of_drive(d, y, i):
 
 def lever_of_drive(d, i):
     """Return the lever arm [m] at which a force stands for the torque of a joint; 1 for the slider."""
-    return 1.0 if is_slider(d, i) else d.model.longest_link
+    return 1.0 if is_slider(d, i) else d.chain.longest_link
 
 
 def moment_factor(d, i):
@@ -86,7 +88,7 @@ def moment_factor(d, i):
 
     The factor is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
     """
-    return d.model.longest_link if is_slider(d, i) else 1.0
+    return d.chain.longest_link if is_slider(d, i) else 1.0
 
 
 @has_dual_rule
@@ -100,22 +102,22 @@ def set_effect_flags(d):
 
     ``has_joint_stops`` must be set.
     """
-    model = d.model
-    model.has_springs, model.has_springs_or_dampers, model.has_armatures = 0, 0, 0
-    model.has_joint_places, model.has_drive_friction, model.has_drive_limits = model.has_joint_stops, 0, 0
+    chain = d.chain
+    chain.has_springs, chain.has_springs_or_dampers, chain.has_armatures = 0, 0, 0
+    chain.has_joint_places, chain.has_drive_friction, chain.has_drive_limits = chain.has_joint_stops, 0, 0
     for i in range(first_joint(d), drive_count(d)):
         if has_effect(d.inputs.drive_stiffness[i]):
-            model.has_springs, model.has_springs_or_dampers = 1, 1
+            chain.has_springs, chain.has_springs_or_dampers = 1, 1
         if has_effect(d.inputs.drive_damping[i]):
-            model.has_springs_or_dampers = 1
+            chain.has_springs_or_dampers = 1
         if not is_slider(d, i) and has_effect(drive_inertia(d, i)):
-            model.has_armatures = 1
+            chain.has_armatures = 1
         if d.drive.friction[i] > 0.0:
-            model.has_drive_friction = 1
+            chain.has_drive_friction = 1
             if not is_slider(d, i):
-                model.has_joint_places = 1
+                chain.has_joint_places = 1
         if d.drive.limit[i] < math.inf:
-            model.has_drive_limits = 1
+            chain.has_drive_limits = 1
 
 
 def joints_resist(d):
@@ -123,13 +125,13 @@ def joints_resist(d):
 
     Stops and dry friction give an impedance at the joint's place.
     """
-    model = d.model
-    return model.has_joint_places or model.has_springs_or_dampers or model.has_armatures
+    chain = d.chain
+    return chain.has_joint_places or chain.has_springs_or_dampers or chain.has_armatures
 
 
 def drive_inertia(d, i):
     """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 if there is no such joint."""
-    return d.model.joint_armature[i] if i >= first_joint(d) else 0.0
+    return d.chain.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
 def rotor_energy(d, y):
@@ -146,31 +148,38 @@ def is_below_limit(d, i):
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
-def drive_slopes(d, i):
-    """Return the slopes −∂F/∂q̇ and −∂F/∂q of drive i in its mode.
+def drive_slopes(d, y, i):
+    """Return the slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i in state y.
 
-    Their units are N·m·s/rad and N·m/rad at a joint, N·s/m and N/m at the slider. The slopes are c and k; at
-    a limit, and without a joint, they are 0.
+    They are ``slopes_below_limit``; at a limit they are 0.
     """
-    return slopes_below_limit(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
+    return slopes_below_limit(d, y, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
-def slopes_below_limit(d, i):
-    """Return the slopes of drive i below its limit, in the units of ``drive_slopes``; 0 without a joint."""
+def slopes_below_limit(d, _y, i):
+    """Return the slopes c and k of drive i in a state, below its limit; they are the same in all states."""
+    return largest_slopes(d, i)
+
+
+def largest_slopes(d, i):
+    """Return the largest slopes that drive i has in any state, in the units of ``drive_slopes``.
+
+    They are 0 without a joint, and ∞ if there is no bound.
+    """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
 
 def is_powered(d, i):
-    """Return whether drive i is active: a servo, or a drive with a limit; other drives are passive.
+    """Return whether drive i is powered: a servo, or a drive with a limit; other drives are passive.
 
-    The whole work of an active drive counts as supplied energy. The spring of a passive drive stores energy,
+    The whole work of a powered drive counts as supplied energy. The spring of a passive drive stores energy,
     the damper dissipates, and only the motor supplies.
     """
-    return d.model.has_servos != 0 or d.drive.limit[i] < math.inf
+    return d.chain.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
 def unlimited_spring_force(d, y, i):
-    """Return the force k (q − q_t) [N·m or N] of the spring of drive i, not reduced by the drive's limit."""
+    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i, not reduced by the drive's limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
@@ -182,7 +191,7 @@ def spring_force(d, y, i):
 def passive_spring_force(d, y, i):
     """Return ``spring_force`` [N·m or N] of a passive drive i, whose spring stores energy.
 
-    For an active drive the result is 0.
+    For a powered drive the result is 0.
     """
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
@@ -216,7 +225,7 @@ def drive_force(d, y, i):
 
 
 def transmitted_moment(d, y, rate, i):
-    """Return the moment F − I_a q̈ [N·m] that the drive of joint i transmits, at the ``rate`` ẏ."""
+    """Return the moment F − I_a ψ̈ [N·m] that the drive of joint i transmits, at the ``rate`` ẏ."""
     return drive_force(d, y, i) - drive_inertia(d, i) * relative(rate, omega_at(d.links), i)
 
 
@@ -259,7 +268,8 @@ def mode_margin(d, y):
                 coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]),
             )
             margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
-            margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * d.inputs.drive_stiffness[i] * size
+            _, stiffness = slopes_below_limit(d, y, i)
+            margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size
             least = min(least, margin * moment_factor(d, i))
     return least
 

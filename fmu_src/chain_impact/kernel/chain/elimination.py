@@ -3,7 +3,7 @@
 A revolute joint transmits a force and, apart from its known torque, no moment. The outer part of the chain at
 a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A`` is a symmetric
 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces. Appell's
-equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
+equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then found from the middle outward. The arms are independent, so a
@@ -11,13 +11,13 @@ processor overlaps their operations, which halves the time of a short chain. In 
 the place of the middle joint.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
-appears: L is the vector along a link from the link's joint nearer to the middle, c the vector from that joint
-to the centre of mass, x⊥ = ẑ × x, m the mass, I the inertia about the centre of mass, g gravity, f the load
-on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and b to the joint
-nearer to the middle, its inner joint. The rotation of a link about its inner joint has the inertia H and the
-coupling h with the motion of this joint (``hinge_inertia``).
+appears: L is the vector along a link from the link's joint nearer to the middle, r_C the vector from that
+joint to the centre of mass, x⊥ = ẑ × x, m the mass, I the inertia about the centre of mass, g gravity, f the
+load on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and b to the
+joint nearer to the middle, its inner joint. The rotation of a link about its inner joint has the inertia H
+and the coupling h with the motion of this joint (``hinge_inertia``).
 
-The centre of mass may lie beside the line of the link, because L and m c are independent in the equations.
+The centre of mass may lie beside the line of the link, because L and m r_C are independent in the equations.
 A site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link; r is the arm
 of the site from the joint nearer to the middle. A force at the site acts as a force at the proximal joint and
 a moment τ on the link.
@@ -38,19 +38,19 @@ def arm_of_link(d, link, i, outward):
     ``outward``: whether that joint is the proximal joint.
 
     Returns:
-        L [m], x and y; m c [kg·m], x and y; and I + m c² [kg·m²].
+        L [m], x and y; m r_C [kg·m], x and y; and I + m r_C² [kg·m²].
     """
     lx, ly = link.x[i], link.y[i]
     beside_x, beside_y = 0.0, 0.0
     if d.skewed:
-        second = d.model.mass[i] * d.model.offset_ratio[i]
+        second = d.chain.mass[i] * d.chain.offset_ratio[i]
         beside_x, beside_y = -second * ly, second * lx
     if outward:
-        first = d.model.mass[i] * d.model.center_of_mass_ratio[i]
-        sx, sy, inertia = first * lx, first * ly, d.model.proximal_inertia[i]
+        first = d.chain.mass[i] * d.chain.center_of_mass_ratio[i]
+        sx, sy, inertia = first * lx, first * ly, d.chain.proximal_inertia[i]
     else:
-        first = d.model.mass[i] * (1.0 - d.model.center_of_mass_ratio[i])
-        sx, sy, inertia = -first * lx, -first * ly, d.model.distal_inertia[i]
+        first = d.chain.mass[i] * (1.0 - d.chain.center_of_mass_ratio[i])
+        sx, sy, inertia = -first * lx, -first * ly, d.chain.distal_inertia[i]
         lx, ly = -lx, -ly
     if d.skewed:
         sx, sy = sx + beside_x, sy + beside_y
@@ -65,7 +65,7 @@ def hinge_inertia(link, axx, axy, ayy):
     H and h follow from the articulated inertia A' at the link's outer joint and the data of ``arm_of_link``.
     """
     lx, ly, sx, sy, inertia = link
-    # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
+    # h = m r_C⊥ + A' L⊥,  H = I + m r_C² + L⊥·A' L⊥
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
     return hx, hy, (inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly))
 
@@ -103,15 +103,15 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and ``copy_factors``.
     """
     lx, ly, sx, sy, _ = link
-    m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
-    # the moment about the inner joint without accelerations: h₀ = L⊥·d − m c⊥·g − τ
+    m, gx, gy = d.chain.mass[i], d.chain.gravity[0], d.chain.gravity[1]
+    # the moment about the inner joint without accelerations: h₀ = L⊥·d − m r_C⊥·g − τ
     h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.scratch.moment[i])
     if d.sites > 0:
         h0 -= d.scratch.load.link[i]
     kx, ky = hx * inverse, hy * inverse
     stored = d.scratch.elimination
     stored.gain_x[i], stored.gain_y[i], stored.inverse[i], stored.bias[i] = kx, ky, inverse, h0 * inverse
-    # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m c − m g − h h₀/H
+    # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m r_C − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
         axy - hx * ky,
@@ -150,7 +150,7 @@ def accelerations(d, y, rate):
             to other loads.
     """
     # The first of these two calls has a constant middle joint, so the compiler makes faster code for it.
-    if d.model.has_base_joint:
+    if d.chain.has_base_joint:
         arms(d, y, rate, 0)
     else:
         arms(d, y, rate, d.links // 2)
@@ -178,11 +178,11 @@ def arms(d, y, rate, middle):
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
-        push_x = d.scratch.load.x[0] + m * d.model.gravity[0] - bx
-        push_y = d.scratch.load.y[0] + m * d.model.gravity[1] - by
+        push_x = d.scratch.load.x[0] + m * d.chain.gravity[0] - bx
+        push_y = d.scratch.load.y[0] + m * d.chain.gravity[1] - by
         along = (d.scratch.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
         ax, ay = along * ux, along * uy
-    elif middle > 0 or not d.model.has_base_joint:
+    elif middle > 0 or not d.chain.has_base_joint:
         axx, axy, ayy = axx + cxx, axy + cxy, ayy + cyy
         bx, by = bx + dx - d.scratch.load.x[middle], by + dy - d.scratch.load.y[middle]
         determinant = axx * ayy - axy * axy
@@ -196,7 +196,7 @@ def arms(d, y, rate, middle):
     # links get its given acceleration, but the rate of the base is 0, because the solver does not integrate
     # its motion.
     cx, cy = ax, ay
-    if d.channels > 0 and d.model.base_moves:
+    if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for k in range(n - middle):
         ax, ay = accelerate_link(d, y, middle + k, True, ax, ay, rate)

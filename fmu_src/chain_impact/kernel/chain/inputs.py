@@ -1,39 +1,305 @@
-"""The inputs of the chain: torques, forces, and the targets of servos. Each is an array of the record.
+"""The inputs as functions of time: constants, or polynomials on intervals, called pieces.
 
-`given` has the given values, and `inputs` the values in use. A piece of the inputs has the coefficients of
-polynomials, one column for each value. The prescribed motions of base and walls are in motion.py.
+    u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
+
+`given.piece` is the next piece and `inputs.piece` the present piece; u₀ of the next piece is the value in
+`given`. Inputs of order 0 are constant, and no polynomial is evaluated.
+
+Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
+use in `moved.piece`. The coefficients are set together with `given.piece` or, if `motion.interpolates`, they
+follow from the values at the communication points: position s, velocity v and acceleration a at a time t₀.
+The motion to the next communication point, at t₁ = t₀ + h, is a cubic. The cubic begins with the present
+position and velocity, and ends with the position s + v h + ½ a h² and the velocity v + a h of a uniform
+acceleration. So position and velocity are continuous, and a uniform acceleration is followed exactly. Errors
+do not add up, because the end depends on the given position s only. A motion without new values continues.
+If a velocity is given without a position, as always for a belt, the speed changes at a uniform rate to the
+given value, and the position is the integral of the speed.
 """
 
-EACH_DRIVE = 0  # value in place of a number of values: the input has one value for each drive (drives.py)
-# table of the inputs: the field of the record → the number of its values
-FIELDS = {
-    # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
-    "motor": EACH_DRIVE,
-    # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
-    "target": EACH_DRIVE,
-    "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
-    "tip_force": 2,  # N, x and y
-}
-NAMES = tuple(FIELDS)
-OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# Numbers of inputs: the number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
-MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
-CHANNEL = len(NAMES)  # value in place of the number of an input: a prescribed motion of base, wall or belt
+import math
+
+from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET, input_field, is_used
+from chain_impact.kernel.chain.motion import move_channels
+from chain_impact.kernel.chain.signals import has_signal, signal_at
+from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
+
+DEGREE = 9  # the highest degree of the polynomials
+# values of given.changed. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES: the inputs
+# go on without a jump
+REINITIALIZE, CONTINUES = 1, 2
+# The largest part of a given displacement that the given velocities v and v′ before and after it may leave
+# unexplained, relative to |v| + |v′| times the time between the two velocities. A larger part is a
+# contradiction, of which the user is warned; a part beyond 1 is a jump of the position of a wall.
+UNEXPLAINED_PART = 0.05
+# the displacement, relative to the longest link, that may be unexplained in addition, whatever the speeds are
+UNEXPLAINED_DISPLACEMENT = 1e-9
+# The largest jump of an acceleration, times the squared time of the cubic, that counts as round-off, relative
+# to the positions at the cubic's ends and its travel. Also the largest third coefficient that counts as 0.
+ACCELERATION_ROUND_OFF = 1e-14
+# the value of `change_rate` for a cubic motion that lasts a time h, relative to 1/h; the value is small
+# because a cubic has no sixth derivative
+CUBIC_CHANGE = 0.5
+# the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
+# relative to the present time
+SAME_TIME = 4e-15
 
 
-def input_field(part, k):
-    """Return the array of input k in a part of the record: its values, or a table of coefficients.
+def apply_inputs(d):
+    """Use the given inputs from now on, and clear the mark `given.changed` that they are new."""
+    d.given.changed = 0
+    given, piece, used = d.given, d.given.piece, d.inputs.piece
+    used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
+    used.middle, used.scale = piece.middle, piece.scale
+    for i in range(len(given.drive_damping)):
+        d.inputs.drive_damping[i] = given.drive_damping[i]
+        d.inputs.drive_stiffness[i] = given.drive_stiffness[i]
+    for k in range(CHANNEL):
+        values, powers = input_field(d.inputs, k), input_field(used, k)
+        given_values, given_powers = input_field(given, k), input_field(piece, k)
+        for j in range(len(values)):
+            values[j] = powers[0, j] = given_values[j]
+            for m in range(1, used.order + 1):
+                powers[m, j] = given_powers[m, j]
+    for j in range(d.channels):
+        for m in range(used.order + 1):
+            d.moved.piece[m, j] = d.motion.piece[m, j]
+    if d.signals > 0:
+        set_from_signals(d, d.step.end)
 
-    The compiled version is in compilation/built_in.py.
+
+def withdraw_request(d):
+    """Clear the mark `given.changed`, so that the given values are not applied."""
+    d.given.changed = 0
+
+
+def inputs_in_use(d):
+    """Return whether the inputs in use are constants and equal the given inputs."""
+    given, inputs, used = d.given, d.inputs, d.inputs.piece
+    if given.piece.order > 0 or used.order > 0:
+        return False
+    for j in range(d.channels):
+        if d.motion.piece[0, j] != d.moved.piece[0, j]:
+            return False
+    for i in range(len(given.drive_damping)):
+        if (
+            given.drive_damping[i] != inputs.drive_damping[i]
+            or given.drive_stiffness[i] != inputs.drive_stiffness[i]
+        ):
+            return False
+    for k in range(CHANNEL):
+        given_values, powers = input_field(given, k), input_field(used, k)
+        for j in range(len(given_values)):
+            if given_values[j] != powers[0, j]:
+                return False
+    return True
+
+
+def ensure_inputs(d, y):
+    """Set the inputs to their values at the time that the state y contains, unless they are constant."""
+    if d.inputs.piece.order > 0:
+        set_inputs(d, d.step.clock + y[time_at(d.links)])
+    elif d.signals > 0:
+        set_from_signals(d, d.step.clock + y[time_at(d.links)])
+
+
+def set_inputs(d, time):
+    """Set the inputs to their values at a ``time`` [s]."""
+    piece = d.inputs.piece
+    x = (time - piece.middle) * piece.scale
+    for k in range(CHANNEL):
+        if is_used(d, k):
+            values, powers = input_field(d.inputs, k), input_field(piece, k)
+            for j in range(len(values)):
+                values[j] = polynomial(powers, piece.order, j, x)
+    if d.signals > 0:
+        set_from_signals(d, time)
+    if d.channels > 0:
+        move_channels(d, time)
+
+
+def set_from_signals(d, time):
+    """Set the inputs that signals drive to their values at a ``time`` [s].
+
+    Prescribed motions are left out.
     """
-    return getattr(part, NAMES[k])
+    for j in range(d.signals):
+        k, i = d.signal.input[j], d.signal.index[j]
+        if k == CHANNEL:
+            continue
+        u, rate, _ = signal_at(d, j, time)
+        input_field(d.inputs, k)[i] = u
+        if k == TARGET:
+            input_field(d.inputs, k + 1)[i] = rate
 
 
-def is_of_drive(k):
-    """Return whether input k belongs to drives: the torque of a motor, a target, or its velocity."""
-    return k in OF_DRIVES
+def polynomial(powers, order, i, x):
+    """Return the value at x of the polynomial with the coefficients in column i, by Horner's scheme."""
+    total = powers[order, i]
+    for m in range(1, order + 1):
+        total = total * x + powers[order - m, i]
+    return total
 
 
-def is_used(d, k):
-    """Return whether input k can change in this scene: targets and their velocities only if it has servos."""
-    return k in (MOTOR, TIP_FORCE) or d.model.has_servos
+def inputs_continue(d):
+    """Return whether the next piece of the inputs continues the present piece at the end of the last step."""
+    return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
+
+
+def limit_to_piece(d, h):
+    """Return a size ≤ h of the next step, which ends with the piece of the inputs or leaves no tiny rest.
+
+    A step in the fictitious time of a contact, or with constant inputs, has the size h.
+    """
+    if d.inputs.piece.order == 0 or d.step.regularized >= 0:
+        return h
+    return limit_to_time(d, d.inputs.piece.until, h)
+
+
+def limit_to_time(d, time, h):
+    """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before."""
+    remaining = time - d.step.end
+    if remaining <= 0.0 or 2.0 * h <= remaining:
+        return h
+    return remaining if h >= remaining else 0.5 * remaining
+
+
+def belts_jump(d):
+    """Return whether the speed of a belt jumped at the start of the present piece of the inputs."""
+    return d.channels > 0 and d.motion.jumps != 0
+
+
+def begin_motion(d, time):
+    """Begin all prescribed motions at a ``time`` [s], with the given values or with the given polynomials."""
+    given, moved, piece = d.motion, d.moved, d.given.piece
+    moved.began, moved.until, moved.contradiction = time, time, 0
+    for j in range(d.channels):
+        moved.given_position[j], moved.given_velocity[j] = given.position[j], given.velocity[j]
+        moved.given_acceleration[j], moved.given_at[j], moved.mean[j] = given.acceleration[j], time, 0.0
+        moved.from_position[j], moved.from_velocity[j] = given.position[j], given.velocity[j]
+        moved.anchored[j] = 1 - given.belt[j]
+    if not given.interpolates:
+        return
+    piece.order, piece.middle, piece.scale, piece.until = 0, time, 1.0, math.inf
+    piece.change_rate = 0.0
+    given.jumps = 0
+    for j in range(d.channels):
+        for m in range(DEGREE + 1):
+            given.piece[m, j] = 0.0
+        if given.belt[j]:
+            given.piece[1, j] = given.velocity[j]
+        else:
+            given.piece[0, j], given.piece[1, j] = given.position[j], given.velocity[j]
+            given.piece[2, j] = 0.5 * given.acceleration[j]
+        if given.velocity[j] != 0.0 or given.acceleration[j] != 0.0:
+            piece.order = 2
+
+
+def interpolate_motion(d, time):
+    """Set the cubics of prescribed motions until a ``time`` [s], the next communication point.
+
+    They start at the present position and velocity, and end on the motion that the given values describe.
+    A motion that a signal drives has no cubic.
+
+    Returns:
+        WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
+        explain; else OK.
+    """
+    given, moved, piece = d.motion, d.moved, d.given.piece
+    if d.channels == 0 or not given.interpolates or not time > d.step.time:
+        return OK
+    if time == moved.until and d.given.changed != REINITIALIZE:
+        return OK  # nothing to set: the same communication step continues after a pause
+    now, h = d.step.time, time - d.step.time
+    move_channels(d, now)
+    for j in range(d.channels):
+        if not has_signal(d, j) and not record_given(d, j, now):
+            return refuse_channel(d, j)
+    moved.until = time
+    moves, jumps = False, False
+    for j in range(d.channels):
+        if has_signal(d, j):
+            continue
+        lasting = set_cubic(d, j, time, h)
+        new = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
+        moves, jumps = moves or new, jumps or not lasting
+    if not moves and d.inputs.piece.order == 0:
+        return OK
+    piece.order, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
+    piece.until = time + SAME_TIME / 4.0 * abs(time) if moves else math.inf
+    piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
+    given.jumps = 0
+    if d.given.changed != REINITIALIZE:
+        d.given.changed = REINITIALIZE if jumps else CONTINUES
+    return OK
+
+
+def refuse_channel(d, j):
+    """Store the first candidate at the wall of channel j as the reason of WALL_JUMPS; return this status."""
+    first = 0
+    for c in range(d.candidates):
+        if d.shift.channel[d.candidates - 1 - c] == j:
+            first = d.candidates - 1 - c
+    return refuse_candidate(d, first, WALL_JUMPS)
+
+
+def set_cubic(d, j, time, h):
+    """Set the cubic of channel j from the present time until a ``time`` [s], which is ``h`` [s] later.
+
+    Return whether the acceleration continues without a jump.
+    """
+    given, moved = d.motion, d.moved
+    s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
+    speed = moved.from_velocity[j] + moved.mean[j]
+    v_end = speed + lasted * given.acceleration[j]
+    if moved.anchored[j]:
+        s_end = moved.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+    else:
+        s_end = s + 0.5 * h * (v + v_end)
+    v, v_end = 0.5 * h * v, 0.5 * h * v_end
+    size = abs(s) + abs(s_end) + abs(v) + abs(v_end)
+    third = 0.25 * (s - s_end + v + v_end)
+    if not abs(third) > ACCELERATION_ROUND_OFF * size:
+        third = 0.0
+    given.piece[3, j] = third
+    given.piece[2, j] = 0.25 * (v_end - v)
+    given.piece[1, j] = 0.5 * (s_end - s) - third
+    given.piece[0, j] = 0.5 * (s + s_end) - given.piece[2, j]
+    bend = (given.piece[2, j] - 3.0 * third) * 8.0 - moved.acceleration[j] * h * h
+    return abs(bend) <= ACCELERATION_ROUND_OFF * size
+
+
+def record_given(d, j, now):
+    """Record the values given to channel j at the present communication point, at the time ``now`` [s].
+
+    Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
+    velocity since its previous given position.
+    """
+    given, moved = d.motion, d.moved
+    s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
+    as_before = s == moved.given_position[j] and moved.mean[j] == 0.0
+    if as_before and v == moved.given_velocity[j] and a == moved.given_acceleration[j]:
+        return True
+    lasted, before, displacement = now - moved.given_at[j], moved.from_velocity[j], s - moved.from_position[j]
+    at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != moved.given_velocity[j]
+    moved.given_position[j], moved.given_velocity[j], moved.given_acceleration[j] = s, v, a
+    moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
+    moved.anchored[j] = 1
+    if as_before:
+        # the position continues from its present value; a velocity that is not given again stays the same
+        moved.from_position[j], moved.anchored[j] = moved.position[j], 0
+        moved.from_velocity[j] = v if v_anew else moved.velocity[j]
+        return True
+    unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
+    speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
+    if not unexplained > UNEXPLAINED_PART * speeds + ignored:
+        return True
+    of_base = d.chain.base_moves and j < 2  # the first two channels belong to the base
+    if not of_base and unexplained > speeds + ignored:
+        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
+        return False
+    if moved.contradiction == 0:
+        moved.contradiction, moved.distance, moved.lasted, moved.speed = j + 1, displacement, lasted, v
+    if at_rest and lasted > 0.0:
+        moved.mean[j] = displacement / lasted
+    return True

@@ -1,15 +1,15 @@
 """The rates of the fast motions that dampers and springs of drives (drives.py) cause.
 
-With C = Σ c_i g_i g_iᵀ, c_i the damping of drive i, g_i the gradient of the rate of its coordinate, which is
+With C = Σ c_i χ_i χ_iᵀ, c_i the damping of drive i, χ_i the gradient of the rate of its coordinate, which is
 ω_i − ω_{i−1} at a joint, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The
 damper of drive i alone, without all other dampers, causes a motion that decays with the rate
 
-    ρ_i = c_i g_iᵀ M⁻¹ g_i.
+    ρ_i = c_i χ_iᵀ M⁻¹ χ_i.
 
-The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way S = Σ k_i g_i g_iᵀ
+The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way S = Σ k_i χ_i χ_iᵀ
 determines the squares of the frequencies of springs, and the spring of drive i alone has
 
-    ω_i² = k_i g_iᵀ M⁻¹ g_i.
+    ω_i² = k_i χ_iᵀ M⁻¹ χ_i.
 
 With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no
 row sum exceeds (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. A carriage adds
@@ -25,8 +25,8 @@ from chain_impact.kernel.chain.drives import (
     drive_count,
     drive_inertia,
     drive_slopes,
+    largest_slopes,
     load_drive,
-    slopes_below_limit,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, set_link_vectors
 from chain_impact.kernel.chain.response import FREE, factorize, no_impedance, solve
@@ -37,14 +37,14 @@ def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers of drives cause."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
-        c, k = slopes_below_limit(d, i)
+        c, k = largest_slopes(d, i)
         if i + 1 < d.links:
-            outer = slopes_below_limit(d, i + 1)
+            outer = largest_slopes(d, i + 1)
             c, k = c + outer[0], k + outer[1]
-        damping = max(damping, rate_from_resistance(2.0 * c, d.model.inertia[i]))
-        stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.model.inertia[i]))
+        damping = max(damping, rate_from_resistance(2.0 * c, d.chain.inertia[i]))
+        stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.chain.inertia[i]))
     if d.slides:
-        c, k = slopes_below_limit(d, d.links)
+        c, k = largest_slopes(d, d.links)
         damping = max(damping, rate_from_resistance(c, d.slider.mass))
         stiffness = max(stiffness, rate_from_resistance(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
@@ -60,7 +60,7 @@ def rate_from_resistance(resistance, inertia):
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    ρ_i = c_i g_iᵀ M⁻¹ g_i and ω_i² = k_i g_iᵀ M⁻¹ g_i are defined at the head of this module. The function
+    ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module. The function
     stores the link vectors in ``scratch.link``.
     """
     set_link_vectors(d, y)
@@ -73,12 +73,12 @@ def largest_joint_rate(d, y):
     clear_joints(scratch.load)
     clear_link_moments(d, scratch.load)
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, i)
+        c, k = drive_slopes(d, y, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, scratch.load, i, 1.0)
             solve(d, scratch.link, scratch, FREE, scratch.change)
             load_drive(d, scratch.load, i, 0.0)
-            # g_iᵀ M⁻¹ g_i, the change of the rate of the drive's coordinate by a unit impulse along it
+            # χ_iᵀ M⁻¹ χ_i, the change of the rate of the drive's coordinate by a unit impulse along it
             mobility = along_drive(d, scratch.change, 0, i)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))
     return fastest

@@ -97,7 +97,7 @@ def locate_from_link_vectors(d, y):
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
-    if d.channels > 0 and d.model.base_moves:
+    if d.channels > 0 and d.chain.base_moves:
         moved = d.moved
         x, y_, vx, vy = moved.position[0], moved.position[1], moved.velocity[0], moved.velocity[1]
     for i in range(n):
@@ -110,7 +110,7 @@ def locate_from_link_vectors(d, y):
         vx -= omega * link.y[i]
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         set_joint_places(d, y, ANGLES, position)
         set_joint_places(d, y, omega_at(n), velocity)
     locate_sites(d, y, omega_at(n), position, velocity)
@@ -123,14 +123,14 @@ def set_joint_places(d, values, first, vectors):
     ``first``.
     """
     for i in range(d.links):
-        vectors.x[joint_place(d, i)] = d.model.longest_link * relative(values, first, i)
+        vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)
 
 
 def accelerate_points(d, y, rate):
     """Set the accelerations [m/s²] of all places, which must be located, for the state y and its rate."""
     n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
-    if d.channels > 0 and d.model.base_moves:
+    if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for i in range(n):
         acceleration.x[i], acceleration.y[i] = ax, ay
@@ -140,7 +140,7 @@ def accelerate_points(d, y, rate):
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         set_joint_places(d, rate, omega_at(n), acceleration)
     accelerate_sites(d, y, rate, omega_at(n), acceleration)
 
@@ -150,7 +150,7 @@ def clear_vectors(d, vectors):
     # The numbers of links and points are constants for the compiler, so it unrolls this loop.
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
     clear_sites(d, vectors)
@@ -165,7 +165,7 @@ def clear_joints(values):
 def set_link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
     note_points_elsewhere(d)
-    set_polar(d.model.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
+    set_polar(d.chain.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
 
 
 def note_points_at_end(d):
@@ -191,7 +191,7 @@ def move_points(d, link_vectors, change, response):
         x -= change[ANGLES + i] * link_vectors.y[i]
         y += change[ANGLES + i] * link_vectors.x[i]
     response.x[n], response.y[n] = x, y
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         set_joint_places(d, change, ANGLES, response)
     set_site_motions(d, link_vectors, change, ANGLES, response)
 
@@ -201,7 +201,7 @@ def largest_component(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -213,9 +213,9 @@ def at_center_of_mass(d, vectors, i):
     """Return a vector at link i's centre of mass, such as the velocity, from the vectors at the points."""
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it
-    ratio, x, y = d.model.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
+    ratio, x, y = d.chain.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]
     dx, dy = vectors.x[i + 1] - x, vectors.y[i + 1] - y
     if d.skewed:
-        beside = d.model.offset_ratio[i]
+        beside = d.chain.offset_ratio[i]
         return x + ratio * dx - beside * dy, y + ratio * dy + beside * dx
     return x + ratio * dx, y + ratio * dy

@@ -2,7 +2,7 @@
 
 A channel is one such motion. In a scene with a moving base the first two channels are x and y of the base. A
 moving wall has two channels: the displacement along its inward normal n and the travel of its belt along t =
-(n_y, −n_x). In each piece of time of the inputs (forces/inputs.py) the position of a channel is a polynomial,
+(n_y, −n_x). In each piece of time of the inputs (chain/inputs.py) the position of a channel is a polynomial,
 
     s(t) = c₀ + x (c₁ + x (c₂ + …)),   x = (t − middle) scale,
 
@@ -11,7 +11,7 @@ nothing drifts. The state does not contain the motion of the base: the base's co
 state are 0. The points are located with the position and velocity of the channels at the time of the state.
 """
 
-from chain_impact.kernel.chain.inputs import CHANNEL
+from chain_impact.kernel.chain.input_fields import CHANNEL
 from chain_impact.kernel.chain.signals import signal_at, signal_bounds, travel_of_sines
 from chain_impact.kernel.chain.state import time_at
 

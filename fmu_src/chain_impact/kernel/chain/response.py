@@ -2,7 +2,7 @@
 
 ``factorize`` and ``solve`` solve linear systems with M + Jᵀ D J + K in O(N), for real, complex and dual
 numbers alike. M is the mass matrix, J maps rates of the coordinates to motions of the points, and D are
-impedances at the points. K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a
+impedances at the points. K = Σ κ_i χ_i χ_iᵀ with χ_i the gradient of ω_i − ω_{i−1}: each joint resists a
 change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The
 base has a damper only if it is pinned.
 
@@ -14,10 +14,10 @@ depends on the motion a of the joint and on the rotation β of the link next to 
 
 with A, e and p a symmetric 3×3 articulated inertia, and with the impulse b and the angular impulse t by which
 the loads on the outer part act at the joint. Link i adds its own inertia and its damper, and is eliminated,
-Δ_i = α. L, m c, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients
+Δ_i = α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients
 A', b', e', p' and t' belong to the part of the chain outside of link i, for which β is the α of link i:
 
-    h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
+    h = m r_C⊥ + A' L⊥ + e',   H = I + m r_C² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t' + τ,
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
     α = (s + μ − h·a + κ β)/(H + κ).
 
@@ -44,9 +44,9 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Rows of the factors. FREE: the mass matrix without constraints. HELD: with the impedances of constraints.
+"""Slots of the factors. FREE: the mass matrix without constraints. HELD: with the impedances of constraints.
 SHIFTED: the matrix of an implicit step, for its real shift."""
-ROWS = 3
+SLOTS = 3
 
 
 @has_complex_rule
@@ -94,7 +94,7 @@ def no_impedance(d, impedance):
     """Set the impedances at all places and in all joints to zero."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             impedance.xx[k] = 0.0
     for s in range(d.sites):
@@ -104,7 +104,7 @@ def no_impedance(d, impedance):
         impedance.joint[i] = 0.0
 
 
-def factorize(d, link_vectors, space, row, coupled):
+def factorize(d, link_vectors, space, slot, coupled):
     """Factorize M + Jᵀ D J + K for ``solve``: mass matrix, impedances D at points, resistances K of joints.
 
     Args:
@@ -112,17 +112,17 @@ def factorize(d, link_vectors, space, row, coupled):
         link_vectors: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
             ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
-        row: the row of ``factors`` that is set.
+        slot: the slot of ``factors`` that is set.
         coupled: whether joints may transmit moments; if not, κ and the impulses μ count as zero.
     """
-    n, middle, impedance = d.links, d.model.meeting_joint, space.impedance
-    space.factors.coupled[row] = 1 if coupled else 0
+    n, middle, impedance = d.links, d.chain.meeting_joint, space.impedance
+    space.factors.coupled[slot] = 1 if coupled else 0
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
         axx, axy, ayy, ex, ey, p = eliminate(
-            d, link_vectors, space, row, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
+            d, link_vectors, space, slot, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
         )
         if inner >= 0:
             last = inner + 1 == middle
@@ -135,21 +135,21 @@ def factorize(d, link_vectors, space, row, coupled):
                 q += p + cross(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = eliminate(
-                d, link_vectors, space, row, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
+                d, link_vectors, space, slot, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
             )
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
     ayy = ayy + cyy + impedance.yy[middle]
-    set_middle_mobility(d, space.factors, row, axx, axy, ayy)
+    set_middle_mobility(d, space.factors, slot, axx, axy, ayy)
 
 
 def copy_factors(d, coupled):
-    """Copy the factors of the mass matrix that ``accelerations`` has found to the row FREE.
+    """Copy the factors of the mass matrix that ``accelerations`` has found to the slot FREE.
 
     ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
-    nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this row.
+    nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
     """
-    if d.model.has_armatures:
+    if d.chain.has_armatures:
         return
     elimination, factors = d.scratch.elimination, d.scratch.factors
     set_middle_mobility(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
@@ -160,7 +160,7 @@ def copy_factors(d, coupled):
         factors.coupling[FREE, i], factors.complement[FREE, i] = 0.0, 1.0
 
 
-def set_middle_mobility(d, factors, row, axx, axy, ayy):
+def set_middle_mobility(d, factors, slot, axx, axy, ayy):
     """Set A⁻¹, the inverse of the articulated inertia at the middle joint.
 
     It is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
@@ -169,15 +169,15 @@ def set_middle_mobility(d, factors, row, axx, axy, ayy):
     mobility = factors.middle_mobility
     if d.slides:
         ux, uy, inverse = d.slider.ux, d.slider.uy, reciprocal(inertia_along(d, axx, axy, ayy))
-        mobility[row, 0], mobility[row, 1] = ux * ux * inverse, ux * uy * inverse
-        mobility[row, 2] = uy * uy * inverse
+        mobility[slot, 0], mobility[slot, 1] = ux * ux * inverse, ux * uy * inverse
+        mobility[slot, 2] = uy * uy * inverse
         return
-    scale = 0.0 if d.model.has_base_joint else reciprocal(axx * ayy - axy * axy)
-    mobility[row, 0], mobility[row, 1], mobility[row, 2] = ayy * scale, -axy * scale, axx * scale
+    scale = 0.0 if d.chain.has_base_joint else reciprocal(axx * ayy - axy * axy)
+    mobility[slot, 0], mobility[slot, 1], mobility[slot, 2] = ayy * scale, -axy * scale, axx * scale
 
 
 @inlined
-def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
+def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
     """Eliminate link i: return the articulated inertia at its inner joint, from that at its outer joint.
 
     The articulated inertia has the parts A, e and p, as at the head of this module. ``resistance`` is κ of
@@ -190,7 +190,7 @@ def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx,
     link = lx, ly, _, _, _ = arm_of_link(d, link_vectors, i, outward)
     hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
     for s in range(
-        d.model.first_site[i] if d.sites > 0 else 0, d.model.first_site[i + 1] if d.sites > 0 else 0
+        d.chain.first_site[i] if d.sites > 0 else 0, d.chain.first_site[i + 1] if d.sites > 0 else 0
     ):
         rx, ry = site_arm(d, link_vectors, s)
         if not outward:
@@ -205,19 +205,19 @@ def eliminate(d, link_vectors, space, row, coupled, i, outward, resistance, axx,
         hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross(2.0 * lx, 2.0 * ly, ex, ey) + p)
         inverse = reciprocal(about_joint + resistance)
         coupling = resistance * inverse
-        factors.coupling[row, i], factors.complement[row, i] = coupling, about_joint * inverse
+        factors.coupling[slot, i], factors.complement[slot, i] = coupling, about_joint * inverse
         # at the inner joint: e = σ h, p = σ H
         ex, ey, p = coupling * hx, coupling * hy, coupling * about_joint
     else:
         inverse = reciprocal(about_joint)
-    kx, ky, m = hx * inverse, hy * inverse, d.model.mass[i]
-    factors.gain_x[row, i], factors.gain_y[row, i], factors.inverse[row, i] = kx, ky, inverse
+    kx, ky, m = hx * inverse, hy * inverse, d.chain.mass[i]
+    factors.gain_x[slot, i], factors.gain_y[slot, i], factors.inverse[slot, i] = kx, ky, inverse
     # at the inner joint: A = A' + m 1 − h hᵀ/(H + κ)
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse, ex, ey, p
 
 
-def solve(d, link_vectors, space, row, change):
-    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i for the response Δ to impulses on points and in joints.
+def solve(d, link_vectors, space, slot, change):
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i χ_i for the response Δ to impulses on points and in joints.
 
     Args:
         d: the instance.
@@ -226,45 +226,45 @@ def solve(d, link_vectors, space, row, change):
             [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is only read in a
             scene with sites or centres of mass beside the lines. The load may also consist of forces instead
             of impulses.
-        row: the row of ``factors`` that ``factorize`` has set.
+        slot: the slot of ``factors`` that ``factorize`` has set.
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s]; for forces, the accelerations. Later entries of the array are not changed.
     """
-    n, middle, load, coupled = d.links, d.model.meeting_joint, space.load, space.factors.coupled[row] != 0
+    n, middle, load, coupled = d.links, d.chain.meeting_joint, space.load, space.factors.coupled[slot] != 0
     bx, by, t = 0.0, 0.0, 0.0
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, inner = n - 1 - k, k - (n - 2 * middle)
         bx, by, t = gather_loads(
-            d, link_vectors, space, row, coupled, i, True, load.joint[i], bx, by, t, change
+            d, link_vectors, space, slot, coupled, i, True, load.joint[i], bx, by, t, change
         )
         if inner >= 0:
             last = inner + 1 == middle
             moment = 0.0 if last else -load.joint[inner + 1]
             u = u + t if last else u
             cx, cy, u = gather_loads(
-                d, link_vectors, space, row, coupled, inner, False, moment, cx, cy, u, change
+                d, link_vectors, space, slot, coupled, inner, False, moment, cx, cy, u, change
             )
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     mobility = space.factors.middle_mobility
-    x = mobility[row, 0] * bx + mobility[row, 1] * by
-    y = mobility[row, 1] * bx + mobility[row, 2] * by
+    x = mobility[slot, 0] * bx + mobility[slot, 1] * by
+    y = mobility[slot, 1] * bx + mobility[slot, 2] * by
     cx, cy, turned, before = x, y, 0.0, 0.0
     for k in range(n - middle):
         if k < middle:
             i = middle - 1 - k
             cx, cy, turned = spread_motion(
-                link_vectors, space, row, coupled, i, False, cx, cy, turned, change
+                link_vectors, space, slot, coupled, i, False, cx, cy, turned, change
             )
             before = turned if k == 0 else before
         x, y, before = spread_motion(
-            link_vectors, space, row, coupled, middle + k, True, x, y, before, change
+            link_vectors, space, slot, coupled, middle + k, True, x, y, before, change
         )
     change[0], change[1] = cx, cy
 
 
 @inlined
-def gather_loads(d, link_vectors, space, row, coupled, i, outward, moment, bx, by, t, change):
+def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
     """Set the change α of ω_i that the loads cause while the link's inner joint and inner link are at rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
@@ -279,15 +279,15 @@ def gather_loads(d, link_vectors, space, row, coupled, i, outward, moment, bx, b
     if coupled:
         s += t
         # angular impulse at the inner joint: t = σ s − (1 − σ) μ
-        t = factors.coupling[row, i] * s - factors.complement[row, i] * moment
+        t = factors.coupling[slot, i] * s - factors.complement[slot, i] * moment
         s += moment
-    change[ANGLES + i] = s * factors.inverse[row, i]
+    change[ANGLES + i] = s * factors.inverse[slot, i]
     # impulse at the inner joint: b = b' − h (s + μ)/(H + κ)
-    return bx - factors.gain_x[row, i] * s, by - factors.gain_y[row, i] * s, t
+    return bx - factors.gain_x[slot, i] * s, by - factors.gain_y[slot, i] * s, t
 
 
 @inlined
-def spread_motion(link_vectors, space, row, coupled, i, outward, x, y, before, change):
+def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
     """Add to the change of ω_i the effects of the inner joint's motion and of the inner link's rotation.
 
     ``x`` and ``y`` are the components of the motion a, and ``before`` is the rotation β.
@@ -297,8 +297,8 @@ def spread_motion(link_vectors, space, row, coupled, i, outward, x, y, before, c
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
-    alpha = change[ANGLES + i] - factors.gain_x[row, i] * x - factors.gain_y[row, i] * y
+    alpha = change[ANGLES + i] - factors.gain_x[slot, i] * x - factors.gain_y[slot, i] * y
     if coupled:
-        alpha += factors.coupling[row, i] * before
+        alpha += factors.coupling[slot, i] * before
     change[ANGLES + i] = alpha
     return x - alpha * (sign * link_vectors.y[i]), y + alpha * (sign * link_vectors.x[i]), alpha

@@ -16,7 +16,7 @@ position, velocity and acceleration always agree. The integrals of a sine are in
 
 import math
 
-from chain_impact.kernel.chain.inputs import CHANNEL, is_of_drive
+from chain_impact.kernel.chain.input_fields import CHANNEL, is_of_drive
 from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
@@ -48,8 +48,8 @@ def signal_at(d, j, time):
     return u + signal.begin[j] + signal.lap[j] * signal.gain[j], v, a
 
 
-def is_driven(d, m):
-    """Return whether a signal drives channel m."""
+def has_signal(d, m):
+    """Return whether a signal moves channel m."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             return True
@@ -137,7 +137,7 @@ def rate_of_signals(d):
     return most
 
 
-def rate_of_drives(d):
+def rate_in_limited_drives(d):
     """Return the largest angular frequency [rad/s] of the sines that act in drives with limits."""
     most = 0.0
     for j in range(d.signals):
@@ -157,7 +157,7 @@ def rate_of_base(d):
 
 def moves_base(d, j):
     """Return whether signal j moves the base."""
-    return d.model.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
+    return d.chain.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
 
 
 def acts_in_limited_drive(d, j):

@@ -22,7 +22,7 @@ def end_at_base(d):
     Then ``check_base`` ends the run.
     """
     reached = d.step.end
-    for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
+    for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
             reached = time_of_meeting(d, c, reached)
     if reached < d.step.end:
@@ -35,7 +35,7 @@ def end_at_base(d):
 def check_base(d):
     """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK."""
     move_channels(d, d.step.end)
-    for c in range(d.candidates if d.model.has_base_joint and not d.slides else 0):
+    for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
         # at the end of a step that ``end_at_base`` has ended, the clearance is −OVERLAP up to round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)

@@ -172,7 +172,7 @@ def check_candidate(d, c, a, b):
     # end
     if (
         settled
-        or not sag >= CROSSING_RESOLUTION * d.model.longest_link
+        or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
         # Here is an onset: at a loose tolerance the interpolant can put a point deep inside a wall although
@@ -188,14 +188,14 @@ def skims_wall(d, c, width):
     moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
     return (
         max(abs(search.phi_start[c]), abs(search.phi_end[c]), moved)
-        < SKIMMING_CLEARANCE * d.model.longest_link
+        < SKIMMING_CLEARANCE * d.chain.longest_link
     )
 
 
 def nearly_linear(d, c, part):
     """Return whether the clearance φ of candidate c is linear up to round-off over a fraction of the step."""
     width = part * d.step.size
-    return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.model.longest_link
+    return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.chain.longest_link
 
 
 def locate_crossing(d, a, b):
@@ -279,7 +279,7 @@ def bound_curvature(d):
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # the contribution of link i to the bound, in any direction
-        reach[i + 1] = reach[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
+        reach[i + 1] = reach[i] + d.chain.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
@@ -316,7 +316,7 @@ def motion_bounds(d, c, along_x, along_y):
     """
     if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
-        first, arm = omega_at(d.links) + link, d.model.longest_link
+        first, arm = omega_at(d.links) + link, d.chain.longest_link
         if link == 0:
             v, a = rate_bounds(d.step, first)
         else:
@@ -335,7 +335,7 @@ def prescribed_bounds(d, c):
     g is the clearance.
     """
     speed, acceleration = 0.0, 0.0
-    if d.model.base_moves:
+    if d.chain.base_moves:
         for j in range(2):
             v, a = motion.motion_bounds(d, j)
             component = abs(d.candidate.normal_x[c] if j == 0 else d.candidate.normal_y[c])

@@ -75,7 +75,7 @@ def excludes_events(d):
     # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
     # is ten times the remainder for the tip of a stretched chain in uniform rotation or, if larger, for a
     # motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
-    fade = (d.step.end - d.step.start) * d.model.joint_rate_bound
+    fade = (d.step.end - d.step.start) * d.chain.joint_rate_bound
     way = distance_per_radian(d)
     if d.channels > 0:
         way += travel_of_piece(d)
@@ -144,9 +144,9 @@ def distance_per_radian(d):
     distance is the relative angle, at most 2 rad, times the length of the longest link; it is larger than the
     chain if this link is longer than all other links together.
     """
-    if d.model.has_joint_stops and d.links > 1:
-        return max(d.model.reach, 2.0 * d.model.longest_link)
-    return d.model.reach
+    if d.chain.has_joint_stops and d.links > 1:
+        return max(d.chain.reach, 2.0 * d.chain.longest_link)
+    return d.chain.reach
 
 
 def remains_far(d):

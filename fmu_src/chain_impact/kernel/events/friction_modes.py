@@ -103,7 +103,7 @@ def set_slack(d, e):
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
-        d.solver.tolerance * d.model.longest_link if unchanged and d.element.undecided[e] else 0.0
+        d.solver.tolerance * d.chain.longest_link if unchanged and d.element.undecided[e] else 0.0
     )
 
 
@@ -128,7 +128,7 @@ def first_mode(d, e, jumped):
     if event == STICKING_ENDS:
         return sliding_sign(d.element.force[e])
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
-    if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.model.longest_link:
+    if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
     # a small backward speed of a sliding element is an error
     slides = abs(before) == 1 and not jumped
@@ -230,7 +230,7 @@ def acceleration_error(d):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
     return (
         ACCELERATION_ERROR
-        * (largest_component(d, d.scratch.acceleration) + d.model.gravity_size + d.model.longest_link)
+        * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_size + d.chain.longest_link)
         + 2.0 * left
     )
 

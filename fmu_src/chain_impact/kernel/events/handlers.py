@@ -128,7 +128,7 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_next_size(d, onset, goes_on)
-    has_modes = d.friction.used != 0 or d.model.has_drive_limits != 0
+    has_modes = d.friction.used != 0 or d.chain.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
     return jumped or rigid or has_modes

@@ -241,7 +241,7 @@ def end_rebounding_contacts(d):
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed
     # LEAST_RISE link lengths
-    slow = math.sqrt(2.0 * fall * LEAST_RISE * d.model.longest_link)
+    slow = math.sqrt(2.0 * fall * LEAST_RISE * d.chain.longest_link)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
@@ -257,7 +257,7 @@ def is_gentle(d):
     In a gentle impact sticking elements continue to stick. If a joint slid because of the small impulses, its
     friction would lift points, which would arrive gently again, and so on without end.
     """
-    force = mean_mass(d) * d.links * (d.model.gravity_size + d.model.longest_link)
+    force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET and d.law.impulsive[c]:
@@ -329,7 +329,7 @@ def release_gap(d, c, far):
     whose round-off does not grow with the distance from the origin.
     """
     size = coordinates_size(d, c, d.step.state_end) if at_joint_stop(d, c) else far
-    return max(RELEASE_GAP * d.model.longest_link, RELEASE_OF_COORDINATES * size)
+    return max(RELEASE_GAP * d.chain.longest_link, RELEASE_OF_COORDINATES * size)
 
 
 def release_contacts(d):

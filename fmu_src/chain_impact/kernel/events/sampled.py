@@ -27,8 +27,9 @@ without bound.
 """
 
 from chain_impact.kernel.chain.drives import along_drive, mode_margin
+from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import rate_of_drives, rate_of_signals
+from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals
 from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
@@ -49,7 +50,6 @@ from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.forces.holding import least_impulse, project_state
-from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.control import SPOILED, accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.compliance import mean_mass
@@ -204,11 +204,11 @@ find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, reso
 # ---- release by rigid walls -------------------------------------------------------------------------------
 
 
-def may_pull(d, _c):
-    """Return whether a stage of the last step has shown that a rigid wall pulls.
+def check_pull(d, _c):
+    """Reject the last step, unless it is very short, if a wall has pulled by more than ``plausible_pull``.
 
-    If a wall pulls more than ``plausible_pull`` in a step that is not very short, the step is rejected, and
-    the result is false.
+    Returns:
+        Whether a rigid wall has pulled in a stage of a step that is not rejected.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -225,9 +225,9 @@ def pull_limit(d):
     """Return the largest force [N] with which a held contact may pull because of round-off."""
     return (
         PULL_ROUND_OFF
-        * d.model.energy_scale
-        / (d.model.longest_link * d.model.longest_link)
-        * (d.model.gravity_size + d.model.longest_link)
+        * d.chain.energy_scale
+        / (d.chain.longest_link * d.chain.longest_link)
+        * (d.chain.gravity_size + d.chain.longest_link)
     )
 
 
@@ -243,8 +243,8 @@ def plausible_pull(d):
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
-    size = d.model.longest_link
-    return d.model.energy_scale / (size * size) * (d.model.gravity_size + carriage + d.links * size * turning)
+    size = d.chain.longest_link
+    return d.chain.energy_scale / (size * size) * (d.chain.gravity_size + carriage + d.links * size * turning)
 
 
 def least_force(d, _c, theta):
@@ -272,14 +272,14 @@ def mark_pulling(d, _c, theta):
 def may_release(d, c):
     """Return whether to search a step, in which inputs turn fast, for the release of a point.
 
-    A turn above TURN_OF_STAGES is fast: a wall may pull between the stages, where ``may_pull`` does not look.
-    So every such step is searched, except a step that ``may_pull`` has just rejected.
+    A turn above TURN_OF_STAGES is fast: a wall may pull between the stages, where ``check_pull`` does not
+    look. So every such step is searched, except a step that ``check_pull`` has just rejected.
     """
-    return may_pull(d, c) or accepted(d)
+    return check_pull(d, c) or accepted(d)
 
 
 find_release = choose_search(
-    make_search(least_force, may_pull, mark_pulling),
+    make_search(least_force, check_pull, mark_pulling),
     make_search(least_force, may_release, mark_pulling, samples=sample_count_of_turn),
 )
 
@@ -307,13 +307,13 @@ def element_error(d, e):
 
 def rest_speed(d):
     """Return the tangential speed [m/s] that counts as rest."""
-    return REST_SPEED * d.model.longest_link
+    return REST_SPEED * d.chain.longest_link
 
 
 def friction_round_off(d, e):
     """Return the largest excess [N] of the friction of element e above its limit that counts as round-off."""
     return FRICTION_EXCESS * (
-        d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.longest_link)
+        d.element.limit[e] + mean_mass(d) * (d.chain.gravity_size + d.chain.longest_link)
     )
 
 
@@ -362,7 +362,7 @@ find_mode_change = choose_search(
 
 def is_past_limit(d, _c):
     """Return whether a drive leaves its mode in a stage, or at the end, of the last step."""
-    if not d.model.has_drive_limits:
+    if not d.chain.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
     return min(d.drive.margin, mode_margin(d, d.step.state_end)) < 0.0
@@ -382,9 +382,9 @@ def may_pass_limit(d, c):
     or if the inputs are polynomials and any drive has a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
-        turn = (d.step.end - d.step.start) * rate_of_drives(d)
-        return is_past_limit(d, c) or (d.model.has_drive_limits != 0 and turn > TURN_OF_STAGES)
-    return d.model.has_drive_limits != 0
+        turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)
+        return is_past_limit(d, c) or (d.chain.has_drive_limits != 0 and turn > TURN_OF_STAGES)
+    return d.chain.has_drive_limits != 0
 
 
 def mark_limit(d, _c, _theta):

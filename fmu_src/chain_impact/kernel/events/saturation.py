@@ -1,8 +1,8 @@
 """The limits of drives: their modes, which change at events (sampled.py)."""
 
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
+from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.events.marks import mark_saturation
-from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.functions import has_dual_rule
 
 
@@ -19,7 +19,7 @@ def clear_saturation(d):
 @has_dual_rule
 def choose_saturation(d):
     """Choose the modes of all drives at the end of the last step, from their forces without limits."""
-    if not d.model.has_drive_limits:
+    if not d.chain.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(drive_count(d)):

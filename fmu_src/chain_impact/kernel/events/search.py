@@ -105,7 +105,7 @@ def find_event_without_crossing(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)
     theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
-    return find_saturation(d, theta) if d.model.has_drive_limits else theta
+    return find_saturation(d, theta) if d.chain.has_drive_limits else theta
 
 
 def find_sampled_event(d, theta):
@@ -139,7 +139,7 @@ def is_credible_crossing(d, theta):
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
-            deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.model.longest_link
+            deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.chain.longest_link
             if deep or d.search.phi_end_rate[c] > 0.0:
                 return False
     return True
@@ -192,7 +192,7 @@ def onset_fraction(d):
     theta -= late
     interpolate(d.step, theta, d.scratch.y)
     late, deepest = onset_lateness(d, d.scratch.y)
-    if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.model.longest_link):
+    if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.chain.longest_link):
         reject_step(d, SPOILED)
     return theta
 
@@ -213,7 +213,7 @@ def onset_lateness(d, y):
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * seconds)
             if abs(late) > LANDING_TIME and abs(gap) <= CLEARANCE_ROUND_OFF * (
-                d.model.longest_link + coordinates_size(d, c, y)
+                d.chain.longest_link + coordinates_size(d, c, y)
             ):
                 late = 0.0
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDING_TIME else math.inf)

@@ -5,13 +5,13 @@ begins with the next segment. The duration of a step in the fictitious time of a
 beforehand, so such a step is truncated at the end of the segment.
 """
 
-from chain_impact.kernel.chain.inputs import CHANNEL
+from chain_impact.kernel.chain.input_fields import CHANNEL
+from chain_impact.kernel.chain.inputs import SAME_TIME, ensure_inputs, limit_to_time
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import next_segment, segment_end, set_segment, signal_at
 from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import renew_modes
 from chain_impact.kernel.events.marks import drop_events
-from chain_impact.kernel.forces.inputs import SAME_TIME, ensure_inputs, limit_to_time
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction
 from chain_impact.kernel.ode.last_step import (
@@ -73,7 +73,7 @@ def check_segments(d):
             begin_next_segment(d, j)
             after, rate_after, bend_after = signal_at(d, j, d.step.end)
             set_segment(d, j, k, lap)
-            size = d.model.longest_link
+            size = d.chain.longest_link
             jumps = not equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + size)
             jumps = jumps or not equal_up_to_round_off(rate, rate_after, abs(bend) + abs(bend_after) + size)
             if jumps and not d.motion.belt[d.signal.index[j]]:
@@ -132,14 +132,14 @@ def begin_segment(d, j):
     after, rate_after, bend_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
-    size = d.model.longest_link
+    size = d.chain.longest_link
     if stores:
         # a channel adds no energy here, because the position and velocity of base and walls never jump
         count_supplied(d, energy_balance(d, y) - energy)
         # the energy `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
         return (
             NO_JUMP
-            if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.model.energy_scale)
+            if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.chain.energy_scale)
             else BENDS
         )
     if d.motion.belt[d.signal.index[j]] and not equal_up_to_round_off(

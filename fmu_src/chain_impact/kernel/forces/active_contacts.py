@@ -249,7 +249,7 @@ def list_touching(d):
     if d.contact.any_rigid:
         list_kind(d, 1)
     touch.joint_stop_count = 0
-    for k in range(touch.active_count if d.model.has_joint_stops else 0):
+    for k in range(touch.active_count if d.chain.has_joint_stops else 0):
         touch.joint_stop_count += at_joint_stop(d, touch.active_index[k])
     if d.friction.used:
         list_friction(d)

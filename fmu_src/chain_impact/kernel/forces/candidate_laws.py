@@ -151,7 +151,7 @@ def given_stiffness(d, c):
     For a joint's stop, K is the stiffness of the contact at the lever arm.
     """
     if at_joint_stop(d, c):
-        return d.given.stop_stiffness / power(d.model.longest_link, d.stops.exponent + 1.0)
+        return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)
     if at_stop(d, c):
         return d.given.stiffness
     stiffness = d.walls.stiffness[d.candidate.wall[c]]
@@ -240,9 +240,9 @@ def set_parameters(d, c):
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
-    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.model.longest_link
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.chain.longest_link
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)
     if at_joint_stop(d, c):
-        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.longest_link
+        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.chain.longest_link

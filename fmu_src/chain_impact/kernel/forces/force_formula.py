@@ -76,7 +76,7 @@ def set_expected_depth(d, c):
     touch = d.touch
     if d.law.impulsive[c]:
         # a rigid wall has no penetration, so the longest link serves as the scale
-        touch.depth_scale[c] = d.model.longest_link
+        touch.depth_scale[c] = d.chain.longest_link
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
 
@@ -122,7 +122,7 @@ def turning_margin(d, c):
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
-    return TURNING_RATE * least * d.touch.impact_speed[c] + tolerance * d.model.longest_link
+    return TURNING_RATE * least * d.touch.impact_speed[c] + tolerance * d.chain.longest_link
 
 
 def law_force(d, c, depth, rate):

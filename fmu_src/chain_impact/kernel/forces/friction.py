@@ -55,7 +55,7 @@ def joint_number(d, e):
 
 def set_friction_used(d):
     """Record whether any wall, joint or slider has dry friction, in a record with room for friction."""
-    has_friction = max(d.contact.any_friction, d.model.has_drive_friction)
+    has_friction = max(d.contact.any_friction, d.chain.has_drive_friction)
     d.friction.used = has_friction if d.elements > 0 else 0
 
 
@@ -97,7 +97,7 @@ def list_friction(d):
             d.element.index[friction.count] = d.touch.active_index[k]
             friction.count += 1
     friction.contact_count = friction.count
-    for i in range(first_joint(d), drive_count(d) if d.model.has_drive_friction else 0):
+    for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
         if d.drive.friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e

@@ -168,7 +168,7 @@ def project_state(d, y):
         else:
             solve_positions(d)
             if d.channels > 0:
-                note_squeezed(d, SQUEEZED_DEPTH * d.model.longest_link)
+                note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
         add_change(d, y, derivative * velocity_at(d.links))
         locate_points_now(d, y)
     if d.channels > 0:
@@ -205,17 +205,17 @@ def power_of_motion(d, y, rate):
         _, tx, ty = tangent_row(d, e)
         power += d.element.force[e] * d.shift.belt_rate[e]
         fx, fy = fx + d.element.force[e] * tx, fy + d.element.force[e] * ty
-    if not d.model.base_moves:
+    if not d.chain.base_moves:
         return power
     accelerate_points(d, y, rate)
     total = 0.0
     for i in range(d.links):
-        total += d.model.mass[i]
+        total += d.chain.mass[i]
     # Newton's law for the whole chain gives the force F₀ that moves the base, with the links' masses m, the
     # accelerations a_C of their centres of mass, gravity g and the other forces F: F₀ = Σ m (a_C − g) − Σ F
     px, py = momentum(d, d.scratch.acceleration)
-    fx = px - total * d.model.gravity[0] - d.inputs.tip_force[0] - fx
-    fy = py - total * d.model.gravity[1] - d.inputs.tip_force[1] - fy
+    fx = px - total * d.chain.gravity[0] - d.inputs.tip_force[0] - fx
+    fy = py - total * d.chain.gravity[1] - d.inputs.tip_force[1] - fy
     return power + fx * d.moved.velocity[0] + fy * d.moved.velocity[1]
 
 
@@ -232,7 +232,7 @@ def work_of_impulses(d):
                 impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.start[k])
             work += impulse * (d.shift.belt_rate[e] if sticks else d.shift.rate[e])
             px, py = px + impulse * nx, py + impulse * ny
-    if not d.model.base_moves:
+    if not d.chain.base_moves:
         return work
     move_points(d, d.scratch.link, constraints.change, d.scratch.motion)
     x, y = momentum(d, d.scratch.motion)
@@ -247,7 +247,7 @@ def momentum(d, vectors):
     x, y = 0.0, 0.0
     for i in range(d.links):
         cx, cy = at_center_of_mass(d, vectors, i)
-        x, y = x + d.model.mass[i] * cx, y + d.model.mass[i] * cy
+        x, y = x + d.chain.mass[i] * cx, y + d.chain.mass[i] * cy
     return x, y
 
 
@@ -267,7 +267,7 @@ def solve_positions(d):
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,
-        d.model.longest_link,
+        d.chain.longest_link,
         largest_coordinate(d),
         0.0,
         0.0,
@@ -312,7 +312,7 @@ def tolerated_momentum(d, speed):
     It is the chain's mass times a sum: the speed after a fall by LEAST_RISE, and the tolerated error of
     ``speed`` [m/s].
     """
-    size = d.model.longest_link
-    mass = d.model.energy_scale / (size * size)
-    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * LEAST_RISE * size)
+    size = d.chain.longest_link
+    mass = d.chain.energy_scale / (size * size)
+    rise = math.sqrt(2.0 * (d.chain.gravity_size + size) * LEAST_RISE * size)
     return mass * (rise + d.solver.tolerance * (size + speed))

@@ -40,11 +40,11 @@ from chain_impact.kernel.chain.drives import (
     moment_factor,
     spring_force,
 )
+from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.force_formula import elastic_force
-from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.ode.control import (
     EXPLICIT,
     SPOILED,
@@ -63,7 +63,7 @@ from chain_impact.kernel.ode.last_step import (
     ensure_rate,
     largest_turn,
 )
-from chain_impact.kernel.ode.methods import STABLE_STEP, joint_stiffness_number
+from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
@@ -107,18 +107,18 @@ def start_balance(d, time):
 
     The function sets the scales, the first window of time and the available energy.
     """
-    model, balance = d.model, d.balance
-    reach, carriage = model.longest_link, d.slider.mass if d.slides else 0.0
+    chain, balance = d.chain, d.balance
+    reach, carriage = chain.longest_link, d.slider.mass if d.slides else 0.0
     total, square = carriage, carriage * reach * reach
     for i in range(d.links):
-        total += model.mass[i]
-        reach += model.length[i]
+        total += chain.mass[i]
+        reach += chain.length[i]
         # E₁, twice the kinetic energy of the stretched chain: the sum of m (s + Σ L)² + I over its links,
         # with Σ L up to the end of the link
-        square += model.mass[i] * reach * reach + (model.inertia[i] + drive_inertia(d, i))
+        square += chain.mass[i] * reach * reach + (chain.inertia[i] + drive_inertia(d, i))
     balance.unit_motion = math.sqrt(square)
-    balance.weight = total * model.gravity_size
-    balance.unit_scale = balance.weight * reach + model.energy_scale
+    balance.weight = total * chain.gravity_size
+    balance.unit_scale = balance.weight * reach + chain.energy_scale
     balance.start, balance.since = time, time
     restart_balance(d)
     balance.at_start, balance.origin = balance.at_end, balance.at_end
@@ -265,8 +265,8 @@ def is_long(d):
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
-    resisted = d.model.has_springs_or_dampers and d.step.last_method == EXPLICIT
-    return resisted and joint_stiffness_number(d, d.step.end - d.step.start) > STABLE_STEP
+    resisted = d.chain.has_springs_or_dampers and d.step.last_method == EXPLICIT
+    return resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
 
 
 def interpolates(d):
@@ -290,7 +290,7 @@ def dissipates_evenly(d, middle):
     ``middle`` is the dissipated energy in the middle of the step [J].
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
-    scale = d.model.energy_scale + abs(end) + impact_energy(d)
+    scale = d.chain.energy_scale + abs(end) + impact_energy(d)
     slack = MIDDLE_CHANGE * STEP_CHANGE * d.solver.tolerance * scale
     return min(start, end) - slack <= middle <= max(start, end) + slack
 
@@ -322,7 +322,7 @@ def energy_scales(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
-    if d.model.has_springs:
+    if d.chain.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_force(d, y, i))
             scale += force * moment_factor(d, i)

@@ -212,14 +212,14 @@ def set_scales(d, y, scale, contacts):
     components. Other components are not controlled, and their scales not set: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
-    n, size = d.links, d.model.longest_link
+    n, size = d.links, d.chain.longest_link
     for j in range(velocity_at(n)):
         scale[j] = size if j < ANGLES else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
-    scale[dissipated_at(n)] = d.model.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
+    scale[dissipated_at(n)] = d.chain.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
     if d.channels > 0:
-        scale[supplied_at(n)] = d.model.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
+        scale[supplied_at(n)] = d.chain.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contacts):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.touch.active_index[k])
 
@@ -231,7 +231,7 @@ def raise_scales(d, y, scale, contacts):
     reduce these motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as
     in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε.
     """
-    n, size, turned, fastest = d.links, d.model.longest_link, 0.0, 0.0
+    n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
     if contacts == 0:
         return
     for i in range(n):
@@ -304,7 +304,7 @@ def scaled_errors(d):
     for k in range(d.touch.active_count):
         first = max(first, abs(d.touch.gap_error[0, k]) / scale[gaps + k])
         second = max(second, abs(d.touch.gap_error[1, k]) / scale[gaps + k])
-    if any_constraint(d) and d.model.has_springs_or_dampers:
+    if any_constraint(d) and d.chain.has_springs_or_dampers:
         first_force, second_force = force_errors(d)
         first, second = max(first, first_force), max(second, second_force)
     if not math.isfinite(total):
@@ -320,11 +320,11 @@ def force_errors(d):
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, i)
+        c, k = drive_slopes(d, d.trial.state, i)
         factor = moment_factor(d, i)
         first = max(first, force_error(d, d.scratch.error[0], i, c, k) * factor)
         second = max(second, force_error(d, d.scratch.error[1], i, c, k) * factor)
-    usual = d.model.energy_scale * (1.0 + d.model.gravity_size / d.model.longest_link)
+    usual = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
     return first / usual, second / usual
 
 
@@ -349,15 +349,15 @@ def impact_energy(d):
     return energy
 
 
-def set_gap_errors(d, row):
+def set_gap_errors(d, estimate):
     """Set the errors in the clearances of the active contacts that follow from an error estimate.
 
-    ``row`` is the number of the estimate in ``scratch.error``.
+    ``estimate`` is the number of the estimate in ``scratch.error``.
     """
     if d.touch.active_count > 0:
-        move_points(d, d.scratch.link, d.scratch.error[row], d.scratch.motion)
+        move_points(d, d.scratch.link, d.scratch.error[estimate], d.scratch.motion)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[row, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.motion)
+        d.touch.gap_error[estimate, k] = along(normal_row(d, d.touch.active_index[k]), d.scratch.motion)
 
 
 def penetration_scale(d, c):
@@ -370,5 +370,5 @@ def penetration_scale(d, c):
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)
-    leeway = min(d.model.longest_link / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    leeway = min(d.chain.longest_link / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
     return depth * max(1.0, leeway)

@@ -181,7 +181,7 @@ def list_quadratures(d):
             integrate(d, d.candidates + d.element.index[k])
         if d.friction.count > 0:
             integrate(d, d.candidates + d.elements)
-        if d.loads > 0 and d.model.has_inputs:
+        if d.loads > 0 and d.chain.has_inputs:
             for j in range(2):
                 integrate(d, d.candidates + d.elements + 1 + j)
 

@@ -287,7 +287,7 @@ def is_smooth(d, h):
     step loses its order.
     """
     c = d.step.regularized
-    if d.touch.active_count == 0 and d.model.base_moves:
+    if d.touch.active_count == 0 and d.chain.base_moves:
         return h * rate_of_base(d) > FAST_SINE
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
 

@@ -14,8 +14,8 @@ stiff part of the Jacobian. The coordinates of the chain are q, their rates v, a
 r_v, r_g, r_ġ are the parts of x and r for these and for g and ġ. A point resting on a stiff wall makes the
 equations stiff: the contact's own motions are far faster than the chain's, and decay. Joints with dampers or
 springs make the equations stiff, too, as does a slider with them; their forces are −C v − S q, up to
-constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and
-g_i the gradient of the rate of its coordinate (chain/drives.py).
+constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i χ_i χ_iᵀ, S = Σ k_i χ_i χ_iᵀ and
+χ_i the gradient of the rate of its coordinate (chain/drives.py).
 All other terms are left out of A; Newton's iteration takes account of them. For z as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
@@ -33,7 +33,7 @@ i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J �
 wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
 
 The functions take s, x and a scratch ``space`` that are all real or all complex. The space contains
-impedances, loads, the resulting motion and factors, of which one ``row`` is used.
+impedances, loads, the resulting motion and factors, of which one ``slot`` is used.
 
 The coordinates are projected onto the integrated clearances. Without the projection, the small difference
 between both would act as an impact on a stiff wall. The difference before the projection counts as an error
@@ -46,6 +46,7 @@ from chain_impact.kernel.chain.drives import (
     drive_slopes,
     load_drive,
 )
+from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
 from chain_impact.kernel.chain.response import SHIFTED, factorize, no_impedance
 from chain_impact.kernel.chain.state import (
@@ -59,7 +60,6 @@ from chain_impact.kernel.forces.active_contacts import apply_contact, apply_cont
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
-from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode.dense import quadrature_rates
 from chain_impact.kernel.rows.compliance import joints_loaded, solve_space
 from chain_impact.kernel.rows.constraints import any_constraint, set_single_solution_impedances
@@ -167,10 +167,12 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes of the active contacts' forces for the extended state z, and store its link vectors."""
+    """Set the slopes of the forces of active contacts and of drives for z, and store its link vectors."""
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
+    for i in range(drive_count(d)):
+        implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, z, i)
     for k in range(clearance_count(d)):
         c = d.touch.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
@@ -187,11 +189,10 @@ def contact_impedance(d, k, s):
 
 def drive_resistance(d, i, s):
     """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i, from its slopes c and k."""
-    c, k = drive_slopes(d, i)
-    return s * (c + s * k)
+    return s * (d.implicit.drive_damping[i] + s * d.implicit.drive_stiffness[i])
 
 
-def factorize_shift(d, s, space, row):
+def factorize_shift(d, s, space, slot):
     """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
     no_impedance(d, space.impedance)
     for k in range(clearance_count(d)):
@@ -199,33 +200,33 @@ def factorize_shift(d, s, space, row):
     set_single_solution_impedances(d)
     for k in range(clearance_count(d), constraint_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
-    if d.model.has_springs_or_dampers:
+    if d.chain.has_springs_or_dampers:
         for i in range(d.links):
             space.impedance.joint[i] = drive_resistance(d, i, s)
         if d.slides:
             add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
     add_joint_impedances(d, space.impedance)
-    factorize(d, d.implicit.link, space, row, d.model.has_springs_or_dampers != 0 or joints_loaded(d))
+    factorize(d, d.implicit.link, space, slot, d.chain.has_springs_or_dampers != 0 or joints_loaded(d))
 
 
-def solve_shift(d, s, space, row, x):
+def solve_shift(d, s, space, slot, x):
     """Solve (1 − s A) x = r for the shift s [s] of the last ``factorize_shift``.
 
     The array x contains r at the start, and the solution at the end.
     """
     n, implicit, change = d.links, d.implicit, space.change
     clear_loads_of(d, space.load)
-    if d.model.has_springs_or_dampers:
+    if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
             # the impulse of the damper and the spring of drive i: its part of K r_v + s S r_q
             rate, displacement = along_drive(d, x, velocity_at(n), i), along_drive(d, x, 0, i)
-            _, k = drive_slopes(d, i)
-            load_drive(d, space.load, i, drive_resistance(d, i, s) * rate + s * k * displacement)
+            impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
+            load_drive(d, space.load, i, impulse)
     for k in range(clearance_count(d)):
         # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g
         impulse = contact_impedance(d, k, s) * x[rate_at(d, k)] + s * implicit.stiffness[k] * x[gap_at(d, k)]
         add_along(constraint_row(d, k), space.load, impulse)
-    solve_space(d, implicit.link, space, row, change)
+    solve_space(d, implicit.link, space, slot, change)
     if d.slides:
         # the load of the slider's drive is removed: in flight no other function clears the loads on the
         # points

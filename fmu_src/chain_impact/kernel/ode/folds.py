@@ -8,12 +8,12 @@ toward the fold stays, because it is far larger than its error. The same is true
 where W is small.
 """
 
+from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
-from chain_impact.kernel.forces.inputs import ensure_inputs
 from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count

@@ -6,10 +6,10 @@ motion itself, and the force of friction stays large although the speed is zero.
 of friction along these changes would be an error of the energy balance that grows in every step.
 """
 
+from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.forces.friction import STICKS, work_of_holding
-from chain_impact.kernel.forces.inputs import set_inputs
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.radau import NODES, RADAU_STAGES, Q

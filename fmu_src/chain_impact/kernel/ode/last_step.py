@@ -88,7 +88,7 @@ def make_last_step(d):
         move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
     # without dissipation no component of the state fades toward 0
-    resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.model.has_springs_or_dampers != 0
+    resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]

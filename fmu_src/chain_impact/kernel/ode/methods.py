@@ -64,13 +64,13 @@ def choose_method(d):
     """Choose the method of the next step, with the points located at the start of this step."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.any_rigid and not (d.contact.any_force or d.model.has_springs_or_dampers):
+    if d.contact.any_rigid and not (d.contact.any_force or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTO:
         step.method = prescribed_method(d.solver.method)
         if touching and step.method == EXPLICIT:
             limit_to_stable(d)
-    elif not (touching or d.model.has_springs_or_dampers):
+    elif not (touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
     elif step.end > step.start:  # the last step has a length, so the run was not re-initialized just now
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
@@ -132,7 +132,7 @@ def begin_impact(d, c):
     The proposed size is the result of ``size_at_onset`` for the explicit method. If the last steps were
     implicit, and joints make the steps of the impact stiff, too, the method stays implicit.
     """
-    if joint_stiffness_number(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
+    if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
     elif d.step.method != EXPLICIT:
         limit_next_size(d, size_at_onset(d, c, d.step.method))
@@ -145,7 +145,7 @@ def begin_flight(d):
     The method stays implicit only if joints make the proposed step stiff; an explicit step gets a stable
     size.
     """
-    z = joint_stiffness_number(d, d.step.next_size)
+    z = find_joint_stiffness(d, d.step.next_size)
     if z <= STIFF_STEP:
         d.step.method = EXPLICIT
     if d.step.method == EXPLICIT:
@@ -159,7 +159,7 @@ def stable_size(d, h):
     At rest the errors do not show that a step is far too long: its end state is correct, but its dense output
     is not.
     """
-    return h * min(1.0, STABLE_STEP / max(STABLE_STEP, joint_stiffness_number(d, h)))
+    return h * min(1.0, STABLE_STEP / max(STABLE_STEP, find_joint_stiffness(d, h)))
 
 
 def begin_explicit(d):
@@ -178,15 +178,15 @@ def reset_stiff_count(d):
 def stiffness_number(d, h):
     """Return the product hρ for a step of size h [s]; ρ is the fastest rate of contacts and of joints."""
     z = h * fastest_contact(d)
-    return max(z, joint_stiffness_number(d, h)) if d.model.has_springs_or_dampers else z
+    return max(z, find_joint_stiffness(d, h)) if d.chain.has_springs_or_dampers else z
 
 
-def joint_stiffness_number(d, h):
+def find_joint_stiffness(d, h):
     """Return hρ for a step of size h [s], with the fastest rate ρ of joints with dampers or springs.
 
     If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and ρ is not computed.
     """
-    z = h * d.model.joint_rate_bound
+    z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:
         z = h * largest_joint_rate(d, d.step.state_end)
         clear_loads(d)

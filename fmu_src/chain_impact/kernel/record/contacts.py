@@ -182,14 +182,14 @@ def latest_dtype() -> np.dtype:
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
-    Contacts with a force law have rows, but are never in the active set. The function that states the problem
-    decides what ``start``, ``target`` and ``reached`` are:
+    Contacts with a force law have entries, but are never in the active set. The function that states the
+    problem decides what ``start``, ``target`` and ``reached`` are:
 
     - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
     - speeds [m/s], with impulses in N·s: apply_impulses, and project_state in its second pass
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
-    rows = most_constraints(candidates, elements)
+    count = most_constraints(candidates, elements)
     return record(
         # how much the impulses change each coordinate: its position, speed or acceleration, as stated above
         ("change", REAL, (coordinate_count(links),)),
@@ -200,22 +200,22 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # residual at rigid walls
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
-        ("in_active_set", INTEGER, (rows,)),
-        ("violated", INTEGER, (rows,)),  # 1: the constraint's impulse or residual has the wrong sign
-        ("start", REAL, (rows,)),  # motion along the constraint without any impulses
-        ("reached", REAL, (rows,)),  # motion along the constraint with all impulses
-        ("target", REAL, (rows,)),  # the least required motion along the constraint
+        ("in_active_set", INTEGER, (count,)),
+        ("violated", INTEGER, (count,)),  # 1: the constraint's impulse or residual has the wrong sign
+        ("start", REAL, (count,)),  # motion along the constraint without any impulses
+        ("reached", REAL, (count,)),  # motion along the constraint with all impulses
+        ("target", REAL, (count,)),  # the least required motion along the constraint
         # residual target − reached of a constraint in the active set, else 0; during a correction the
         # residual times the impedance
-        ("residual", REAL, (rows,)),
-        ("impulse", REAL, (rows,)),  # impulse or force of the constraint
-        ("impedance", REAL, (rows,)),  # kg, impedance D of the constraint
+        ("residual", REAL, (count,)),
+        ("impulse", REAL, (count,)),  # impulse or force of the constraint
+        ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
-        ("resistance", REAL, (rows,)),
+        ("resistance", REAL, (count,)),
         # N, ``refined``: the force near a fold; ``uneven``: a difference of forces that is small if the force
         # is smooth (kernel/ode/folds.py)
-        ("refined", REAL, (rows,)),
-        ("uneven", REAL, (rows,)),
+        ("refined", REAL, (count,)),
+        ("uneven", REAL, (count,)),
         ("sample", REAL, (2, candidates)),  # N, the last two samples of the force of a held candidate, packed
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
         # pulls; not packed
@@ -226,24 +226,24 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 @written_by("rows/limits.py")
 def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for constraint forces within the limits of friction."""
-    # number of rows: that of `constraints` or more, as every candidate is an element; 0 in a scene without
-    # friction
-    rows = 2 * elements
+    # at least the number of constraints, as every candidate is an element; 0 in a scene
+    # without friction
+    count = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
-        ("inside", INTEGER, (rows,)),  # 1: the force is inside its limits, 0: it is at one of them
+        ("inside", INTEGER, (count,)),  # 1: the force is inside its limits, 0: it is at one of them
         # ±1: the force of a sticking element is at its limit, and has this sign; 0: the force is below the
         # limit; packed
         ("at_limit", INTEGER, (elements,)),
-        ("force", REAL, (rows,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
-        ("center", REAL, (rows,)),  # N, force p of each constraint before the iteration
-        ("residual", REAL, (rows,)),  # m/s², the part of the required motion that the forces p do not reach
+        ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
+        ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
+        ("residual", REAL, (count,)),  # m/s², the part of the required motion that the forces p do not reach
         # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺ of the force p⁺
-        ("unlimited", REAL, (rows,)),
-        ("impedance", REAL, (rows,)),  # kg, the impedance D of a row inside the limits, else 0
-        # N, impedance times residual for a row inside its limits, else the change of the row's force p
-        ("correction", REAL, (rows,)),
+        ("unlimited", REAL, (count,)),
+        ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
+        # N, impedance times residual of a constraint inside its limits, else the change of its force p
+        ("correction", REAL, (count,)),
     )
 
 

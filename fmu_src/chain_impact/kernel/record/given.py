@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import EACH_DRIVE, FIELDS, TARGET
-from chain_impact.kernel.forces.inputs import DEGREE
+from chain_impact.kernel.chain.input_fields import EACH_DRIVE, FIELDS, TARGET
+from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
@@ -22,7 +22,7 @@ from chain_impact.kernel.record.fields import (
 )
 from chain_impact.kernel.rows.geometry import WALLS
 
-# fields of `model`, one for each effect that drives may have: 1 if some drive has this effect
+# fields of `chain`, one for each effect that drives may have: 1 if some drive has this effect
 FLAGS = (
     *("has_springs", "has_springs_or_dampers", "has_armatures"),
     *("has_joint_places", "has_drive_friction", "has_drive_limits"),
@@ -31,7 +31,7 @@ FLAGS = (
 
 @settable(AT_START)
 @written_by("initialize.py", **dict.fromkeys(FLAGS, "chain/drives.py"))
-def model_dtype(links: int, sites: int) -> np.dtype:
+def chain_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
     return record(
         ("gravity", REAL, (2,)),  # m/s², x and y of gravity
@@ -194,7 +194,7 @@ def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[ob
 
 
 def piece_dtype(links: int) -> np.dtype:
-    """Return the layout of one piece of the inputs, polynomials of time, see kernel/forces/inputs.py."""
+    """Return the layout of one piece of the inputs, polynomials of time, see kernel/chain/inputs.py."""
     return record(
         ("order", bounded(0, DEGREE)),  # degree of the polynomials; 0: the inputs are constant
         # Row k of each table of coefficients belongs to the power xᵏ of the polynomials' argument x. Within
@@ -209,7 +209,7 @@ def piece_dtype(links: int) -> np.dtype:
 
 
 @settable(AT_ANY_TIME)
-@written_by(changed="forces/inputs.py", piece="forces/inputs.py")
+@written_by(changed="chain/inputs.py", piece="chain/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
@@ -217,7 +217,7 @@ def given_dtype(links: int) -> np.dtype:
     the last piece is applied at the start of a step.
     """
     return record(
-        # value of forces/inputs.py that says what was set since the last step. REINITIALIZE: a value;
+        # value of chain/inputs.py that says what was set since the last step. REINITIALIZE: a value;
         # CONTINUES: only the next piece of the inputs; 0: nothing
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law of walls, from 1
@@ -237,7 +237,7 @@ def given_dtype(links: int) -> np.dtype:
     )
 
 
-@written_by("forces/inputs.py")
+@written_by("chain/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
     """Return the layout of the values in use: the inputs, and the damping and stiffness of drives."""
     return record(
@@ -251,7 +251,7 @@ def inputs_dtype(links: int) -> np.dtype:
 
 
 @settable(AT_ANY_TIME)
-@written_by("forces/inputs.py")
+@written_by("chain/inputs.py")
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py."""
     return record(
@@ -268,7 +268,7 @@ def motion_dtype(channels: int) -> np.dtype:
     )
 
 
-@written_by("forces/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
+@written_by("chain/inputs.py", **dict.fromkeys(("position", "velocity", "acceleration"), "chain/motion.py"))
 def moved_dtype(channels: int) -> np.dtype:
     """Return the layout of the motions of base and walls in use, and of the given values behind them."""
     return record(

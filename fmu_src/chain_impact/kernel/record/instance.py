@@ -34,12 +34,12 @@ from chain_impact.kernel.record.contacts import (
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.given import (
+    chain_dtype,
     contact_dtype,
     drive_dtype,
     given_dtype,
     initial_dtype,
     inputs_dtype,
-    model_dtype,
     motion_dtype,
     moved_dtype,
     shift_dtype,
@@ -193,7 +193,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("slides", INTEGER),  # 1: the base slides along a line
         # number of tangent instances that follow the record in memory (kernel/tangent/)
         ("tangents", INTEGER),
-        ("model", model_dtype(links, sites)),
+        ("chain", chain_dtype(links, sites)),
         ("contact", contact_dtype()),
         ("stops", stops_dtype()),
         ("slider", slider_dtype()),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import CHANNEL
+from chain_impact.kernel.chain.input_fields import CHANNEL
 from chain_impact.kernel.chain.signals import CONSTANT, SIGNAL_DEGREE, SMOOTH, TABLE, TRAPEZOID
 from chain_impact.kernel.record.fields import (
     AT_START,
@@ -31,7 +31,11 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # shape of a ramp: a value of chain/signals.py, such as SMOOTH
         ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),
         ("source", bounded(0, signals - 1), (signals,)),
-        ("input", bounded(0, CHANNEL), (signals,)),  # number of the driven input, see kernel/chain/inputs.py
+        (
+            "input",
+            bounded(0, CHANNEL),
+            (signals,),
+        ),  # number of the driven input, see chain/input_fields.py
         ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
         ("order", bounded(0, 2), (signals,)),

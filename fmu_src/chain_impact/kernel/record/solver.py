@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.response import ROWS
+from chain_impact.kernel.chain.response import SLOTS
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT
@@ -154,19 +154,19 @@ def balance_dtype() -> np.dtype:
     )
 
 
-def factors_dtype(links: int, scalar: type, rows: int) -> np.dtype:
-    """Return the layout of the factors of ``rows`` matrices M + Jᵀ D J + K (chain/response.py)."""
+def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
+    """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
         # factors of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
         # ``complement`` 1 − σ = H/(H + κ)
         *(
-            (name, scalar, (rows, links))
+            (name, scalar, (slots, links))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
         # 1: joints transmit moments; 0: ``coupling`` and ``complement`` are not used
-        ("coupled", INTEGER, (rows,)),
+        ("coupled", INTEGER, (slots,)),
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
-        ("middle_mobility", scalar, (rows, 3)),
+        ("middle_mobility", scalar, (slots, 3)),
     )
 
 
@@ -214,7 +214,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
-        ("factors", factors_dtype(links, REAL, ROWS)),
+        ("factors", factors_dtype(links, REAL, SLOTS)),
         # results of the recursion for the accelerations, see kernel/chain/elimination.py
         ("elimination", elimination_dtype(links)),
         # m, positions of all places: points, joints in a scene with stops or dry friction in joints, and
@@ -266,7 +266,7 @@ def search_dtype(candidates: int) -> np.dtype:
 
 @written_by(
     **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "ode/extended.py"),
-    **dict.fromkeys(("shift", "pairs"), "ode/extended.py"),
+    **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "correction", "contraction"), "ode/radau.py"),
     **dict.fromkeys(("last", "listing", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
@@ -316,6 +316,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts with a force law, packed
+        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad, −∂F/∂ψ of each drive; of the slider N/m
+        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad, −∂F/∂ψ̇ of each drive; of the slider N·s/m
         # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the

@@ -34,7 +34,7 @@ from chain_impact.kernel.rows.geometry import (
 LEAST_MOBILITY = 1e-6
 # The number of iterations, in constraints.py, for sticking elements if no rigid wall holds a point. The
 # number is fixed, because the forces would jump if it varied.
-STICKING_PASSES = 5
+STICKING_ITERATIONS = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
 # would lose digits of the chain's inertia, a smaller D needs more iterations.
@@ -46,7 +46,7 @@ def mean_mass(d):
 
     It is the mass of chain, carriage and armatures, divided by the number of links.
     """
-    return d.model.energy_scale / (d.model.longest_link * d.model.longest_link * d.links)
+    return d.chain.energy_scale / (d.chain.longest_link * d.chain.longest_link * d.links)
 
 
 def holding_impedance(d):
@@ -55,22 +55,22 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return the mobility W′ [1/kg] of one constraint: m/W′ is the impulse of STICKING_PASSES iterations.
+    """Return the mobility W′ [1/kg] of one constraint: m/W′ is the impulse of STICKING_ITERATIONS iterations.
 
-    With n = STICKING_PASSES, the mobility W and the impedance D, the iterations reduce a residual m to
+    With n = STICKING_ITERATIONS, the mobility W and the impedance D, the iterations reduce a residual m to
     m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be
     constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
     total = 1.0
-    for _ in range(STICKING_PASSES - 1):
+    for _ in range(STICKING_ITERATIONS - 1):
         total = 1.0 + left * total
     return (compliance + max(0.0, mobility)) / total
 
 
-def factorize_contacts(d, row, impedance):
-    """Factorize M + Jᵀ D J, with the mass matrix M; store the factors in a ``row`` of ``scratch.factors``.
+def factorize_contacts(d, slot, impedance):
+    """Factorize M + Jᵀ D J, with the mass matrix M; store the factors in a ``slot`` of ``scratch.factors``.
 
     ``impedance`` contains the impedance D_k [kg] of each constraint k.
     """
@@ -78,36 +78,36 @@ def factorize_contacts(d, row, impedance):
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
     add_joint_impedances(d, d.scratch.impedance)
-    factorize(d, d.scratch.link, d.scratch, row, joints_loaded(d))
+    factorize(d, d.scratch.link, d.scratch, slot, joints_loaded(d))
 
 
 def joints_loaded(d):
     """Return whether any joint has an armature, an active stop or sticking friction."""
-    return d.model.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
+    return d.chain.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
 
 
-def solve_space(d, link_vectors, space, row, change):
+def solve_space(d, link_vectors, space, slot, change):
     """Find the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
     Args:
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the vectors L_i [m] (entry N is not used).
         space: record of the factors and loads; the motion of the places is stored in ``space.motion``.
-        row: the row of the factors.
+        slot: the slot of the factors.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     add_joint_loads(d, space.load)
     move_site_loads(d, link_vectors, space.load)
-    solve(d, link_vectors, space, row, change)
+    solve(d, link_vectors, space, slot, change)
     move_points(d, link_vectors, change, space.motion)
 
 
-def solve_contacts(d, row, impulse, change):
+def solve_contacts(d, slot, impulse, change):
     """Find the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k."""
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):
         add_along(constraint_row(d, k), d.scratch.load, impulse[k])
-    solve_space(d, d.scratch.link, d.scratch, row, change)
+    solve_space(d, d.scratch.link, d.scratch, slot, change)
 
 
 def accelerations_with_armatures(d, y, rate):
@@ -122,22 +122,22 @@ def accelerations_with_armatures(d, y, rate):
     for k in range(n + 1):
         before.x[k], before.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
-    if d.channels > 0 and d.model.base_moves:
+    if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]
     for i in range(n):
-        ratio, omega = d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
+        ratio, omega = d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
         w2x, w2y = omega * omega * link.x[i], omega * omega * link.y[i]
-        # acceleration of the centre of mass at constant angular velocity ω, at c from the joint with
-        # acceleration a: a_C = a − ω² c
+        # acceleration of the centre of mass at constant angular velocity ω, at r_C from the joint with
+        # acceleration a: a_C = a − ω² r_C
         cx, cy = ax - ratio * w2x, ay - ratio * w2y
         if d.skewed:
-            cx, cy = cx + d.model.offset_ratio[i] * w2y, cy - d.model.offset_ratio[i] * w2x
-        fx = d.model.mass[i] * (d.model.gravity[0] - cx)
-        fy = d.model.mass[i] * (d.model.gravity[1] - cy)
+            cx, cy = cx + d.chain.offset_ratio[i] * w2y, cy - d.chain.offset_ratio[i] * w2x
+        fx = d.chain.mass[i] * (d.chain.gravity[0] - cx)
+        fy = d.chain.mass[i] * (d.chain.gravity[1] - cy)
         if d.skewed:
             # moment of the force F on a centre of mass at the distance o to the left of the link's line, with
             # the link vector L of length ℓ: (o/ℓ) L⊥ × F
-            load.link[i] -= d.model.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
+            load.link[i] -= d.chain.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         load.x[i] += (1.0 - ratio) * fx
         load.y[i] += (1.0 - ratio) * fy
         load.x[i + 1] += ratio * fx
@@ -147,7 +147,7 @@ def accelerations_with_armatures(d, y, rate):
         moment += scratch.moment[i]
         load.joint[i] = moment
     if d.slides:
-        slider, gravity = d.slider, d.model.gravity
+        slider, gravity = d.slider, d.chain.gravity
         load.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
         load.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
     no_impedance(d, scratch.impedance)
@@ -165,10 +165,10 @@ def effective_mass(d, c):
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)
-    factorize(d, scratch.link, scratch, FREE, d.model.has_armatures != 0 or at_joint_stop(d, c))
+    factorize(d, scratch.link, scratch, FREE, d.chain.has_armatures != 0 or at_joint_stop(d, c))
     clear_loads_of(d, scratch.load)
     add_along(row, scratch.load, 1.0)
     solve_space(d, scratch.link, scratch, FREE, scratch.change)
     # in a toggle position no impulse moves the point: the point's mobility is 0
-    mobility = LEAST_MOBILITY * d.model.longest_link * d.model.longest_link / d.model.energy_scale
+    mobility = LEAST_MOBILITY * d.chain.longest_link * d.chain.longest_link / d.chain.energy_scale
     return 1.0 / max(mobility, along(row, scratch.motion))

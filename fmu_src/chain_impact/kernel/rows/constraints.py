@@ -32,7 +32,7 @@ from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
-    STICKING_PASSES,
+    STICKING_ITERATIONS,
     factorize_contacts,
     held_mobility,
     holding_impedance,
@@ -63,9 +63,9 @@ FIRST_IMPEDANCE = 1e3
 # The least product of the mobility W and the mean mass of a link for which the force on a single held point
 # is m/W. Near a toggle position W is smaller and has lost digits, and the iteration finds the force instead.
 LEAST_SINGLE_MOBILITY = 1e-3
-# The factor on the impedance D of sticking elements if one solution replaces n = STICKING_PASSES. With x = D
-# W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much if a = ((1
-# + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
+# The factor on the impedance D of sticking elements for one solution in place of n = STICKING_ITERATIONS.
+# With x = D W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much
+# if a = ((1 + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
 SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
 # The largest residual of a constrained motion that counts as round-off, relative to the largest motion. With
@@ -88,7 +88,7 @@ LEAST_STICKING_IMPEDANCE = 1e-2  # with a smaller impedance, the residual would 
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# the largest number of pivots, in addition to 4 for each row; a search that needs more has failed
+# the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
 EXTRA_PIVOTS = 30
 
 
@@ -115,7 +115,7 @@ def scale_sticking_impedances(d):
 
 
 def set_single_solution_impedances(d):
-    """Set the impedances with which one solution has about the effect of STICKING_PASSES iterations."""
+    """Set the impedances with which one solution has about the effect of STICKING_ITERATIONS iterations."""
     for k in range(d.touch.compliant_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.touch.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
@@ -142,8 +142,8 @@ def solve_equality(d, scale):
     """
     constraints, impedance = d.constraints, holding_impedance(d)
     constraints.near_fold = 0
-    row = single_active(d)
-    if row >= 0 and solve_single(d, row):
+    only = single_active(d)
+    if only >= 0 and solve_single(d, only):
         return 0.0
     clear_impulses(d)
     if not any_point_held(d):
@@ -165,9 +165,9 @@ def solve_equality(d, scale):
 def iterate_impulses(d, scale, impedance):
     """Iterate until the residual is round-off, or no larger ``impedance`` [kg] reduces the residual.
 
-    The iteration always ends: each pass except the last leaves less than SLOW_DECREASE of the residual, makes
-    D grow, or follows a pass in which D has grown; D grows at most twice. The first pass with a larger D adds
-    round-off, which the next pass removes. Sticking elements alone get STICKING_PASSES iterations.
+    The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual, makes
+    D grow, or follows one in which D has grown; D grows at most twice. The first one with a larger D adds
+    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_ITERATIONS of them.
 
     Returns:
         The largest residual.
@@ -184,7 +184,7 @@ def iterate_impulses(d, scale, impedance):
             impedance *= IMPEDANCE_GROWTH
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
-        elif (slow and iterated_enough(d, iterations)) or (not has_walls and iterations == STICKING_PASSES):
+        elif (slow and iterated_enough(d, iterations)) if has_walls else iterations == STICKING_ITERATIONS:
             break
         correct_impulses(d)
         worst, iterations = find_residual(d), iterations + 1
@@ -195,14 +195,14 @@ def reduce_free_impulses(d, fraction, noise):
     """Remove a ``fraction`` of the impulses against motions that the iteration leaves free.
 
     Along such a motion the product of impedance D and mobility W is far below 1, and each of the
-    STICKING_PASSES adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a
+    STICKING_ITERATIONS adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a
     constrained motion, and its impulse stays.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
         residual = constraints.residual[k]
         above = residual * residual / (residual * residual + noise * noise)
-        constraints.impulse[k] -= fraction * above * STICKING_PASSES * constraints.impedance[k] * residual
+        constraints.impulse[k] -= fraction * above * STICKING_ITERATIONS * constraints.impedance[k] * residual
     move_by_impulses(d)
 
 
@@ -217,22 +217,22 @@ def single_active(d):
     return only
 
 
-def solve_single(d, row):
+def solve_single(d, only):
     """Solve the problem of ``solve_equality`` for a single constraint; return whether W is large enough."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
-    add_along(constraint_row(d, row), d.scratch.load, 1.0)
+    add_along(constraint_row(d, only), d.scratch.load, 1.0)
     solve_space(d, d.scratch.link, d.scratch, FREE, constraints.change)
-    mobility = along(constraint_row(d, row), motion)
-    if row >= d.touch.active_count:
+    mobility = along(constraint_row(d, only), motion)
+    if only >= d.touch.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
-    impulse = (constraints.target[row] - constraints.start[row]) / mobility
+    impulse = (constraints.target[only] - constraints.start[only]) / mobility
     for j in range(len(constraints.change)):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
-        constraints.impulse[k] = impulse if k == row else 0.0
+        constraints.impulse[k] = impulse if k == only else 0.0
         constraints.reached[k] = constraints.start[k] + impulse * along(constraint_row(d, k), motion)
     count_other_cost(d, 1)
     return True

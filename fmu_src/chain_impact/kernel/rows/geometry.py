@@ -73,7 +73,7 @@ def set_box_wall(d, c, wall):
     nx, ny = NORMALS[wall]
     candidate.normal_x[c], candidate.normal_y[c] = nx, ny
     # the normal has a single component: either nx or ny is 0
-    candidate.offset[c] = (nx + ny) * d.model.wall[wall]
+    candidate.offset[c] = (nx + ny) * d.chain.wall[wall]
 
 
 def set_sloped_wall(d, c, w):
@@ -281,18 +281,18 @@ def add_joint_loads(d, load):
 
     The place of a joint is no point of the chain: x of this place is the joint's angle times the lever arm.
     """
-    if d.model.has_joint_places:
+    if d.chain.has_joint_places:
         for i in range(d.links):
-            load.joint[i] += d.model.longest_link * load.x[joint_place(d, i)]
+            load.joint[i] += d.chain.longest_link * load.x[joint_place(d, i)]
 
 
 def add_joint_impedances(d, impedance):
     """Add to each joint's impedance the inertia of the drive's rotor, and the impedance at its place."""
-    if d.model.has_joint_places or d.model.has_armatures:
-        square = d.model.longest_link * d.model.longest_link
+    if d.chain.has_joint_places or d.chain.has_armatures:
+        square = d.chain.longest_link * d.chain.longest_link
         for i in range(d.links):
             impedance.joint[i] += drive_inertia(d, i)
-            if d.model.has_joint_places:
+            if d.chain.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
 
 
@@ -317,7 +317,7 @@ def largest_coordinate(d):
 
     This is the scale of the round-off of positions.
     """
-    return max(d.model.longest_link, largest_component(d, d.scratch.position))
+    return max(d.chain.longest_link, largest_component(d, d.scratch.position))
 
 
 def largest_acceleration(d):
@@ -337,7 +337,7 @@ def length_bound(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.model.has_joint_stops:  # the places of joints without stops have no clearances
+    if d.chain.has_joint_stops:  # the places of joints without stops have no clearances
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -349,7 +349,7 @@ def coordinates_size(d, c, y):
     """Return the sum [m] of the sizes of the coordinates whose round-off enters candidate c's clearance g."""
     point = d.candidate.point[c]
     if at_joint_stop(d, c):
-        return d.model.longest_link * coordinates_of_drive(d, y, point - 1)
+        return d.chain.longest_link * coordinates_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.scratch.position.x[place]) + abs(d.scratch.position.y[place])
 
@@ -375,12 +375,12 @@ def faces_base(d, c):
     """
     # the candidates of each wall are in the order of the points
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
-    return first and (d.model.base_moves or d.shift.channel[c] >= 0)
+    return first and (d.chain.base_moves or d.shift.channel[c] >= 0)
 
 
 def base_clearance(d, c):
     """Return the distance [m] of a pinned base from the wall of candidate c; < 0 if it is in the wall."""
     x, y = d.step.state_end[0], d.step.state_end[1]
-    if d.model.base_moves:
+    if d.chain.base_moves:
         x, y = d.moved.position[0], d.moved.position[1]
     return d.candidate.normal_x[c] * x + d.candidate.normal_y[c] * y - d.candidate.offset[c]

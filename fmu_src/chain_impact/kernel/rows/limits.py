@@ -2,8 +2,8 @@
 
 Where constraints depend on each other, their forces are not unique. The forces that constraints.py finds,
 with the least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints
-within all limits. With W the inverse of the mass matrix along the rows, the forces p within the limits that
-satisfy the constraints as well as possible are the solution of
+within all limits. With W the inverse of the mass matrix along the constraints, the forces p within the limits
+that satisfy the constraints as well as possible are the solution of
 
     ½ pᵀ W p − pᵀ (target − start) = min,    lower limit ≤ p ≤ upper limit,
 
@@ -18,13 +18,13 @@ The method of multipliers finds the solution also where W is singular (Rockafell
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
 which has a unique solution, because W + D⁻¹ is positive definite. If no limit is reached, this is the
-iteration in constraints.py. The forces of the rows I inside their limits follow from the recursion; the other
-forces are at their limits:
+iteration in constraints.py. The forces of the constraints I inside their limits follow from the recursion;
+the other forces are at their limits:
 
     (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ_{others} Jᵀ (limit − p),    p⁺ = p + D (m − J z).
 
-The rows inside their limits are found one by one, as in bounded least squares (Stark & Parker 1995, Comput
-Stat 10:129).
+The constraints inside are found one by one, as in bounded least squares (Stark & Parker 1995, Comput Stat
+10:129).
 """
 
 import math
@@ -32,7 +32,7 @@ import math
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import cost_exceeded, count_other_cost
 from chain_impact.kernel.rows.compliance import (
-    STICKING_PASSES,
+    STICKING_ITERATIONS,
     factorize_contacts,
     holding_impedance,
     solve_contacts,
@@ -52,7 +52,7 @@ def find_limited_forces(d):
     for k in range(constraint_count(d)):
         limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
         limited.residual[k] = d.constraints.target[k] - d.constraints.start[k]
-    for _ in range(STICKING_PASSES):
+    for _ in range(STICKING_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
         if cost_exceeded(d):
@@ -74,7 +74,7 @@ def largest_start(d):
 
 
 def sign_at_limit(d, k):
-    """Return the sign of the force of row k, a sticking element, if this force is at its limit, else 0.
+    """Return the sign of the force of constraint k, a sticking element, if it is at its limit, else 0.
 
     If the limit is 0, the sign is that of the residual.
     """
@@ -85,12 +85,12 @@ def sign_at_limit(d, k):
 
 
 def lower_limit(d, k):
-    """Return the lower limit [N] of the force of row k, a point at a rigid wall or a sticking element."""
+    """Return the lower limit [N] of the force of constraint k, a point at a rigid wall or an element."""
     return 0.0 if k < d.touch.active_count else -upper_limit(d, k)
 
 
 def upper_limit(d, k):
-    """Return the upper limit [N] of the force of row k.
+    """Return the upper limit [N] of the force of constraint k.
 
     For an element the limit is µ F_n of sliding friction, because an element at its limit slides. For a point
     at a rigid wall the limit is infinite.
@@ -104,7 +104,7 @@ def upper_limit(d, k):
 
 
 def clipped(d, k, force):
-    """Return the force [N] nearest to ``force`` within the limits of row k."""
+    """Return the force [N] nearest to ``force`` within the limits of constraint k."""
     return min(upper_limit(d, k), max(lower_limit(d, k), force))
 
 
@@ -112,30 +112,28 @@ def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
     The forces inside their limits move toward the solution with the other forces fixed. The first force that
-    reaches a limit stays there. When the solution is reached, the row whose force most tends from its limit
-    to the inside is released. The minimized function decreases with each change, so no set of rows occurs
-    twice, and the search ends.
+    reaches a limit stays there. When the solution is reached, the constraint at a limit whose force tends
+    inward most is released. The minimized function decreases with each change, so no set of constraints
+    inside occurs twice, and the search ends.
     """
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
         solve_inside(d)
-        row, part = first_at_limit(d)
+        found, part = first_at_limit(d)
         for k in range(d.touch.compliant_count, end):
             if limited.inside[k]:
                 limited.force[k] += part * (limited.unlimited[k] - limited.force[k])
-        if row >= 0:
-            limited.inside[row], limited.force[row] = 0, clipped(d, row, limited.unlimited[row])
+        if found >= 0:
+            limited.inside[found], limited.force[found] = 0, clipped(d, found, limited.unlimited[found])
         else:
-            row = row_to_release(d, scale)
-            if row < 0 or cost_exceeded(d):
+            found = constraint_to_release(d, scale)
+            if found < 0 or cost_exceeded(d):
                 return
-            limited.inside[row] = 1
+            limited.inside[found] = 1
 
 
 def first_at_limit(d):
-    """Return the row whose force is the first to reach a limit on the way to the unlimited forces.
-
-    The row is −1 if there is none.
+    """Return the constraint whose force reaches a limit first on the way to the unlimited forces, or −1.
 
     Also return the part of the way at which this force reaches its limit, or 1.
     """
@@ -149,26 +147,26 @@ def first_at_limit(d):
     return first, part
 
 
-def row_to_release(d, scale):
-    """Return the row whose force most tends from its limit to the inside.
+def constraint_to_release(d, scale):
+    """Return the constraint whose force most tends from its limit to the inside.
 
     The result is −1 if no force does so by more than round-off.
     """
-    limited, row, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
+    limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
         largest = max(largest, abs(limited.force[k]))
     for k in range(d.touch.compliant_count, constraint_count(d)):
         inward = abs(clipped(d, k, limited.unlimited[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not limited.inside[k] and inward > max(round_off, most_of_all):
-            row, most_of_all = k, inward
-    return row
+            found, most_of_all = k, inward
+    return found
 
 
 def solve_inside(d):
-    """Store in ``unlimited`` the forces p + D m⁺ of all rows, before they are limited.
+    """Store in ``unlimited`` the forces p + D m⁺ of all constraints, before they are limited.
 
-    The residuals m⁺ belong to these forces, with the forces of rows at their limits unchanged.
+    The residuals m⁺ belong to these forces, with the forces of constraints at their limits unchanged.
     """
     limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):

@@ -67,7 +67,7 @@ def value(number):
 
 def dual_with_slope(number, slope, argument):
     """Return a dual number of the value ``number`` with the derivatives of ``argument`` times ``slope``."""
-    return argument.carried(number, slope)
+    return argument.dual_with_slope(number, slope)
 
 
 def reciprocal(rate):
@@ -85,12 +85,12 @@ def slope(number, direction):
 
 def with_slope(number, direction, slope):
     """Return a copy of a dual number in which the derivative in one direction is ``slope``."""
-    return number.sloped(direction, slope)
+    return number.with_slope(direction, slope)
 
 
 def has_slope(number):
     """Return whether any derivative of a dual number is not zero."""
-    return number.varies()
+    return number.has_slope()
 
 
 def block(d, number):

@@ -114,7 +114,7 @@ delay_of_margin = delay_along_motion(margin_after)
 
 def delay_of_sliding(t, e):
     """Return the delay −φ′/φ̇ [s], φ = µ_s F_n − |F_t|, of the time at which element e begins to slide."""
-    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.longest_link)
+    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
         end_derivatives(t, FROM_REST, e)
     rate = margin_rate(t, e)
@@ -153,8 +153,8 @@ def negligible(t, speed):
 
 def settling_time(t):
     """Return a time [s] in which a chain settles: √(L/(g + L/s²)), with the chain's size L and gravity g."""
-    size = value(t.model.longest_link)
-    return math.sqrt(size / (value(t.model.gravity_size) + size))
+    size = value(t.chain.longest_link)
+    return math.sqrt(size / (value(t.chain.gravity_size) + size))
 
 
 def friction_drops(t, e):
@@ -241,7 +241,7 @@ def largest_slope(vectors, direction):
 
 def largest_displacement(t, direction):
     """Return the largest derivative of a position in one direction, divided by a link length."""
-    return largest_slope(t.scratch.position, direction) / value(t.model.longest_link)
+    return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 
 def choose_modes(t):

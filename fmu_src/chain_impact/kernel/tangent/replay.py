@@ -29,6 +29,7 @@ import math
 
 from chain_impact.kernel.advance import apply_pending_events, apply_pending_inputs, set_first_stage
 from chain_impact.kernel.chain.drives import drive_count
+from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
 from chain_impact.kernel.chain.state import dissipated_at, velocity_at
@@ -36,7 +37,6 @@ from chain_impact.kernel.events.marks import END, copy_marks
 from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.active_contacts import clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
-from chain_impact.kernel.forces.inputs import apply_inputs
 from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_start
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.collocation import (
@@ -152,7 +152,7 @@ def copy_modes(d, t):
     """Copy the modes of friction and drives of d to t, which takes them in place of a choice (rules.py)."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
-    if d.model.has_drive_limits:
+    if d.chain.has_drive_limits:
         for i in range(drive_count(d)):
             t.drive.chosen[i] = d.drive.mode[i]
 
@@ -197,12 +197,15 @@ def copy_stages(d, t, size):
 
 
 def copy_jacobian_data(d, t):
-    """Set the data of the Jacobian A in t: those of contacts and the link vectors are copied from d."""
+    """Copy the data of the Jacobian A of d to t: link vectors, and slopes of drives and contacts."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = source.link.x[i], source.link.y[i]
     for k in range(d.touch.active_count):
         implicit.stiffness[k], implicit.damping[k] = source.stiffness[k], source.damping[k]
+    for i in range(drive_count(d)):
+        implicit.drive_stiffness[i] = source.drive_stiffness[i]
+        implicit.drive_damping[i] = source.drive_damping[i]
 
 
 def iterate_slopes(d, t, h, size):

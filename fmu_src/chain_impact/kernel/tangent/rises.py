@@ -13,7 +13,7 @@ the sine, and where a sine starts within the run, as its value before the start 
 
 import math
 
-from chain_impact.kernel.chain.inputs import CHANNEL, TARGET
+from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import SINE, moves_base
 from chain_impact.kernel.chain.sines import TAU
@@ -78,7 +78,7 @@ def at_begin(t, j):
 
 def is_linear(t):
     """Return whether the rates at the start of the run are linear in the inputs."""
-    return t.touch.active_count == 0 and t.friction.count == 0 and not t.model.has_drive_limits
+    return t.touch.active_count == 0 and t.friction.count == 0 and not t.chain.has_drive_limits
 
 
 def nearest(t):

@@ -52,7 +52,7 @@ enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
 /* kernel/status.py: statuses of the kernel that are no faults */
 enum { PAUSED = -2, ONSET_DUE = -3 };
 
-/* kernel/forces/inputs.py: the value of given.changed with which the solver re-initializes */
+/* kernel/chain/inputs.py: the value of given.changed with which the solver re-initializes */
 enum { REINITIALIZE = 1 };
 
 /* compilation/signatures.py: the functions of the kernel */

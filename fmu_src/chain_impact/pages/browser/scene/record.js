@@ -16,7 +16,7 @@ export function wordIndices(words, sizes) {
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));
 }
 
-/** Return where the record has an input, as `acting` of `driving.py`: the number of its kind, and its index. */
+/** Return where the record has an input, as `input_at` of `signal_filling.py`: the number of its kind, and its index. */
 function actingOf({ acts: [number, index], owner: { at } }) {
   return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
 }

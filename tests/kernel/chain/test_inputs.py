@@ -1,14 +1,14 @@
 """Inputs over time in plain Python: their present values, their times, and the limit of a step."""
 
-# Tests: kernel/chain/inputs.py
+# Tests: kernel/chain/input_fields.py
 
 import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.kernel.chain.inputs import FIELDS
+from chain_impact.kernel.chain import inputs
+from chain_impact.kernel.chain.input_fields import FIELDS
 from chain_impact.kernel.chain.state import time_at
-from chain_impact.kernel.forces import inputs
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.kernel.chain.inputs import CHANNEL, NAMES
+from chain_impact.kernel.chain.input_fields import CHANNEL, NAMES
 from chain_impact.scene.names import DataPath
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_values import write_signal
@@ -25,15 +25,15 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     paths = {variable.name: variable.record_path for variable in inputs_asked(structure)}
     first, knot = dict[str, int](), 0
     for j, signal in enumerate(structure.signals):
-        fields["input"][j], fields["index"][j] = acting(paths[signal.input])
+        fields["input"][j], fields["index"][j] = input_at(paths[signal.input])
         fields["source"][j] = first.setdefault(signal.signal, j)
         fields["order"][j], fields["first"][j] = signal.order, knot
         write_signal(d, j, scene.signals[signal.signal], signal.input, stop)
         knot += signal.knots
 
 
-def acting(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input (kernel/chain/inputs.py), and the index in the input's array.
+def input_at(path: DataPath) -> tuple[int, str | int]:
+    """Return the number of an input (kernel/chain/input_fields.py), and the index in the input's array.
 
     ``path`` is the path of the input in the record. A prescribed motion has the number CHANNEL.
     """

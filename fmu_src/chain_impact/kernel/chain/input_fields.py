@@ -1,0 +1,39 @@
+"""The inputs of the chain: torques, forces, and the targets of servos. Each is an array of the record.
+
+`given` has the given values, and `inputs` the values in use. A piece of the inputs has the coefficients of
+polynomials, one column for each value. The prescribed motions of base and walls are in motion.py.
+"""
+
+EACH_DRIVE = 0  # value in place of a number of values: the input has one value for each drive (drives.py)
+# table of the inputs: the field of the record → the number of its values
+FIELDS = {
+    # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
+    "motor": EACH_DRIVE,
+    # rad or m, position at which the spring has no force: an input of a servo, else a value of the scene
+    "target": EACH_DRIVE,
+    "target_velocity": EACH_DRIVE,  # rad/s or m/s, velocity at which the damper has no force
+    "tip_force": 2,  # N, x and y
+}
+NAMES = tuple(FIELDS)
+OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
+# Numbers of inputs: the number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
+MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
+CHANNEL = len(NAMES)  # value in place of the number of an input: a prescribed motion of base, wall or belt
+
+
+def input_field(part, k):
+    """Return the array of input k in a part of the record: its values, or a table of coefficients.
+
+    The compiled version is in compilation/built_in.py.
+    """
+    return getattr(part, NAMES[k])
+
+
+def is_of_drive(k):
+    """Return whether input k belongs to drives: the torque of a motor, a target, or its velocity."""
+    return k in OF_DRIVES
+
+
+def is_used(d, k):
+    """Return whether input k can change in this scene: targets and their velocities only if it has servos."""
+    return k in (MOTOR, TIP_FORCE) or d.chain.has_servos
