@@ -18,7 +18,8 @@ LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
-COMMENT = re.compile(r"^ *(?://.*|/\*\*[\s\S]*?\*/)\n", re.MULTILINE)  # whole lines
+# pattern of a comment that takes whole lines
+COMMENT = re.compile(r"^ *(?://.*|/\*\*[\s\S]*?\*/)\n", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
@@ -36,7 +37,8 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
     parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
-    # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which must stay
+    # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which is not to be
+    # replaced
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
 
 
@@ -53,14 +55,14 @@ def program(*names: str) -> str:
 def joined(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script without imports and comments.
 
-    No two of its modules have the same name at their top level.
+    No two of the modules have the same name at their top level.
     """
     texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
     return COMMENT.sub("", "\n".join(texts))
 
 
 def modules(*names: str) -> list[str]:
-    """Return modules and all modules that they import; each comes after the modules that it imports."""
+    """Return modules and all modules that they import, each after the modules that it imports."""
     found: list[str] = []
 
     def add(name: str) -> None:

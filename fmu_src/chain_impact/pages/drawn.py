@@ -1,4 +1,4 @@
-"""The outputs over time that the pages draw besides the positions, each with its group and its name in it.
+"""The outputs over time that pages draw besides the positions, each under a group and a name in it.
 
 ``recording/frames.js`` and the drawing find an output by its group and name. The page that simulates reads
 the outputs from the record; the page of a recording reads them from its columns.

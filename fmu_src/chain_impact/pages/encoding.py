@@ -1,4 +1,4 @@
-"""Bytes as text, for pages."""
+"""The encoding of bytes as text, for pages."""
 
 import base64
 

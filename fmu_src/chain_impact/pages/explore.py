@@ -82,7 +82,8 @@ def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     """Return the data of the page: contents of the scene's file, ``kit``, and the words of its command."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
-        if "file" in signal:  # without its folders, because a page must not show folders of this machine
+        # only the name of the file stays, because a page must not show folders of this machine
+        if "file" in signal:
             signal["file"] = Path(signal["file"]).name
     return {"file": file, "kit": kit(scene), "command": list(command)}
 
@@ -94,7 +95,7 @@ def packed(content: bytes) -> str:
 
 
 def _source(scene: SceneSource) -> str:
-    """Return the word for a scene in a command: its file, the name of an equal model, else UNNAMED."""
+    """Return the word for a scene in a command: its file, the name of an equal model, or UNNAMED."""
     if not isinstance(scene, Scene):
         return os.fspath(scene)
     return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)

@@ -62,7 +62,7 @@ PATHS: dict[str, DataPath] = {
 def kit(scene: Scene) -> dict[str, Any]:
     """Return the data, ready for JSON, with which the page handles any scene.
 
-    Only the user's own contact law and the tables of signals come from this ``scene``.
+    Only the user's own contact law and the tables of signals depend on this ``scene``.
     """
     choices = choices_of(scene)
     inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
@@ -144,7 +144,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if isinstance(default, Derived):
-        # the page derives the value itself, or leaves it to the kernel
+        # the page itself derives the value, or leaves the derivation to the kernel
         or_key = {"orKey": default.or_key} if default.or_key else {}
         return value | or_key | ({} if default.with_stops is None else {"ofStops": default.with_stops})
     meaning = {"isNeeded": True, "meaning": rule["description"]}
@@ -218,7 +218,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
             "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
         "absentAt": kind.absent_at,
-        "missing": json.dumps(kind.if_missing),  # as text, because JSON has no infinite numbers
+        "missing": json.dumps(kind.if_missing),  # the value is a text, because JSON has no infinite numbers
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "given": kind.given and word_terms(kind.given),
         "givenIf": kind.given_if or ALWAYS,

@@ -1,6 +1,6 @@
-"""The page that shows a recording: one file that needs no other file.
+"""The page that shows a recording: one file, which needs no other file.
 
-Its program, the player, makes the frames.
+The page's program, the player, makes the frames.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """Return a recording without most of its rows, if it has more than MOST_PAGE_ROWS rows.
+    """Return a recording with at most about MOST_PAGE_ROWS rows.
 
     These rows stay: MOST_PAGE_ROWS rows at equal distances, the rows next to a frame that the page shows at
     the speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
@@ -56,7 +56,7 @@ def thinned(recording: Recording, impact_time: float) -> Recording:
 
 
 def data(recording: Recording) -> dict[str, Any]:
-    """Return the data that ``player/packed_recording.js`` reads, only as accurate as the screen needs."""
+    """Return the data that ``player/packed_recording.js`` reads, with the accuracy that the screen needs."""
     points = recording.all_points
     return {
         "name": recording.name,
@@ -132,7 +132,7 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
 
 
 def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
-    """Return packed columns, and the rows in which any of the columns is not 0; None without such rows."""
+    """Return packed columns, and the rows in which any column is not 0; None if there are no such rows."""
     rows = np.flatnonzero(np.any([*columns.values()], axis=0))
     if not len(rows):
         return None

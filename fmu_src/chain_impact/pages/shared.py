@@ -1,9 +1,9 @@
 """Constants of Python modules that pages need, too: numbers, names and words.
 
-The program of each page begins with them, as the constant ``SHARED``. They do not depend on a scene; kit.py
-has the data on scenes, which only the page that simulates needs. A page computes some things again that
-Python computes for pictures and films, because the reader of the page changes the scene. For these things,
-tests/pages/test_twins.py compares the values of both languages.
+The program of each page begins with these constants, in the constant ``SHARED``. The constants do not depend
+on a scene; kit.py has the data on scenes, which only the page that simulates needs. A page computes some
+things again that Python computes for pictures and films, because the reader of the page changes the scene.
+For these things, tests/pages/test_twins.py compares the values of both languages.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from chain_impact.scene.tables import STEP_ROUND_OFF
 from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 
-FINEST = 65535  # the largest integer of 16 bits, to which the largest value of packed numbers is scaled
+FINEST = 65535  # the largest integer of 16 bits, which stands for the largest value of packed numbers
 
 CONSTANTS = {
     "pacing": (

@@ -1,4 +1,4 @@
-"""The tables among the signals of a scene, for the page."""
+"""The tables among the signals of a scene, as data for the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-// Functions that turn numbers into text.
+// Functions that write numbers and other values as text.
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
@@ -36,19 +36,19 @@ export function fixed(value, decimals) {
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
 }
 
-const DECIMALS = 6; // largest number of decimals of a tick that is not written with an exponent
-const LARGE = 1e6; // least size of a tick that is written with an exponent
+const DECIMALS = 6; // largest number of decimals of a tick that has no exponent
+const LARGE = 1e6; // least absolute value of a tick that is written with an exponent
 
 /** Return ticks at equal distances as texts, all different, with as many digits as their distance needs. */
 export function ticksOf(ticks) {
   const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
   const [mantissa, exponent] = step.toExponential().split("e");
-  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // of the distance between ticks
+  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // number of decimals of the distance between ticks
   const largest = Math.max(...ticks.map(Math.abs));
   const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
   return ticks.map((tick) => {
     if (Math.abs(tick) < step / 2) return "0";
-    const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits after the first one
+    const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits after the first digit
     return isPlain ? fixed(tick, Math.max(decimals, 0)) : tick.toExponential(Math.min(Math.max(afterFirst, 0), 15));
   });
 }
@@ -60,7 +60,7 @@ export function forceText(newtons, count = 3, unit = "N") {
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
-/** Return the ticks of an axis of forces as texts, all with the prefix of the largest one. */
+/** Return the ticks of an axis of forces as texts, all with the prefix that suits the largest tick. */
 export function forceTicks(ticks, unit) {
   const most = Math.max(...ticks.map(Math.abs));
   const [factor, prefix] = PREFIXES.find(([least]) => most >= least) ?? [1, ""];
@@ -73,7 +73,7 @@ export function durationText(seconds, count = 3) {
   return `${digits(seconds * factor, count)}\u202f${unit}`;
 }
 
-/** Return how many times slower or faster than real time a rate is, for example: 480 × slower. */
+/** Return words for a rate relative to real time, for example: 480 × slower. */
 export function rateText(value) {
   if (Math.abs(value - 1) < SHARED.pacing.REAL) return "real time";
   const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];

@@ -4,7 +4,10 @@ const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");
 const lastOf = (name) => name.slice(name.lastIndexOf(".") + 1);
 
-/** Return how many letters two texts have in common: in their longest common part, and so on in the texts on each side of it. */
+/**
+ * Return the number of letters that two texts have in common: the longest common part, and the common parts of the texts on each side of
+ * it, found in the same way.
+ */
 function commonLetters(a, b) {
   let [size, atA, atB] = [0, 0, 0];
   for (let i = 0; i < a.length; i += 1) {
@@ -18,8 +21,8 @@ function commonLetters(a, b) {
 }
 
 /**
- * Return the name that is most similar to `name`, of equally similar ones the last by the alphabet; undefined if none reaches
- * `least`.
+ * Return the name that is most similar to `name`; of equally similar names, the last by the alphabet. The result is undefined if no name
+ * reaches the similarity `least`.
  */
 function mostAlike(name, names, least) {
   const likeness = (other) => 2 * commonLetters([...other], [...name]) / ([...other].length + [...name].length);
@@ -27,7 +30,7 @@ function mostAlike(name, names, least) {
   return rated.reduce((best, one) => (one[0] > best[0] || (one[0] === best[0] && one[1] > best[1]) ? one : best), [-1])[1];
 }
 
-/** Return the one of some names that is most similar to an unknown name; undefined if none is. */
+/** Return the name, of some names, that is most similar to an unknown name; undefined if no name is similar. */
 function nearest(name, names) {
   const bare = name.replaceAll(INDICES, "");
   const numbersOf = (text) => [...text.matchAll(INDICES)].map(([found]) => Number(found.slice(1, -1)));
@@ -50,13 +53,13 @@ function nearest(name, names) {
   return same.includes(found) ? found : mostAlike(name, same, SAME_LAST) ?? found;
 }
 
-/** Return the shortest of some names that contains a text as whole words; undefined if none does. */
+/** Return the shortest of some names that contains a text as whole words; undefined if no name does. */
 function longer(text, names) {
   const words = new RegExp(`(?<![\\p{L}\\p{N}])${text.replaceAll(/[\\^$.*+?()[\]{}|]/g, "\\$&")}(?![\\p{L}\\p{N}])`, "u");
   return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];
 }
 
-/** Return the name that a message proposes for an unknown name; undefined without one. */
+/** Return the name that a message proposes for an unknown name; undefined if there is no proposal. */
 export function proposed(name, names) {
   return nearest(name, names) ?? longer(name, names);
 }

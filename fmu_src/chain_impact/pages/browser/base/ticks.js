@@ -1,10 +1,10 @@
 // The ticks of an axis.
 
-const TICK_STEPS = [5, 2.5, 2, 1]; // steps between ticks, relative to a power of ten
+const TICK_STEPS = [5, 2.5, 2, 1]; // the allowed steps between ticks, relative to a power of ten
 
 /**
- * Return round numbers between two numbers: with the largest round step at which they are `fewest` or more, at most 10. With
- * `whole` they are whole numbers, which may be fewer.
+ * Return round numbers between two numbers: with the largest round step that gives `fewest` or more numbers, and at most 10. With `whole`
+ * the numbers are whole numbers, of which there may be fewer.
  */
 export function ticksBetween(low, high, fewest = 4, whole = false) {
   if (!(high > low && high - low < Infinity)) return [low];

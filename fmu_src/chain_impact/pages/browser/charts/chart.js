@@ -1,48 +1,49 @@
-// The base of all charts, which uPlot draws: axes, curves for comparison, and a line at the present time.
+// The base class of all charts, which uPlot draws: axes, curves of motions for comparison, and a line at the present time.
 
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
 /** The time [s] that is shown before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-// the least number of ticks on a vertical axis; the second one if the ticks would be nearer than TICKS_APART with the first
+// the least numbers of ticks on a vertical axis: the second number holds if the first would put ticks nearer than TICKS_APART
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
-const TICKS_APART = 17; // [pixels]
+const TICKS_APART = 17; // [pixels] least distance of two ticks
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights of the space above the plot, and of the axis below it
 const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
-// positions of the letters of curves for comparison, relative to the width of the chart: of A, and from one letter to the next
+// positions of the letters of curves for comparison, relative to the width of the chart: the position of A, and the distance to the next
+// letter
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
-const LABEL_MARGIN = 4; // [pixels] the margin on the left of a label
-const DECIMALS_OF_LARGEST = 3; // decimals of values from 1 to 10
-const LEAST_WITH_DECIMALS = 1e-6; // least size of a largest value for which values have no exponent
+const LABEL_MARGIN = 4; // [pixels] the margin to the left of a label
+const DECIMALS_OF_LARGEST = 3; // number of decimals of values between 1 and 10
+const LEAST_WITH_DECIMALS = 1e-6; // the least absolute value, of the largest value, with which values are written without an exponent
 
 /** Return a colour of the style sheet. */
 export function styleColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-/** Return the ticks of a vertical axis from `low` to `high`: round numbers, if wanted `whole`, that have room below each other. */
+/** Return the ticks of a vertical axis from `low` to `high`: round numbers, `whole` ones if wanted, with room for their labels. */
 export function ticksUpwards({ height }, low, high, whole) {
   const ticks = ticksBetween(low, high, FEWEST_TICKS, whole);
   const apart = ((height - ABOVE_PLOT - BELOW_PLOT) * (ticks[1] - ticks[0])) / (high - low);
   return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW, whole);
 }
 
-/** Return a tick of a time axis as text in seconds or milliseconds: all of `ticks` have the same unit. */
+/** Return a tick of a time axis as text, in the unit that suits all `ticks`: seconds or milliseconds. */
 export function ticksText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
   return withMinus(`${+(factor * tick).toPrecision(6)} ${unit}`);
 }
 
-/** Return the times between two times that are whole steps from an onset. */
+/** Return the times between two times whose distances from an onset are multiples of a step. */
 export function timeTicks(low, high, step, onset = 0) {
   const first = Math.ceil((low - onset) / step - 1e-6);
   const count = Math.floor((high - onset) / step + 1e-6) - first + 1;
   return Array.from({ length: count }, (_, k) => onset + (first + k) * step);
 }
 
-/** Return times as texts: in s, or in s or ms since an onset. */
+/** Return times as texts in seconds; times since an onset may be in milliseconds. */
 export function timeTexts(ticks, onset) {
   if (onset === undefined) return ticksOf(ticks).map((tick) => `${withMinus(tick)} s`);
   const since = ticks.map((tick) => tick - onset);
@@ -55,8 +56,8 @@ export function largestIn(arrays, least = 0) {
 }
 
 /**
- * Return a function that writes the values in some arrays as text, so that they can be compared: with as many decimals as the
- * largest of them needs, or with exponents if this value is very small.
+ * Return a function that writes the values in some arrays as text, so that they can be compared: with as many decimals as the largest value
+ * needs, or with exponents if this value is very small.
  */
 export function writerOf(arrays) {
   const largest = largestIn(arrays);
@@ -66,7 +67,7 @@ export function writerOf(arrays) {
   return (value) => withMinus(fixed(value, decimals));
 }
 
-/** Return the number of an impact, what touches, and where. */
+/** Return words for an impact: its number, what touches, and where. */
 export function contactTitle({ number, what, wall }) {
   return `${number ? `impact ${number}: ` : ""}${what} at ${wall}`;
 }
@@ -82,10 +83,7 @@ export function axisOptions(options = {}) {
   };
 }
 
-/**
- * Return the width of a vertical axis, for its longest label. uPlot asks several times in one layout; the first answer
- * counts.
- */
+/** Return the width of a vertical axis, for the longest of its labels. uPlot asks several times in one layout; the first answer counts. */
 export function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];
   if (cycle > 1) return _size;
@@ -96,7 +94,7 @@ export function labelledWidth(plot, labels, index, cycle) {
 
 /** A chart with a vertical line at the present time: the base class of all charts. */
 export class Chart {
-  compared = []; // recordings for comparison: {recording, stroke, letter}
+  compared = []; // the curves of recordings for comparison, each as {recording, stroke, letter}
 
   constructor(element, height) {
     this.element = element;
@@ -105,7 +103,7 @@ export class Chart {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
   }
 
-  /** Make the plot, which replaces the plot before. */
+  /** Make the plot of the chart, which replaces the plot before. */
   make(options, data) {
     const { element, height } = this;
     this.plot?.destroy();
@@ -136,7 +134,7 @@ export class Chart {
     this.mark();
   }
 
-  /** Put the line at a value of x; without a value, at its present value. */
+  /** Move the line to a value of x; without a value, draw it again at its present value. */
   mark(x = this.at) {
     this.at = x;
     if (x === undefined) return;
@@ -146,7 +144,7 @@ export class Chart {
   }
 }
 
-/** Draw a curve of a recording for comparison, { points, stroke, letter }: dashed, with its letter in a dot on it. */
+/** Draw a curve of a recording for comparison, given as { points, stroke, letter }: dashed, with its letter in a dot. */
 export function drawCompared(plot, { points: [along, up], stroke, letter }) {
   drawCurve(plot, [along, up], stroke);
   const { ctx, bbox, valToPos } = plot;

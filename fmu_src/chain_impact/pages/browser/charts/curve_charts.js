@@ -6,23 +6,23 @@ import { lastBefore } from "../recording/recording.js";
 import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
-const INPUT_COLOURS = 6; // number of colours for curves in the style sheet
-// dashes of the curves, as many as colours, because two colours may look alike: [pixels] lengths that are seen and left out
+const INPUT_COLOURS = 6; // number of colours for curves that the style sheet has
+// The dashes of curves, as many as colours, because two colours may look alike: lengths [pixels] that are alternately drawn and left out.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
-/** The largest number of curves in a chart, and of charts, that a reader can distinguish. */
+/** The largest number of curves in a chart, and of charts in a page, that a reader can distinguish. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
 const KILO = 1e3; // least force [N] or moment [N·m] that is shown in kN or kN·m
-const ROUND_OFF = 1e-12; // size below which a value is shown as 0, relative to the largest value of its unit
+const ROUND_OFF = 1e-12; // absolute value, relative to the largest value of the unit, below which a value is round-off and is shown as 0
 
-/** Return curves with 0 for values that are round-off of `largest`, or of their largest value. */
+/** Return curves in which values that are round-off of `largest`, or of the curve's largest value, are 0. */
 function withoutRoundOff(curves, largest) {
   const scale = largestIn(curves.map(({ values }) => values), largest);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
 }
 
 /**
- * Return the group of an output, a name with `*` that its members match: of outputs with a number those that differ in it, such
- * as point[*].y, else those with the same beginning, such as energy.*.
+ * Return the group of an output: a name with `*` that the names of its members match. If the name of the output has a number, the members
+ * differ in this number, such as point[*].y; otherwise the members have the same beginning, such as energy.*.
  */
 export function groupOf(name) {
   const group = name.replaceAll(/\[\d+\]/g, "[*]");
@@ -31,7 +31,7 @@ export function groupOf(name) {
 
 const isCount = ({ values, isStepped }) => isStepped && values.every(Number.isInteger);
 
-/** Return for each curve the function that writes its values: one for the curves of a group; a count has no decimals. */
+/** Return for each curve a function that writes its values: the curves of a group share one function, and counts have no decimals. */
 export function writersOf(curves) {
   const measured = curves.filter((curve) => !isCount(curve));
   const valuesIn = (group) => measured.filter(({ name }) => groupOf(name) === group).map(({ values }) => values);
@@ -65,7 +65,7 @@ class UnitChart extends TimeChart {
     else this.makeCurves(curves, data);
   }
 
-  /** Draw at the time `now`: the whole time, or the times `close`, [from, to], with an axis that counts from `onset`. */
+  /** Draw the curves at the time `now`: over the whole time, or over the times `close`, [from, to], on an axis that counts from `onset`. */
   draw(now, close, onset) {
     if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
@@ -114,7 +114,7 @@ export class CurveCharts {
         ...curve,
         words: this.wordsOf(curve.name),
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // another dash when the colour comes again
+        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // the dash changes when the colours begin again
       })));
     });
     this.#nameWithout();
@@ -137,7 +137,7 @@ export class CurveCharts {
     this.#nameWithout();
   }
 
-  /** Name the motions for comparison that lack a shown curve. */
+  /** Name the motions for comparison that lack one of the shown curves. */
   #nameWithout() {
     if (!this.note || !this.recording) return;
     const namesOf = (recording) => this.curvesOf(recording)?.curves.map(({ name }) => name) ?? [];

@@ -3,13 +3,13 @@
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";
 
-// the zero is moved if the range of all energies then is smaller than this, relative to the range with the usual zero
+// the zero is moved if the range of all energies is then smaller than this, relative to the range with the usual zero
 const CLOSER = 0.8;
 const MOVED = ["potential", "total"];
 
 /**
- * Return what is added to the potential and the total energy [J], so that no gap between their curves and the others takes much of
- * the axis: two digits, or 0 without a large gap. `energies`: name → values.
+ * Return the number [J] that is added to the potential and the total energy, so that no gap between their curves and the others takes much
+ * of the axis. The number has two digits; it is 0 without a large gap. `energies` maps names to values.
  */
 export function energyOffset(energies) {
   const least = endsOf(energies.potential ?? [0])[0];

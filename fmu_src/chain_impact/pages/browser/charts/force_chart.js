@@ -6,11 +6,11 @@ import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
 
-const AROUND = 0.35; // shown time before and after a contact, relative to the duration of the contact
+const AROUND = 0.35; // the time that is shown before and after a contact, relative to the duration of the contact
 const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
 const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
 
-/** Return the largest of the numbers in some arrays, but at least a tiny number above zero. */
+/** Return the largest of the numbers in some arrays; if it is not above zero, a tiny number above zero. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
@@ -50,7 +50,7 @@ export class ForceChart extends Chart {
           {},
           {
             stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false },
-            paths: uPlot.paths.spline(), // monotone between the rows
+            paths: uPlot.paths.spline(), // this spline is monotone between the rows
           },
           { stroke: () => styleColour("friction"), width: 1.6, dash: [2, 3], points: { show: false } },
         ],
@@ -120,7 +120,7 @@ export class ForceChart extends Chart {
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
-    const others = []; // letters of the motions whose impact with this number is another contact
+    const others = []; // letters of the motions in which the impact with this number is another contact
     this.curves = this.compared.flatMap(({ recording: other, ...line }) => {
       const same = other.impacts[number - 1];
       if (same && (same.what !== contact.what || same.wall !== wall)) {
@@ -138,10 +138,10 @@ export class ForceChart extends Chart {
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ points: [, y] }) => y));
-      // uPlot does not apply `range` to limits that are set
+      // the limits are set directly, because uPlot does not apply `range` to limits that are set
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
-    // without a curve, as at a rigid wall or between two rows of the recording, there is no chart
+    // there is no chart without a curve, as at a rigid wall or between two rows of the recording
     const hasCurve = inside.some((force) => force > 0);
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;
@@ -150,6 +150,6 @@ export class ForceChart extends Chart {
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
     const text = `${contactTitle(contact)}, ${length}${legend}`;
-    Object.assign(this.title, { textContent: text, title: text }); // it may be cut
+    Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
   }
 }

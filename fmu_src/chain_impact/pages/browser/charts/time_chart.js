@@ -9,8 +9,8 @@ const WIDTHS = { total: 2.4 };
 /** A chart of quantities over the whole time, with their names and their values at the present time. */
 export class TimeChart extends Chart {
   names = [];
-  soft = false; // whether the axis begins at zero if zero is near
-  isOfCounts = false; // whether the ticks of the values are whole numbers only
+  soft = false; // whether the vertical axis begins at zero if zero is near
+  isOfCounts = false; // whether the ticks of the values are whole numbers
   onset = undefined; // the time [s] from which the axis counts, if it counts from an impact
 
   constructor(element, height, entries, seek) {
@@ -18,12 +18,12 @@ export class TimeChart extends Chart {
     Object.assign(this, { entries, seek });
   }
 
-  /** Return the first and the last time on the axis [s]: those of the recording, if a chart does not show a part. */
+  /** Return the first and the last time on the axis [s]: those of the recording, unless the chart shows a part of it. */
   get span() {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Return curves of the recordings for comparison, in the form for `drawCompared`. */
+  /** Return the curves of recordings for comparison in the form that `drawCompared` takes. */
   get comparedCurves() {
     return [];
   }
@@ -60,7 +60,7 @@ export class TimeChart extends Chart {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
             this.comparedCurves.forEach((curve) => drawCompared(plot, curve));
-            if (plot === this.plot) this.mark(); // the scale of the time may be new
+            if (plot === this.plot) this.mark(); // the scale of the time may have changed, so the line is put at its time again
           }],
         },
       },
@@ -79,7 +79,7 @@ export class TimeChart extends Chart {
     this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
 
-  /** Return the ends of the axis, between which all curves of the view fit, including those for comparison. */
+  /** Return the ends of the vertical axis, between which all curves in view fit, including those for comparison. */
   #range(least, most) {
     const [from, to] = this.span;
     let [low, high] = [least, most];
@@ -97,8 +97,8 @@ export class TimeChart extends Chart {
 /** The chart of all energies over the whole time; the zero of the potential energy is moved if it is far from the others. */
 export class EnergyChart extends TimeChart {
   soft = true;
-  energies = {}; // name → values, as they are drawn
-  offset = 0; // [J] what is added to the potential and the total energy
+  energies = {}; // the energies as they are drawn, by name
+  offset = 0; // [J] the number that is added to the potential and the total energy
 
   constructor(element, energies, seek) {
     super(element, 180, energies, seek);
@@ -138,7 +138,7 @@ export class EnergyChart extends TimeChart {
   }
 }
 
-/** Return a line as a background for the style sheet; `dash`: lengths [pixels] that are alternately seen and left out. */
+/** Return a line as a background for the style sheet; `dash` are lengths [pixels] that are alternately drawn and left out. */
 function patternOf(stroke, dash = [1]) {
   const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
   const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);

@@ -3,8 +3,7 @@
 
 import { forceText } from "../base/format.js";
 
-// largest number of powers of ten on the ruler; length of the arrow of the largest force, relative to the smaller side of the
-// drawing
+// largest number of powers of ten on the ruler; and length of the arrow for the largest force, relative to the smaller side of the drawing
 const { DECADES, LONGEST_ARROW } = SHARED.view;
 const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
 const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
@@ -22,19 +21,19 @@ export class ArrowScale {
     return this.peak > 0 ? this.longest * Math.cbrt(force / this.peak) : 0;
   }
 
-  /** Return the length [pixels] of the arrow of a force [N], which is LEAST_ARROW or more. */
+  /** Return the length [pixels] of the arrow for a force [N], which is at least LEAST_ARROW. */
   lengthOf(force) {
     return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
   }
 
-  /** Return whether the arrow of a force [N] has its length on the scale, and is not lengthened to LEAST_ARROW. */
+  /** Return whether the length of a force's arrow is that of the scale, and not lengthened to LEAST_ARROW. */
   isOnScale(force) {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
   /**
-   * Return the powers of ten on the ruler whose numbers have room: `at`, the distance [pixels] from its foot, and `text`. If fewer
-   * than two have room below the largest force, the ruler goes on to the next power of ten.
+   * Return the marks of the ruler: powers of ten whose numbers have room. `at` is the distance [pixels] of a mark from the foot of the
+   * ruler, and `text` its number. If fewer than two marks have room below the largest force, the ruler continues to the next power of ten.
    */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));

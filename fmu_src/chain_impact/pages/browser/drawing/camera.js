@@ -1,6 +1,6 @@
 // The camera of a drawing: the map from metres to pixels.
 
-const LABEL_ROOM = 12; // [pixels] the size of a label, which a number beside a wall at the edge of the view needs
+const LABEL_ROOM = 12; // [pixels] the size of a label: a number beside a wall at the edge of the view needs this room
 
 /**
  * A map from metres to pixels, with y upwards, that shows a view in a drawing of some size, below a strip of some height. If

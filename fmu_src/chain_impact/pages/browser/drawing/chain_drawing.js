@@ -14,20 +14,22 @@ import { traceFinder, traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
-const FORCE_MULTIPLES = [1, 1.5, 2, 3, 4, 5]; // distances from an arrow's head to its label that are tried, relative to the first one
+// distances from an arrow's head to its label, in the order in which they are tried, relative to the first distance
+const FORCE_MULTIPLES = [1, 1.5, 2, 3, 4, 5];
 const { TAIL } = SHARED.pacing; // [s] simulated time in which the bright end of the trace fades
 const TAIL_PARTS = 10;
 const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
 const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
 const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
-// radius of the arc of a joint's range, relative to the length of the link; number of the arc's corners; length of the mark of
-// a stop, relative to the radius
+// radius of the arc that shows a joint's range, relative to the length of the link; number of the arc's corners; length of the mark of a
+// stop, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
-const NAME_MULTIPLES = [1, 1.25, 1.5]; // distances that are tried, relative to BESIDE: farther away, a number would belong to no point
+// distances from a point to its number that are tried, relative to BESIDE; farther away, a number would seem to belong to no point
+const NAME_MULTIPLES = [1, 1.25, 1.5];
 const NUMBERED = 12; // largest number of links with which points have numbers
-const MANY_LINKS = 60; // number of links from which on the chain is one line, without joints
+const MANY_LINKS = 60; // least number of links with which the chain is drawn as one line, without joints
 
 /** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
 function outOfChain(positions, point) {
@@ -41,7 +43,7 @@ function outOfChain(positions, point) {
   return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
-/** Return the direction on the screen from a point of a body away from the middle of the rectangle around its corners. */
+/** Return the direction on the screen from the middle of a body (of the rectangle around its corners) to a point of the body. */
 function outOfBody(position, corners) {
   const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
@@ -58,7 +60,8 @@ export class ChainDrawing {
     this.showTrace = true;
     this.hatch = this.drawing.pattern(HATCH, HATCH, (tile) => {
       tile.rect(HATCH, HATCH).addClass("beyond-walls");
-      [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch")); // three, so that lines of adjacent tiles meet
+      // three lines, so that the lines of adjacent tiles meet
+      [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch"));
     });
     this.ground = this.drawing.group();
     this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain
@@ -75,11 +78,11 @@ export class ChainDrawing {
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
     this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
-    this.linesAbove = () => []; // returns the lines in `above` that labels must not cover
-    this.lettersBehind = () => []; // returns the positions of letters in `behind` that labels must not cover
+    this.linesAbove = () => []; // function that returns the lines in `above`, which labels must not cover
+    this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
   }
 
-  /** Use another recording. */
+  /** Use another recording from now on. */
   show(recording) {
     this.recording = recording;
     [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());
@@ -92,7 +95,7 @@ export class ChainDrawing {
   #makeChain() {
     const { links, pointCount, touching, pointNames, radius, bodies, rail } = this.recording;
     const names = new Map(pointNames);
-    // each link has an edge, so that a reader can see which link is in front
+    // each link has an edge, which shows the reader which link is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
@@ -112,8 +115,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the index of the body of a point: at an end of the chain the outline of its link, −1 without one; at a joint between
-   * links undefined; for a point of a link the outline with the nearest corner.
+   * Return the index of the body to which a point belongs. For an end of the chain it is the outline of its link, or −1 without an outline;
+   * for a joint between two links it is undefined; for a point of a link it is the outline with the nearest corner.
    */
   #nearestBody(point) {
     const { links, bodies } = this.recording;
@@ -131,7 +134,7 @@ export class ChainDrawing {
     this.isFitted = false;
   }
 
-  /** Fit the camera, and all that is the same in all frames, into the size of the drawing. */
+  /** Fit the camera, and all drawn things that are the same in all frames, into the size of the drawing. */
   #fit() {
     this.isFitted = true;
     const [width, height] = this.size;
@@ -182,7 +185,7 @@ export class ChainDrawing {
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** Draw a frame, all of it with one camera; only this function changes the camera. */
+  /** Draw a frame with one camera for all its parts; only this function changes the camera. */
   draw(frame) {
     if (!this.isFitted) this.#fit();
     const { recording, camera } = this;
@@ -206,7 +209,7 @@ export class ChainDrawing {
     [...this.dots.map(([point]) => all[point]), ...this.lettersBehind()].forEach((at) => this.labelSpace.reserveAround(at));
     const rings = this.#drawRings(frame);
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
-    texts.forEach((text) => this.#label(...text)); // after the arrows, because names must not cover them
+    texts.forEach((text) => this.#label(...text)); // texts come after the arrows, because names must not cover arrows
     this.#drawNames(all, bodies);
     this.#numberRings(rings);
   }
@@ -297,7 +300,7 @@ export class ChainDrawing {
     return rings;
   }
 
-  /** Write the numbers of impacts beside their rings; a number that has no place there is left out. */
+  /** Write the numbers of impacts beside their rings; a number that has no room beside its ring is left out. */
   #numberRings(rings) {
     rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
       const { number, position, away, radius } = ring;
@@ -330,7 +333,7 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      // the text says so if it includes friction: the list of impacts has the force without it
+      // the text says if the force includes friction, because the list of impacts has the force without friction
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force", [rubs ? `${whole} with friction` : whole]));
@@ -342,10 +345,7 @@ export class ChainDrawing {
     return texts;
   }
 
-  /**
-   * Draw the forces in joints that are large enough to be seen; return the texts, which give the size of the largest force
-   * only.
-   */
+  /** Draw the forces in joints that are large enough to be seen; return the texts, in which only the largest force has its size. */
   #drawLoads(frame) {
     const { recording, camera } = this;
     const sized = recording.drawnAt("loads", frame).map((load) => ({ ...load, size: Math.hypot(load.x, load.y) }));
@@ -372,8 +372,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Write the first of some texts, from long to short, that has a free place around a position, at its first free place from a
-   * direction on; nothing if none has one.
+   * Write the first of some texts, from long to short, that has a free position around a given position. The positions are tried from a
+   * direction on. If no text has a free position, write nothing.
    */
   #label(position, direction, distance, texts, kind) {
     const candidates = positionsAround(position, direction, distance, FORCE_MULTIPLES);

@@ -1,14 +1,16 @@
 // Positions for labels, at which a label covers neither another label nor anything that is drawn.
 
-// approximate widths of a letter and of a narrow letter, and height of a line, relative to the size of the letters
+// approximate width of a letter, width of a narrow letter, and height of a line, relative to the size of the letters
 const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
 const NARROW = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
-const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, at which they do not read as one
-const AVOIDED = 16; // number of candidates, two rounds of directions, that a label tries further to keep off what it should avoid
-const FROM_EDGE = 3; // [pixels] distance between a text and an edge of the drawing, which would cut the outline of the text
+const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, so that they do not read as one text
+// the number of further candidates (two rounds of directions) that a label tries to avoid covering things that it should not cover
+const AVOIDED = 16;
+const FROM_EDGE = 3; // [pixels] distance between a text and an edge of the drawing, so that the edge does not cut the outline of the text
 const BESIDE_RING = 2; // [pixels] distance between a text and the middle of the line of a ring
-const HALF = 7; // [pixels] half the side of the square that is kept free for a mark, and includes the outline of a text beside it
+// [pixels] half the side of the square that is kept free for a mark; the square has room for the outline of a text beside the mark
+const HALF = 7;
 
 /** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
 function boxOf(text, [x, y], size, anchor) {
@@ -19,8 +21,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a line crosses the box of a text, or comes near it: whether its part between left and right overlaps its part
- * between top and bottom.
+ * Return whether a line crosses the box of a text, or comes near the box: whether the part of the line between left and right overlaps its
+ * part between top and bottom.
  */
 export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
@@ -45,7 +47,7 @@ export class LabelSpace {
   #taken = []; // the used boxes
   #rings = []; // the used rings: {position, radius}
   #lines = []; // the used lines: pairs of positions
-  #avoided = []; // functions that tell whether a box covers what labels should avoid if they can
+  #avoided = []; // functions that return whether a box covers things that labels should avoid, if they can
 
   /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
   constructor(width, height, strip) {
@@ -67,14 +69,15 @@ export class LabelSpace {
     positions.slice(1).forEach((to, k) => this.#lines.push([positions[k], to]));
   }
 
-  /** Keep labels, if they have a place elsewhere that is near, away from the boxes for which a function returns true. */
+  /** Keep labels away from boxes for which a function returns true, if they have a position elsewhere that is near. */
   avoid(covers) {
     this.#avoided.push(covers);
   }
 
   /**
-   * Return the first of some candidates {at, anchor} at which a text of a size covers nothing and `isAllowed` accepts its middle,
-   * and mark it as used; undefined if there is none. A candidate that covers what labels should avoid ranks AVOIDED later.
+   * Return the first of some candidates {at, anchor} at which a text of some size covers nothing and `isAllowed` accepts its middle, and
+   * mark the position as used; undefined if there is none. A candidate that covers things that labels should avoid ranks AVOIDED places
+   * later.
    */
   findPosition(text, size, candidates, isAllowed = () => true) {
     let [best, least] = [undefined, Infinity];
@@ -108,8 +111,8 @@ export class LabelSpace {
 }
 
 /**
- * Return candidates around a position at a distance, first in a direction, then in directions farther from it, and then at
- * twice the distance, and further multiples of it.
+ * Return candidates for a position around a given position. At a distance they begin in a direction and continue in directions farther and
+ * farther from it; then they continue at twice the distance, and at further multiples.
  */
 export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
@@ -120,7 +123,7 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
   }));
 }
 
-/** Return the text-anchor of a text beside a position, by the horizontal component of the direction to the text. */
+/** Return the attribute text-anchor of a text beside a position, by the horizontal component of the direction to the text. */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

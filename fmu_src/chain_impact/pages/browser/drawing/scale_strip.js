@@ -1,9 +1,9 @@
 // The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The chain never covers the strip.
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
-const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip at the top, and distance to the scale bar
+const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
-const RULER_NAMES = ["force (cube root)", "force", ""]; // the first that leaves room for the scale bar is shown
+const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
 const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width
 const BAR_TEXT = 6; // largest number of letters at the scale bar
 export const STRIP = 30; // [pixels] height of the strip at the top for the scale bar
@@ -33,7 +33,7 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
   group.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
 }
 
-/** Draw the lengths of the arrows of round forces, up to the largest force or beyond; return where the ruler ends. */
+/** Draw the ruler with the lengths of round forces, up to the largest force or beyond; return the position of the ruler's end. */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at));
@@ -50,7 +50,7 @@ export function drawRuler(group, { longest, marks }, width) {
   return end + RULER_LETTER * name.length;
 }
 
-/** Draw the legend of the two kinds of arrows, on a ground that covers walls; return where it begins. */
+/** Draw the legend of the two kinds of arrows, on a ground that covers walls; return the position of its begin. */
 export function drawKey(group, width) {
   group.rect(2 * KEY, STRIP - 5).move(width - 2 * KEY, 0).addClass("key-ground");
   [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {

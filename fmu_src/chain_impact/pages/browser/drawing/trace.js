@@ -1,16 +1,16 @@
 // The trace of the tip on the screen: a smooth curve through the frames, with corners at impacts.
 
 const APART = 1.5; // [pixels] least distance between positions of the trace
-const OFF = 0.05; // [pixels] largest distance from the curve to the straight lines that are drawn for it
+const OFF = 0.05; // [pixels] largest distance of the trace's curve from the straight lines with which it is drawn
 // largest distance of a curve from its chord, relative to the difference between the slopes of curve and chord at one end
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of parts of the curve between two frames
 const MOST = 20_000; // largest number of positions of a trace
-const CELL = 6; // [pixels] size of the cells in which the trace is looked for
+const CELL = 6; // [pixels] size of the cells in which the trace is searched for
 
 /**
- * Return positions of the tip on the screen, each APART or more from the one before, and the frame of each position, which may have
- * a fraction.
+ * Return positions of the tip on the screen, each at least APART from the position before, and the frame of each position; the frame may
+ * have a fraction.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
@@ -32,11 +32,13 @@ export function traceOf(recording, camera) {
   return { frames, positions };
 }
 
-/** Return a function that tells whether the trace comes, up to a frame, into a box [left, top, right, bottom] of a drawing of a width. */
+/**
+ * Return a function that returns whether the trace, up to a frame, enters a box [left, top, right, bottom] of a drawing with some width.
+ */
 export function traceFinder({ frames, positions }, width) {
   const columns = Math.ceil(width / CELL);
   const cellAt = (x, y) => columns * Math.floor(y / CELL) + Math.floor(x / CELL);
-  const firstFrames = new Map(); // the frame in which the trace first comes into each of its cells
+  const firstFrames = new Map(); // for each cell of the trace, the frame in which the trace first enters the cell
   const fill = () => positions.forEach(([x, y], k) => {
     const [x0, y0] = positions[Math.max(k - 1, 0)];
     const parts = Math.ceil(Math.hypot(x - x0, y - y0) / CELL) || 1;
@@ -46,7 +48,7 @@ export function traceFinder({ frames, positions }, width) {
     }
   });
   return ([left, top, right, bottom], frame) => {
-    if (!firstFrames.size) fill(); // at the first call, as a page may not show the trace
+    if (!firstFrames.size) fill(); // the cells are filled at the first call, because a page may not show the trace
     for (let y = top; y < bottom + CELL; y += CELL) {
       for (let x = left; x < right + CELL; x += CELL) {
         if (firstFrames.get(cellAt(Math.min(x, right), Math.min(y, bottom))) <= frame) return true;
@@ -75,7 +77,7 @@ function slopesOf(at, recording) {
   return steps.map((h, k) => {
     if (!(h > 0)) return [];
     const chord = speed(k);
-    // if the slope at one end is unknown, the curve is a parabola
+    // where the slope at one end is unknown, the curve is a parabola
     const other = (slope) => slope && chord.map((value, axis) => 2 * value - slope[axis]);
     const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
     return [from, to].map((slope) => (slope ?? chord).map((value) => h * value));

@@ -1,16 +1,16 @@
-// The address of the page, which has the open scene, the changes and the chosen outputs.
+// The address of the page, which contains the open scene, the changes and the chosen outputs.
 
 import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
 import { contentsIn } from "../scene/scene_file.js";
 import { changesIn, hashOf } from "./export.js";
 
-const REST = 300; // [ms] the time without a change after which the address gets the changes
+const REST = 300; // [ms] the time without a change after which the changes are put into the address
 
 export class Address {
   #timer;
 
-  /** `refuse` shows a sentence on a fault in the address. */
+  /** Make the address; `refuse` shows a sentence on a fault in the address. */
   constructor(changes, choice, openScene, refuse) {
     Object.assign(this, { changes, choice, openScene, refuse });
     if (location.hash) this.#apply();
@@ -23,14 +23,14 @@ export class Address {
     return location.href.split("#")[0] + (hash && `#${hash}`);
   }
 
-  /** Put the changes into the address after a time without changes, because browsers limit how often an address may change. */
+  /** Put the changes into the address after a time without changes, because browsers limit how often a page may change its address. */
   updateSoon() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => history.replaceState(null, "", this.text), REST);
   }
 
   /**
-   * Use the scene and the changes in the address; a fault is shown. A fault in the scene changes nothing; with a fault in the
+   * Use the scene and the changes in the address; a fault is shown. With a fault in the scene, nothing changes; with a fault in the
    * changes, all changes of the address are left out.
    */
   #apply() {

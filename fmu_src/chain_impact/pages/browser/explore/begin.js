@@ -1,4 +1,4 @@
-// What takes longest begins before the page has read its libraries: the kernel is compiled, and the first worker starts.
+// The two slowest tasks begin before the page has read its libraries: the kernel is compiled, and the first worker starts.
 
 import { decompressed } from "../base/base64.js";
 import { find } from "../base/dom.js";

@@ -1,13 +1,14 @@
-// Motions behind the present motion: the motion before the last change, and pinned motions with a list of their impacts.
+// The motions that are drawn behind the present motion: the motion before the last change, and pinned motions. The impacts of pinned
+// motions are listed.
 
 import { make } from "../base/dom.js";
 import { durationText, forceText, unitsOf } from "../base/format.js";
 import { hashOf } from "./export.js";
 
-const GESTURE = 800; // [ms] changes that follow each other faster count as one change
+const GESTURE = 800; // [ms] changes that follow each other at a shorter distance in time count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
-const LETTERS = "ABCDE"; // each colour's letter, because two colours may look alike on some screens and to some eyes
-const [TIP, TIPS_APART] = [15, 16]; // [pixels] size of a letter's dot, and least distance of two of them
+const LETTERS = "ABCDE"; // the letter of each colour, because two colours may look alike on some screens and to some eyes
+const [TIP, TIPS_APART] = [15, 16]; // [pixels] size of the dot of a letter, and least distance of two such dots
 const LISTED = 40; // largest number of impacts that are listed side by side
 
 export class ComparedMotions {
@@ -22,7 +23,10 @@ export class ComparedMotions {
     player.drawing.lettersBehind = () => this.letters;
   }
 
-  /** Let each change of parameters change the motion before it; a change goes on while the same handle is dragged. */
+  /**
+   * Listen to changes of parameters: each change makes the shown motion the motion before the change. While a handle is dragged, all
+   * changes count as one.
+   */
   follow(changes, handles) {
     let last = { hash: hashOf(changes), dragged: null };
     changes.onChange(() => {
@@ -33,8 +37,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Keep the shown motion as the motion before the change, unless the change continues the last one: if it `goesOn`, or comes
-   * within GESTURE.
+   * Keep the shown motion as the motion before the change. If the change continues the last one (`goesOn`, or within GESTURE), the motion
+   * that was kept before stays.
    */
   #change(goesOn) {
     const now = performance.now();
@@ -42,12 +46,12 @@ export class ComparedMotions {
     this.#last = now;
   }
 
-  /** Return the recordings that are drawn behind the next motion: before the last change, and pinned. */
+  /** Return the recordings that are drawn behind the next motion: the one before the last change, and the pinned ones. */
   get behind() {
     return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
   }
 
-  /** Pin the shown motion, unless it is pinned already; the list names it by the changes in it. */
+  /** Pin the shown motion, unless it is pinned already. In the list, the motion is named by its changes. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
@@ -55,11 +59,11 @@ export class ComparedMotions {
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
     this.pinned.push({ recording, colour });
     this.show();
-    this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion
+    this.panel.scrollIntoView({ block: "nearest" }); // on a small screen the list is below the motion, so it is scrolled into view
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: the changes in it, and whether it is of another scene than the shown motion. */
+  /** Return words for a pinned motion: its changes, and whether it belongs to another scene than the shown motion. */
   #textOf({ recording: { name, text, scene } }) {
     const { name: shownName, scene: shown } = this.player.recording;
     if (isSame(scene.file, shown.file)) return text || "as in the scene";
@@ -72,7 +76,10 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return the other motions at the present time: frame, class, positions of points on the screen, and letter with its position. */
+  /**
+   * Return the other motions at the present time: frame, class of the style sheet, positions of the points on the screen, and letter with
+   * its position.
+   */
   get #shown() {
     const { drawing: { camera }, clock, recording: shown } = this.player;
     const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
@@ -106,7 +113,7 @@ export class ComparedMotions {
     }
   }
 
-  /** List the pinned motions, and the impacts of all motions side by side. */
+  /** List the pinned motions, and show the impacts of all motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
@@ -150,13 +157,13 @@ function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
-/** Return a position on the screen, moved to the right until it is TIPS_APART or more from all `others`. */
+/** Return a position on the screen, moved to the right until its distance from all `others` is at least TIPS_APART. */
 function besideOthers([x, y], others) {
   const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return a cell for an impact: time and peak force, and as tooltip what touches where and how long; a dash without an impact. */
+/** Return a cell for an impact: time and peak force, with a tooltip on what touches, where and how long; a dash without an impact. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);

@@ -1,4 +1,4 @@
-// The interface for the console of the browser, and for other pages that contain this page.
+// The interface of the page for the console of the browser, and for other pages that contain this page.
 
 import { Changes } from "../scene/changes.js";
 
@@ -7,7 +7,7 @@ export function faultText({ status, part }, scene) {
   return [SHARED.kernel.STATUS_TEXT[status], scene.partsInWords[part - 1]].filter(Boolean).join(": ");
 }
 
-/** Return when and why a run has stopped. */
+/** Return a sentence on the time at which a run has stopped, and on the reason. */
 export function stopText(run, scene) {
   return `stopped at t = ${+run.reached.toPrecision(9)} s: ${faultText(run, scene)}`;
 }
@@ -18,14 +18,14 @@ export function consoleInterface(changes, ask) {
     get scene() {
       return changes.scene.name;
     },
-    /** Return the present values of all parameters: name → value; for a choice, its name. */
+    /** Return the present values of all parameters by name; the value of a choice is its name. */
     get parameters() {
       const values = changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]);
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
     /**
-     * Simulate the scene with the parameters `given` changed, without the page's changes: return {time, columns, impacts,
-     * statistics}. If the simulation stops before its end, throw an error with `status`, `time` [s] and the `result` so far.
+     * Simulate the scene with the changes `given` only, without the changes on the page; return {time, columns, impacts, statistics}. If
+     * the simulation stops before its end, throw an error with `status`, `time` [s] and the `result` so far.
      */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;
@@ -42,7 +42,7 @@ export function consoleInterface(changes, ask) {
       }
       return run;
     },
-    /** Let the page show the scene with some more parameters changed. */
+    /** Change some more parameters of the scene that the page shows. */
     show(given = {}) {
       changes.set(given);
     },

@@ -5,20 +5,23 @@ import { breakable, readable, unitText } from "../base/format.js";
 import { proposed } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 
-/** Return the names that match a text in which `*` stands for any text. */
+/** Return the names that match a text, in which `*` stands for any text. */
 function like(text, columns) {
   const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
   const pattern = new RegExp(`^${parts.join(".*")}$`);
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return a sentence on a name that no output has, with the name that is probably meant, if there is one. */
+/** Return a sentence on a name that no output has; the sentence proposes the most similar name, if there is one. */
 function noOutput(name, columns) {
   const near = proposed(name, columns.map((column) => column.name));
   return `${name} is not an output${near === undefined ? "" : `; the nearest is ${near}`}`;
 }
 
-/** Return the names in a text with commas and `*`, as for `simulate --curves`; refuse unknown names and too many curves or units. */
+/**
+ * Return the names of outputs in a text with commas and `*`, as for `simulate --curves`; refuse unknown names, and too many curves or
+ * units.
+ */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
     const names = like(part, columns);
@@ -49,7 +52,7 @@ export class CurveChoice {
     this.field.addEventListener("change", () => this.#choose(this.field.value));
     this.field.addEventListener("keydown", (event) => {
       if (event.key !== "Enter") return;
-      event.preventDefault(); // the key would otherwise close the dialog
+      event.preventDefault(); // without this call the key would close the dialog
       this.#choose(this.field.value);
     });
     this.search.addEventListener("input", () => this.#filter());
@@ -59,7 +62,7 @@ export class CurveChoice {
     });
   }
 
-  /** Call a function when the reader chooses other outputs. */
+  /** Set the function that is called when the reader chooses other outputs. */
   onChange(listener) {
     this.#listener = listener;
   }
@@ -86,8 +89,8 @@ export class CurveChoice {
   }
 
   /**
-   * Return a group of outputs: a list that opens, with a button that chooses all shown members, or none of them if all are
-   * chosen.
+   * Return the element for a group of outputs: a list that opens, with a button that chooses all shown members or, if all are chosen, none
+   * of them.
    */
   #group(group, members) {
     const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
@@ -106,7 +109,7 @@ export class CurveChoice {
     return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
   }
 
-  /** Choose the outputs in a text, without a call of the listener; an error says what is not possible. */
+  /** Choose the outputs in a text, without a call of the listener; an error says which choice is not possible. */
   take(text) {
     this.names = namesIn(text, this.#columns);
   }
@@ -121,7 +124,7 @@ export class CurveChoice {
     }
   }
 
-  /** Show the chosen names, or a fault. */
+  /** Show the names of the chosen outputs, or a fault. */
   #refresh(fault = "") {
     if (!fault) this.field.value = this.names.join(", ");
     this.rows.forEach(({ name, box }) => {

@@ -1,4 +1,4 @@
-// The reader's changes when a scene is edited: each variable stays with its link or point, whose number the edit may change.
+// The reader's changes when a scene is edited: each changed variable stays with its link or point, whose number the edit may change.
 
 import { inFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";
@@ -7,8 +7,8 @@ import { filled, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /**
- * Return the links of a scene file as it is written, and its points: each with its link, its index there, and its `entry` in the file
- * or the number of a corner. An edit changes numbers, but not what the entries are.
+ * Return the links of a scene file as it is written, and its points: each with its link, its index there, and its `entry` in the file or
+ * the number of a corner. An edit changes the numbers of links and points, but the entries stay the same objects.
  */
 export function partsOf({ chain: { links } }) {
   const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];
@@ -16,7 +16,7 @@ export function partsOf({ chain: { links } }) {
   return { links: [...links], sites };
 }
 
-/** Return an owner of variables with its numbers after an edit; undefined if it is removed. `counts`: see `kit.py`. */
+/** Return an owner of variables with its numbers after an edit; undefined if the edit has removed it. `counts`: see `kit.py`. */
 function ownerAfter(owner, counts, before, after) {
   const { n, at } = owner;
   const linkAt = (k) => after.links.indexOf(before.links[k]);
@@ -26,13 +26,13 @@ function ownerAfter(owner, counts, before, after) {
     const site = after.sites[siteAt(at)];
     return site && { ...owner, n: site.index + 1, of: after.links.indexOf(site.link) + 1 };
   }
-  if (!counts || n === 0) return owner; // the base is point 0 at all times
+  if (!counts || n === 0) return owner; // the base is point 0 before and after an edit
   const isLink = n <= before.links.length;
   const k = isLink ? linkAt(n - 1) : siteAt(n - 1 - before.links.length);
   return k < 0 ? undefined : { ...owner, n: k + 1 + (isLink ? 0 : after.links.length) };
 }
 
-/** Return the function that returns the name of a variable after an edit of a scene, undefined if its owner is removed. */
+/** Return a function from the name of a variable before an edit of a scene to its name afterwards; undefined if the owner is removed. */
 function namesAfter({ file }, kit, before, after) {
   const { owners } = structureOf(file, kit);
   const names = new Map();
@@ -45,7 +45,10 @@ function namesAfter({ file }, kit, before, after) {
   return (name) => (names.has(name) ? names.get(name) : name);
 }
 
-/** Let signals drive the same inputs, as far as these are still there; remove signals without inputs. Return words for what is removed. */
+/**
+ * Let signals drive the same inputs as before, as far as these still exist; remove signals without inputs. Return words for the removed
+ * signals.
+ */
 function keepSignals(contents, nameOf, open) {
   const { scene: { inputs, still } } = open({ ...contents, signals: {} });
   const there = new Set([...inputs, ...still]);
@@ -59,10 +62,10 @@ function keepSignals(contents, nameOf, open) {
 }
 
 /**
- * Return the scene of edited contents with the reader's changes in it: `whole` and `scene`, as `open` returns them for contents, with the
- * values before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for
- * the signals, and the inputs of signals, that are `removed`. A value that the edit has replaced is not a change. If
- * the scene cannot be without the changes, only those of inputs stay changes.
+ * Return the scene of edited contents, with the reader's changes: `whole` and `scene`, which `open` returns for contents with the values
+ * before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for
+ * the signals, and the inputs of signals, that are `removed`. A value that the edit has replaced is not a change. If the scene is not
+ * possible without the changes, only changes of inputs stay changes.
  *
  * @param before from `partsOf`, for the contents before the edit.
  */
@@ -86,7 +89,7 @@ export function editedScene(contents, before, { scene, parameters, values, input
   return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf, removed };
 }
 
-/** Return what `open` returns for a complete file, if its scene is possible and has parameters of all `names`; else undefined. */
+/** Return the result of `open` for a complete file, if the scene is possible and has parameters of all `names`; else undefined. */
 function openIfPossible(file, open, names) {
   try {
     const opened = open(asWritten(file));

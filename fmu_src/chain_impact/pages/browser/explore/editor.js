@@ -30,14 +30,15 @@ export class Editor {
     find("edit-choose").addEventListener("click", () => find("edit-file").click());
     find("edit-file").addEventListener("change", ({ target }) => {
       this.#read(target.files[0]);
-      target.value = ""; // so that the same file can be chosen a second time
+      target.value = ""; // an empty field lets the reader choose the same file a second time
     });
     find("edit-first").addEventListener("click", () => {
       openScene.openFirst();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
-      if (!event.dataTransfer.types.includes("Files")) return; // without files, the browser puts a dropped text into a field itself
+      // if no files are dropped, the browser puts a dropped text into a field itself
+      if (!event.dataTransfer.types.includes("Files")) return;
       event.preventDefault();
       take([...event.dataTransfer.files]);
     });
@@ -45,11 +46,11 @@ export class Editor {
     onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
-  /** Open a scene file; `onFault` is called if this is not possible. */
+  /** Open a scene file; `onFault` is called with the fault if the file cannot be opened. */
   async #read(file, onFault = () => {}) {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
-      if (text instanceof Error) throw text; // fails for a folder, and for a file that no longer exists
+      if (text instanceof Error) throw text; // reading fails for a folder, and for a file that no longer exists
       this.openScene.open(contentsIn(text));
     }, `${file.name} is open.`, (error) => {
       onFault();
@@ -57,7 +58,7 @@ export class Editor {
     });
   }
 
-  /** Change the contents of the present scene of the page. */
+  /** Change the contents of the page's present scene. */
   #change(edit) {
     const file = contentsOf(this.changes);
     const before = partsOf(file);
@@ -112,13 +113,13 @@ export class Editor {
     return Object.keys(this.tables[table]).filter((key) => this.tables[table][key].label);
   }
 
-  /** Return the keys of links that the reader can change; a free chain of one link has no joint, and so no stop. */
+  /** Return the keys of links that the reader can change; a free chain of one link has no joint, and so no keys of stops. */
   #keysOfLinks({ chain: { base, links } }) {
     const hasJoints = base !== "free" || links.length > 1;
     return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
   }
 
-  /** Return the heads of the columns for keys of a table: labels with units. */
+  /** Return the heads of the columns for some keys of a table: labels with units. */
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
@@ -126,7 +127,7 @@ export class Editor {
     });
   }
 
-  /** Return the cells of a link's row. A free base has no joint, and so no stop; an only link cannot be removed. */
+  /** Return the cells of a link's row. A free base has no joint, and so no stop; the only link of a chain cannot be removed. */
   #linkRow(file, link, k) {
     const { base, links } = file.chain;
     const field = (key) =>
@@ -164,7 +165,7 @@ export class Editor {
   #field(name, value, set, unit = "") {
     const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
     field.setAttribute("aria-label", name);
-    // if the scene does not give a key, and the value follows from other keys, the value is the placeholder of the empty field
+    // if the scene does not give a key, and its value follows from other keys, this value is the placeholder of the empty field
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = numberText(Number(derived.toPrecision(4)));
     field.addEventListener("change", () => {
@@ -183,7 +184,7 @@ export class Editor {
   }
 }
 
-/** Return a cell with the head of its column as data: on a narrow screen the style sheet shows this head above the cell. */
+/** Return a cell that has the head of its column as data: on a narrow screen the style sheet shows this head above the cell. */
 function withHead(cell, head) {
   cell.dataset.head = head;
   return cell;

@@ -21,8 +21,8 @@ import { showMainParameters } from "./parameters/sliders.js";
 import { Simulation } from "./simulation.js";
 import { keepChartsWhole } from "./whole_charts.js";
 
-// The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is the larger of
-// its width and height.
+// The present view stays if the next view lies inside it and is larger than this fraction of it. The size of a view is the larger of its
+// width and height.
 const KEPT = 0.5;
 
 const { file, kit, command } = JSON.parse(find("data").textContent);
@@ -33,9 +33,9 @@ const handles = new Handles(player, changes, find("scene"));
 player.layers.push(comparedMotions, handles);
 
 /**
- * Return the parts of the next motion, with `view`, which holds this motion and the motions behind it of scenes with its name,
- * and `ownView`, which holds this motion alone. The present view stays, so that the picture does not move, if the next one lies
- * inside it and is not much smaller (KEPT), or while a handle is dragged.
+ * Return the parts of the next motion, with two views: `view` contains this motion and the motions behind it of scenes with the same name,
+ * `ownView` contains this motion alone. The present view stays, so that the picture does not move, if the next one lies inside it and is
+ * not much smaller (KEPT), or while a handle is dragged.
  */
 function withSteadyView(next) {
   const ownView = next.view;
@@ -44,12 +44,13 @@ function withSteadyView(next) {
   const before = player.recording;
   const size = ([low, high]) => Math.max(high[0] - low[0], high[1] - low[1]);
   const isWithin = before && [0, 1].every((axis) => view[0][axis] >= before.view[0][axis] && view[1][axis] <= before.view[1][axis]);
-  const isKept = handles.dragged !== null; // a handle that is dragged stays below the pointer
+  const isKept = handles.dragged !== null; // the view stays while a handle is dragged, so that the handle stays below the pointer
   return isKept || (isWithin && size(view) > KEPT * size(before.view))
     ? { ...next, ownView, view: before.view, anchor: before.anchor } : { ...next, ownView, view };
 }
 
-const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene); // begun by begin.js
+// the engine is one that begin.js has begun, or a new one
+const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about) => {
   if (parts) {
@@ -74,7 +75,7 @@ comparedMotions.follow(changes, handles);
 const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...end) => simulation.faultOf(...end) });
-// the map has other workers than the motion
+// the map and the motion have separate workers
 find("map-open").addEventListener("click", () => new GridMap(beginEngine, changes).open(), { once: true });
 find("reset-all").addEventListener("click", () => changes.replace({}, {}));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());

@@ -3,8 +3,8 @@
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
 /**
- * Return a word of a command for a shell: if necessary in double quotes, which Windows also accepts, or in single quotes for $ and
- * alike.
+ * Return a word of a command as a shell needs it: if necessary in double quotes, which Windows also accepts, or in single quotes for $ and
+ * similar characters.
  */
 function quoted(word) {
   if (/^[\w./:=+,-]+$/.test(word)) return word;

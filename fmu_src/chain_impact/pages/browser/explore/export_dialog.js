@@ -1,4 +1,4 @@
-// The dialog that exports: the command, a link, tables, the scene file and a picture.
+// The dialog that exports the command, a link, tables, the scene file and a picture.
 
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
@@ -12,7 +12,7 @@ import { commandOf, csvOf, pictureOf, save } from "./export.js";
  * @param ask sends a request to the worker.
  * @param address the address of the page, with the changes.
  * @param openScene the open scene; the command needs its file unless it is the page's own scene.
- * @param faultOf returns a sentence on the fault of a run.
+ * @param faultOf function that returns a sentence on the fault of a run.
  */
 export function connectExport(changes, { keys, ask, address, openScene, faultOf }) {
   find("export-open").addEventListener("click", () => {
@@ -46,7 +46,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let a button save a file, and show a message about it. */
+/** Let a button save a file, and show a message about the file. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

@@ -1,4 +1,4 @@
-// The handles with which the reader changes the start: joints, points of links, arrows of velocity and walls, which can be dragged
+// The handles with which the reader changes the start of the motion: joints, points of links, arrows of velocity and walls can be dragged
 // while the clock shows the start.
 
 import { isCrossed } from "../drawing/label_positions.js";
@@ -6,16 +6,17 @@ import { STRIP } from "../drawing/scale_strip.js";
 import { freeRegionWithin } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
-const ARROW_TIME = 0.1; // [s] the length of an arrow of velocity is the distance covered in this time
-const LONGEST = 0.2; // the largest length of an arrow, relative to the view's size; for longer arrows the time is shorter
+const ARROW_TIME = 0.1; // [s] an arrow of velocity is as long as the distance that is covered in this time
+// the largest length of an arrow of velocity, relative to the size of the view; for longer arrows a shorter time is used
+const LONGEST = 0.2;
 const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
-// [pixels] the distance from a joint to the start of its arrow: so the grip of a velocity of 0 lies beside the joint
+// [pixels] the distance from a joint to the start of its arrow, so that the grip of a velocity of 0 lies beside the joint
 const STEM = 32;
 const WALL = 18; // [pixels] the size of the grip of a wall
-const PLACES = 9; // number of places on each side of the first one that are tried for the grip of a wall
+const PLACES = 9; // number of positions, on each side of the first one, that are tried for the grip of a wall
 const BESIDE_GRIP = 2; // [pixels] least distance between two grips
 const MOST_DECIMALS = 15;
-const STEPS_OF_KEYS = [4, 24]; // [pixels] how far an arrow key moves a grip, alone and with Shift
+const STEPS_OF_KEYS = [4, 24]; // [pixels] the distances by which an arrow key moves a grip: alone, and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SPOKEN = {
   site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
@@ -24,7 +25,7 @@ const SPOKEN = {
   wall: (name) => `Wall ${name}: arrow keys move it`,
 };
 
-/** Return a value that was set by hand, with the decimals that distinguish it from a value one pixel away. */
+/** Return a value that was set by hand, rounded to the decimals that distinguish it from a value one pixel away. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
@@ -35,17 +36,17 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    this.dragged = null; // the dragged handle: {kind, index, time, pointer}
+    this.dragged = null; // the handle that is dragged, as {kind, index, time, pointer}; null if none is
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
     element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
-    element.setAttribute("role", "group"); // with grips in it, the drawing is no longer an image for screen readers
+    element.setAttribute("role", "group"); // a drawing that contains grips is a group, and not an image, for screen readers
     element.addEventListener("keydown", (event) => this.#press(event));
-    // a pointer does not give the focus to a grip, so that the arrow keys still step in time
+    // a pointer does not give the focus to a grip, so that the arrow keys still step through time
     element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
-    // a finger on a handle does not scroll the page
+    // a finger on a handle drags the handle, and does not scroll the page
     const keepStill = (event) => gripOf(event) && event.preventDefault();
     element.addEventListener("touchstart", keepStill, { passive: false });
   }
@@ -87,8 +88,8 @@ export class Handles {
   }
 
   /**
-   * Return the position on the screen of the grip of each wall that can be moved: near the middle of its visible part or, for a wall
-   * beyond the view, inside the edge of the view; if possible apart from points, arrows, links, texts and other such grips.
+   * Return the position on the screen of the grip of each wall that can be moved: near the middle of its visible part or, for a wall beyond
+   * the view, inside the edge of the view; if possible apart from points, arrows, links, texts and other grips.
    */
   get #walls() {
     const { camera } = this.player.drawing;
@@ -106,7 +107,7 @@ export class Handles {
     });
   }
 
-  /** Return what the grips of walls keep off, on the screen: points with a grip, and lines. */
+  /** Return the things on the screen from which the grips of walls keep a distance: points with a grip, and lines. */
   #marks() {
     const screen = (point) => this.player.drawing.camera.toScreen(...point);
     const { positions } = this.#start;
@@ -115,7 +116,7 @@ export class Handles {
     return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
   }
 
-  /** Return the place on a line for the grip of a wall: the free one nearest to the middle; the middle if none is free. */
+  /** Return the position on a line for the grip of a wall: the free position nearest to the middle, or the middle if none is free. */
   #freePlace([from, to], { points, lines }) {
     const { labelSpace } = this.player.drawing;
     const [left, top, right, bottom] = labelSpace.limits;
@@ -131,7 +132,10 @@ export class Handles {
     }) ?? places[0];
   }
 
-  /** Return the ends of the line inside the edge of the view at which the grip of a wall beyond the view may stand, if any. */
+  /**
+   * Return the ends of the line, just inside the edge of the view, on which the grip of a wall beyond the view may stand, if there is such
+   * a line.
+   */
   #edgeBefore(wall) {
     const { rectangle: [low, [right, top]] } = this.player.drawing.camera;
     const high = [right, top - STRIP * this.#pixel];
@@ -191,8 +195,8 @@ export class Handles {
   }
 
   /**
-   * Return the arrows of the velocities that can be changed, on the screen: a stem goes from the point, `from`, to `foot`, the
-   * arrow from there to `to`.
+   * Return the arrows, on the screen, of the velocities that can be changed. A stem goes from the point (`from`) to `foot`, the arrow from
+   * `foot` to `to`.
    */
   #arrows() {
     const { positions, velocity } = this.#start;
@@ -210,8 +214,8 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem of a point at rest: at the base opposite to link 1, at another point the
-   * direction in which a positive angular velocity of the link before it moves it; another one if the grip would be cut off.
+   * Return the direction on the screen of the stem of a point at rest: at the base opposite to link 1, at another point the direction in
+   * which a positive angular velocity of the link before it moves it; another direction if the edge would cut off the grip.
    */
   #aside(k, [x, y]) {
     const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
@@ -234,7 +238,7 @@ export class Handles {
 
   #drop() {
     this.dragged = null;
-    this.changes.replace({ ...this.changes.values }); // simulate again, with a view that fits the motion
+    this.changes.replace({ ...this.changes.values }); // this simulates again, with a view that fits the motion
   }
 
   #drag(event) {
@@ -255,17 +259,17 @@ export class Handles {
     this.dragged = { kind, index, apart: this.#apart(event.target, kind, index), time: this.#arrowTime(this.#start.velocity) };
     this.#move(x + width / 2 + step * direction[0], y + height / 2 + step * direction[1]);
     this.dragged = null;
-    this.draw(); // so that the next key finds the grip at its new position
+    this.draw(); // the drawing is made at once, so that the next key finds the grip at its new position
   }
 
-  /** Return how far [m] the grip of a wall is from the wall, along its normal; 0 for a wall beyond the view, which comes to its grip. */
+  /** Return the distance [m] of a wall's grip from the wall, along its normal; 0 for a wall beyond the view, which moves to its grip. */
   #apart(element, kind, name) {
     if (kind !== "wall" || element.classList.contains("wall-beyond")) return 0;
     const { x, y, width, height } = element.getBBox();
     return this.#beyond(this.player.drawing.camera.toMetres(x + width / 2, y + height / 2), name);
   }
 
-  /** Return how far [m] a position is from a wall, along the wall's normal. */
+  /** Return the distance [m] of a position from a wall, along the wall's normal. */
   #beyond([x, y], name) {
     const { normal: [nx, ny], offset } = this.#wall(name);
     return nx * x + ny * y - offset;
@@ -283,7 +287,7 @@ export class Handles {
       this.changes.set(this[kind](at, index));
     } catch (error) {
       if (!(error instanceof RangeError)) throw error;
-      // the scene refuses this position: the handle stays where it was
+      // the scene refuses this position, so the handle stays at its old position
     }
   }
 
@@ -293,7 +297,7 @@ export class Handles {
     return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
-  /** Return the changes that move the base to a position [m], or turn the link before another joint towards it. */
+  /** Return the changes that move the base to a position [m], or that turn the link before another joint towards the position. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
@@ -316,7 +320,7 @@ export class Handles {
   }
 
   /**
-   * Return the changes with which the arrow of a velocity ends at a position [m]: of the base its velocity, of another joint
+   * Return the changes with which an arrow of velocity ends at a position [m]. They change the velocity of the base or, for another joint,
    * the angular velocity of the link before it.
    */
   velocity([x, y], index) {
@@ -324,7 +328,7 @@ export class Handles {
     const { positions, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
     const vector = vectorTo(positions[k], [x, y]);
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the fraction without the stem
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the part of the vector without the stem
     const speed = vector.map((component) => (share * component) / this.dragged.time);
     if (k === 0) return { "initial.vx": byHand(speed[0], pixel), "initial.vy": byHand(speed[1], pixel) };
     const link = [0, 1].map((axis) => positions[k][axis] - positions[k - 1][axis]);
@@ -350,7 +354,7 @@ function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** Return the attributes that make an element a grip, for a pointer and for keys; `label` is the name of a point, if any. */
+/** Return the attributes that make an element a grip for a pointer and for keys; `label` is the name of a point, if it has one. */
 function gripFor(kind, index, label = "") {
   return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index, label) };
 }
@@ -366,8 +370,8 @@ function tipOf([x, y], [vx, vy], time) {
 }
 
 /**
- * Return where the perpendicular from the middle of the view to a wall beyond the view is `inside` [m] before the edge of the view;
- * undefined if the middle is not on the wall's free side.
+ * Return the position for the grip of a wall beyond the view: on the perpendicular from the middle of the view to the wall, `inside` [m]
+ * before the edge of the view; undefined if the middle is not on the wall's free side.
  */
 function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);

@@ -1,4 +1,4 @@
-// The open scene: the page's own one, or one from a file, from the address or from an edit.
+// The open scene: the page's own scene, or a scene from a file, from the address or from an edit.
 
 import { find } from "../base/dom.js";
 import { tomlText } from "../scene/changed_file.js";
@@ -20,14 +20,14 @@ export class OpenScene {
     this.#show(this.first, "");
   }
 
-  /** Open a scene with the contents of a file; an error says which key is wrong. */
+  /** Open a scene with the contents of a file; an error names the wrong key. */
   open(contents) {
     this.#showFile(this.#sceneIn(contents));
   }
 
   /**
-   * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error says which key is
-   * wrong. `before`: the parts before the edit. Return words for what the edit removes.
+   * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error names the wrong key.
+   * `before`: the parts before the edit. Return words for the parts that the edit removes.
    */
   openEdited(contents, before) {
     const { changes, choice, kit } = this;
@@ -37,7 +37,7 @@ export class OpenScene {
     return removed;
   }
 
-  /** Return the complete file of some contents and its scene; commands call the file by the name of the scene. */
+  /** Return the complete file for some contents, and its scene; in commands, the file has the name of the scene. */
   #sceneIn(contents) {
     const whole = complete(contents, this.kit);
     return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
@@ -47,7 +47,7 @@ export class OpenScene {
     this.#show(scene, tomlText(asWritten(whole), this.kit.keys), kept);
   }
 
-  /** Show a scene with a text of its file; `kept` are changes in it. */
+  /** Show a scene with the text of its file; `kept` are the changes in it that stay. */
   #show(scene, text, kept) {
     this.text = text;
     this.changes.open(scene, kept);

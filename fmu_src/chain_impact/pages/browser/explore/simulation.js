@@ -1,4 +1,4 @@
-// The runs of the page: one for each change, and the line that tells how the last one ended.
+// The runs of the page: one run for each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
 import { readable } from "../base/format.js";
@@ -6,21 +6,24 @@ import { inputStepTexts } from "../scene/input_steps.js";
 import { faultText, stopText } from "./console.js";
 
 const WAITING = 120; // [ms] the computing time after which the old motion becomes pale
-const PATIENCE = 250; // [ms] the time that a run has before the next change ends it: so a slider shows its effect while it is dragged
+const PATIENCE = 250; // [ms] the time that a run has before the next change ends it; so a slider shows its effect while it is dragged
 
 export class Simulation {
-  #started = -Infinity; // when the present run began
+  #started = -Infinity; // the time at which the present run began
   #nextRun = 0; // the timer of the next run
   #status = 0; // the status of the last run
-  #sentence = ""; // on the end of the last run
-  #notice = ""; // on a fault in the address, until something changes
+  #sentence = ""; // the sentence on the end of the last run
+  #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
-  /** `beginEngine` makes an engine for the present scene; `show` shows the parts of a motion, with its scene and a text of its changes. */
+  /**
+   * Make the runs. `beginEngine` makes an engine for the present scene; `show` shows the parts of a motion, with its scene and a text on
+   * its changes.
+   */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
   }
 
-  /** Simulate, and again after each change; another scene has another engine. */
+  /** Simulate now and after each change; for another scene, make another engine. */
   begin() {
     this.engine = this.beginEngine();
     this.changes.onOpen(() => {
@@ -32,7 +35,7 @@ export class Simulation {
       this.soon();
     });
     this.#tell();
-    find("caption").textContent = "Simulating…"; // until the first motion is drawn
+    find("caption").textContent = "Simulating…"; // this text is shown until the first motion is drawn
     this.soon();
   }
 
@@ -69,7 +72,7 @@ export class Simulation {
     if (this.#nextRun) this.soon();
   }
 
-  /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether there is a motion. */
+  /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether the run has given a motion before the fault. */
   faultOf(run, hasMotion) {
     const { scene } = this.changes;
     if (run.status === 0) return "";

@@ -1,4 +1,4 @@
-// The charts beside the motion: none is covered in part by the list of impacts.
+// The charts beside the motion: the list of impacts never covers a part of a chart.
 
 import { find } from "../base/dom.js";
 

@@ -1,12 +1,13 @@
-// The clock: the frame on the screen, and how fast the simulated time passes.
+// The clock: the frame on the screen, and the rate at which the simulated time passes.
 
 export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
-const STEP = 1 / 30; // [s] time on the screen for one press of an arrow key
+const STEP = 1 / 30; // [s] time on the screen by which a press of an arrow key moves
 
 /** The clock, which calls its listeners when the frame, the speed, or play and pause change. */
 export class Clock {
   #listeners = [];
-  #goneTo = null; // the chosen impact, until the time changes; another impact may have the same onset
+  // the impact that the reader has chosen, until the time changes; it is stored because another impact may have the same onset
+  #goneTo = null;
 
   constructor(speed) {
     this.speed = speed;
@@ -16,7 +17,7 @@ export class Clock {
     this.loop = false;
   }
 
-  /** Use another recording; the simulated time stays, or becomes the nearest time in the recording. */
+  /** Use another recording; the simulated time stays or, if the recording does not have this time, becomes the nearest one. */
   show(recording) {
     const time = this.recording ? this.time : recording.start;
     this.recording = recording;
@@ -50,7 +51,7 @@ export class Clock {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
-  /** Change some of: frame, playing, slow, loop, speed. Without a recording, change nothing. */
+  /** Change some of the properties frame, playing, slow, loop and speed. Without a recording, nothing changes. */
   set(changes) {
     if (!this.recording) return;
     Object.assign(this, changes);
@@ -63,7 +64,7 @@ export class Clock {
     this.set({ frame: this.recording.frameAt(time) });
   }
 
-  /** Play, from the start if the end is reached, or pause. */
+  /** Play, or pause; at the end of the recording, play from the start. */
   toggle() {
     const again = this.hasEnded;
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
@@ -84,13 +85,13 @@ export class Clock {
     this.advance(direction * STEP);
   }
 
-  /** Go to the next of the speeds: faster (1) or slower (−1). */
+  /** Choose the next of the speeds: a faster one (1) or a slower one (−1). */
   shift(direction) {
     const faster = SPEEDS.filter((speed) => (speed - this.speed) * direction > 1e-9);
     if (faster.length) this.set({ speed: direction > 0 ? faster[0] : faster[faster.length - 1] });
   }
 
-  /** Go to the largest force of an impact. */
+  /** Go to the time of the largest force of an impact. */
   toImpact(impact) {
     this.seek(impact.peakTime);
     // round-off in the frame can give a time just before the onset
@@ -99,7 +100,7 @@ export class Clock {
     this.set({});
   }
 
-  /** Go to the impact before (−1) or after (1) the present time; if none is before, to the start. */
+  /** Go to the impact before (−1) or after (1) the present time; if there is no impact before it, go to the start. */
   stepImpact(direction) {
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;

@@ -5,8 +5,8 @@ import { speedText } from "../base/format.js";
 import { SPEEDS } from "./clock.js";
 
 /**
- * Connect buttons, slider and keys with the clock; without a recording they do nothing. Return a function that must be
- * called when the clock has another recording.
+ * Connect buttons, slider and keys with the clock; without a recording they have no effect. Return a function that must be called when the
+ * clock has another recording.
  */
 export function connect(clock, drawing) {
   const actions = {
@@ -48,7 +48,7 @@ export function connect(clock, drawing) {
   return connectSlider(clock);
 }
 
-/** Return whether the element with the focus uses the key itself. */
+/** Return whether the element with the focus uses a key itself. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
@@ -104,7 +104,7 @@ function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   context.scale(density, density);
   context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
-  const thumb = 16; // [pixels] the middle of the slider's thumb stays half of this width from the ends of the slider
+  const thumb = 16; // [pixels] the width of the slider's thumb, whose middle stays half of this width away from the ends of the slider
   const lowest = 5; // [pixels] least height of a mark
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);

@@ -3,10 +3,10 @@
 import { make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
-const LONGEST_LIST = 2000; // largest number of impacts in the list, because each is a row of the page
-const FIRST = 10; // number of rows that a page that scrolls shows at first
+const LONGEST_LIST = 2000; // largest number of impacts in the list, because each of them is a row of elements in the page
+const FIRST = 10; // number of rows that are shown at first in a page that scrolls
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
-const JOINT_FORCE = "in joint"; // a further column if forces in joints are known
+const JOINT_FORCE = "in joint"; // head of a further column, which is shown if forces in joints are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
   peak: "Largest force of the contact, at a stop the largest moment",
@@ -18,7 +18,7 @@ function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
 }
 
-/** Return the name of the wall of an impact, and of a stop only its end: min or max. */
+/** Return the name of the wall of an impact; for a stop, only the name of its end: min or max. */
 export function wallText({ wall }) {
   return wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
 }
@@ -45,7 +45,7 @@ export class ImpactList {
     element.after(this.more);
   }
 
-  /** Show all rows, or only the first rows, in a page that scrolls. */
+  /** Show all rows; or, in a page that scrolls, only the first rows. */
   #showAll(isWhole) {
     this.element.classList.toggle("whole", isWhole);
     this.more.hidden = isWhole || !(this.rows?.length > FIRST);
@@ -97,7 +97,7 @@ export class ImpactList {
     return row;
   }
 
-  /** Mark the present contact if it is an impact, and scroll to it within the list only. */
+  /** Mark the present contact in the list if it is an impact, and scroll the list, but not the page, to it. */
   draw(frame, contact) {
     if (contact === this.current) return;
     this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
@@ -113,7 +113,7 @@ export class ImpactList {
   }
 }
 
-/** Return words for a contact at a time; "" if the contact is not an impact. */
+/** Return words for the contact at a time; "" if the contact is not an impact. */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;

@@ -1,4 +1,4 @@
-// The reader of numbers that `recorded.py` has packed.
+// The reader of the numbers that `recorded.py` has packed.
 
 import { bytesIn, numbersIn } from "../base/base64.js";
 import { mapped } from "../base/mapped.js";
@@ -9,7 +9,9 @@ function numbers({ low, high, values }) {
   return Float64Array.from(new Uint16Array(bytesIn(values).buffer), (value) => low + scale * value);
 }
 
-/** Return a function that returns numbers at every row, from numbers that are packed for some rows; the others are zero. */
+/**
+ * Return a function that returns numbers at every row, from numbers that are packed for some rows; in all other rows the numbers are zero.
+ */
 function atAllRows(packedRows, count) {
   const rows = new Uint32Array(bytesIn(packedRows).buffer);
   return (packed) => {

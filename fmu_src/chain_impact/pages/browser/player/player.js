@@ -11,11 +11,11 @@ import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
 
-// [s] longest step of the animation: after a pause of the browser, the animation continues where it was
+// [s] longest step of the animation; after a longer pause of the browser, the animation continues from its last frame
 const LONGEST_FRAME = 0.1;
 
 export class Player {
-  layers = []; // further objects that draw at each frame
+  layers = []; // further objects that draw in each frame
   #isDrawingDue = false;
   #lastTick = undefined;
 
@@ -41,7 +41,7 @@ export class Player {
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
-  /** Show another recording, from the present simulated time on; a panel without contents is hidden. */
+  /** Show another recording, from the present simulated time on; a panel without contents becomes hidden. */
   show(recording) {
     const first = !this.recording;
     this.recording = recording;
@@ -73,7 +73,7 @@ export class Player {
     requestAnimationFrame((next) => this.#tick(next));
   }
 
-  /** Fit the drawing into its place on the page, and draw at once, because a drawing in the next frame would be one frame late. */
+  /** Fit the drawing into its place on the page, and draw at once: a drawing in the next frame would be one frame late. */
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");
@@ -81,7 +81,7 @@ export class Player {
     this.draw();
   }
 
-  /** Draw once, before the browser paints next. */
+  /** Draw once before the browser paints the next time. */
   drawSoon() {
     if (this.#isDrawingDue) return;
     this.#isDrawingDue = true;
@@ -91,7 +91,7 @@ export class Player {
     });
   }
 
-  /** Draw the clock, the caption, and every part, at the present frame. */
+  /** Draw the clock, the caption and all other parts of the page at the present frame. */
   draw() {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
@@ -102,7 +102,8 @@ export class Player {
     document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW_RATE * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
-    if (find("caption").textContent !== caption) Object.assign(find("caption"), { textContent: caption, title: caption }); // it may be cut
+    // the caption may be cut, so its whole text is also the tooltip
+    if (find("caption").textContent !== caption) Object.assign(find("caption"), { textContent: caption, title: caption });
   }
 }
 

@@ -8,7 +8,7 @@ const COORDINATES = 2_000_000; // largest number of coordinates in all frames
 const FEWEST_FRAMES = 200; // smallest number of frames
 
 /**
- * Return the impacts in the form of the page: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.
+ * Return the impacts in the form that the page uses: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.
  * `impactEnd` is the end of the impact: `end` or an earlier time, whose distance from the onset follows from depth and speed.
  */
 export function impactsUntil(impacts, stop) {
@@ -25,7 +25,7 @@ export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
 }
 
-/** Return for each time the row before it, and the fraction of the way from this row to the next row. */
+/** Return for each time the number of the row before it, and the fraction of the way from this row to the next row. */
 function bracketsOf(time, times) {
   let row = 0;
   return Array.from(times, (now) => {
@@ -104,7 +104,7 @@ export function framesOf(rows, { times, frameRate }) {
   const stuckJoints = drawn.joints.map(({ n, columns: { sticking } }) => ({ joint: n, spans: spansAbove(sticking) }));
   const energies = Object.entries(drawn.energies[0]?.columns ?? {}).filter(([, values]) => values.some((value) => value !== 0))
     .map(([key, values]) => [key, at(values)])
-    .sort(([a], [b]) => (a === "total") - (b === "total")); // the total is drawn last, above the others
+    .sort(([a], [b]) => (a === "total") - (b === "total")); // the total energy is drawn last, above the other curves
   const peaks = [
     ...impacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),

@@ -13,7 +13,7 @@ function clipped(polygon, { normal: [nx, ny], offset }) {
   });
 }
 
-/** Return the free region inside a rectangle: its corners, and for each wall that bounds it the ends of the visible part. */
+/** Return the free region inside a rectangle: its corners and, for each wall that bounds it, the ends of the visible part. */
 export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
   const all = Object.values(walls);
   const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);

@@ -5,7 +5,7 @@
 
 export const PACING = SHARED.pacing;
 
-/** Return onset and end [s] of the impacts that are shown slowly, the fastest, in order of time. */
+/** Return the onset and the end [s] of the impacts that are shown slowly: of the fastest impacts, in the order of time. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
@@ -30,8 +30,8 @@ function interpolated(allX, nodes, values) {
 }
 
 /**
- * Return the simulated times of the frames, which follow each other evenly on the screen, and the frames per second: about `rate`,
- * or less, so that there are at most `most` frames.
+ * Return the simulated times of the frames, which follow each other evenly on the screen, and the number of frames per second: about
+ * `rate`, or less if there would be more than `most` frames.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];
@@ -46,7 +46,7 @@ export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.F
     const distance = Math.max(0, onset - time, time - end);
     return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / PACING.RAMP);
   }, 1));
-  // the time on the screen: ∫ dt / rate, by the trapezoidal rule
+  // the time on the screen is ∫ dt / rate, computed by the trapezoidal rule
   const screen = new Float64Array(grid.length);
   for (let k = 1; k < grid.length; k += 1) {
     screen[k] = screen[k - 1] + ((grid[k] - grid[k - 1]) * (slowness[k] + slowness[k - 1])) / 2;

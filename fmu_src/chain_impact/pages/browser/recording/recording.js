@@ -7,7 +7,7 @@ function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
 }
 
-/** Return the largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
+/** Return the largest index in increasing numbers whose value is at most the wanted number; 0 if there is none. */
 export function lastBefore(numbers, wanted) {
   let low = 0;
   let high = numbers.length - 1;
@@ -24,7 +24,7 @@ export function lastBefore(numbers, wanted) {
  * number of a frame may have a fraction: values are then interpolated.
  */
 export class Recording {
-  /** Keep the fields of `parts`, the result of `framesOf`; number the impacts and find the time of each peak. */
+  /** Keep the fields of `parts`, the result of `framesOf`; also number the impacts, and find the time of the largest force of each. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];
@@ -32,7 +32,8 @@ export class Recording {
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
-    // the time from which each contact is the present contact: the middle between the end of the contact before and its own onset
+    // The times from which each contact is the present contact: the middle between the end of the contact before and the onset of this
+    // contact.
     this.turns = this.impacts.map(({ onset }, index) =>
       index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
@@ -55,14 +56,14 @@ export class Recording {
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
   }
 
-  /** Return the value in a column at a frame, which may have a fraction, from values at all frames, `width` for each frame. */
+  /** Return the value of a column at a frame, which may have a fraction; the column has `width` values for each frame. */
   between(values, frame, column = 0, width = 1) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     const first = values[index * width + column];
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
-  /** Return the value at a frame, from values in all rows, which may be denser than the frames. */
+  /** Return the value at a frame of a column with values in all rows, which may be denser than the frames. */
   betweenRows(values, frame) {
     const { rowTime } = this;
     const now = this.timeAt(frame);
@@ -71,7 +72,7 @@ export class Recording {
     return values[row] + share * (values[row + 1] - values[row]);
   }
 
-  /** Return force [N], penetration [m] and dry friction [N] of a contact in all rows, as far as they are known. */
+  /** Return force [N], penetration [m] and dry friction [N] of a contact in all rows, each only if it is known. */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
@@ -94,8 +95,8 @@ export class Recording {
   }
 
   /**
-   * Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider; `shown`: the recording
-   * that gives the size of the carriage.
+   * Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider; `shown` is the recording that
+   * determines the size of the carriage.
    */
   bodiesAt(frame, shown = this) {
     const links = this.bodies.map(([link, corners]) => {
@@ -140,7 +141,7 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** Return the entries of a group in `drawn.py` at a frame: { n, name }, the owner, and the quantities under their names. */
+  /** Return the entries of a group of `drawn.py` at a frame: { n, name } of the owner, and each quantity under its name. */
   drawnAt(group, frame) {
     return this.drawn[group].map(({ n, name, columns }) =>
       ({ n, name, ...mapped(columns, (values) => this.betweenRows(values, frame)) }));

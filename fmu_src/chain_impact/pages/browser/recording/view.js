@@ -1,5 +1,5 @@
-// The view of a motion: the space that the motion needs, and the walls near it. `view.py` does the same for pictures and
-// films, and has the constants.
+// The view of a motion: the space that the motion needs, with the walls near it. `view.py` does the same for pictures and films, and has
+// the constants.
 
 import { endsOf } from "../base/range.js";
 import { freeRegionWithin } from "./free_region.js";
@@ -20,7 +20,9 @@ function pinLines(x, y, points) {
   return VIEW.PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/** Return the corners of the free region between the walls if it ends on all sides within ROOM of the motion; else an empty list. */
+/**
+ * Return the corners of the free region between the walls, if this region ends on all sides within ROOM of the motion; else an empty list.
+ */
 function enclosureOf(walls, [low, high], width) {
   const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];
   const { corners } = freeRegionWithin(walls, around);
@@ -48,7 +50,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + travels[axis][end])));
   const enclosure = enclosureOf(walls, reach, width);
   const corners = [...reach, ...pins, ...enclosure];
-  const open = [[1, 1], [1, 1]]; // 1 for open space, 0 for a wall: to the left and below, to the right and above
+  const open = [[1, 1], [1, 1]]; // 1 stands for open space and 0 for a wall: to the left and below, to the right and above
   for (const { normal, offset } of Object.values(walls)) {
     if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);

@@ -19,11 +19,11 @@ export class Changes {
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.names = new Map(scene.parameters.flatMap(({ name, filePath }) => (filePath ? [[pathText(filePath), name]] : [])));
-    this.values = {}; // the changed values: name → number
-    this.inputSteps = {}; // inputs changed while the motion played: name → pairs of a time [s] and the value from this time on
+    this.values = {}; // the changed values, by name, as numbers
+    this.inputSteps = {}; // inputs that were changed while the motion played: name → pairs of a time [s] and the value from this time on
   }
 
-  /** Use another scene; keep the changes `from` an earlier scene whose parameters this scene has, too. */
+  /** Use another scene; changes `from` an earlier scene are kept if this scene has their parameters. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
@@ -32,7 +32,7 @@ export class Changes {
     this.replace(this.with(values), inputSteps);
   }
 
-  /** Add a listener that is called when another scene is opened, before listeners for its values are called. */
+  /** Add a listener that is called when another scene is opened; it is called before the listeners for values. */
   onOpen(opener) {
     this.#openers.push(opener);
   }
@@ -46,8 +46,8 @@ export class Changes {
   }
 
   /**
-   * Return the value of `name` with the changes `values`: the changed value; else, if the parameter follows from
-   * others, the value that follows from theirs; else the scene's value.
+   * Return the value of `name` with the changes `values`: the changed value itself; without it, the value that follows from other
+   * parameters; if it does not follow from others, the scene's value.
    */
   valueOf(name, values = this.values) {
     const { derived } = this.parameters.get(name) ?? {};
@@ -64,7 +64,7 @@ export class Changes {
     return name in this.values || name in this.inputSteps;
   }
 
-  /** Return the number for a text or the name of a choice; an error says which values are allowed. */
+  /** Return the number for a text or for the name of a choice; an error names the allowed values. */
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
     if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
@@ -84,7 +84,7 @@ export class Changes {
   }
 
   /**
-   * Return the checked changes: `from`, with the changes `given` added. A value that equals the scene's value is not a change, unless
+   * Return the changes `from`, with the changes `given` added, after a check. A value that equals the scene's value is not a change, unless
    * the scene derives the value: the change then fixes the value.
    */
   with(given, from = this.values) {
@@ -98,7 +98,7 @@ export class Changes {
     return values;
   }
 
-  /** Refuse values that are each valid, but not together, as the scene does. */
+  /** Refuse values that are valid alone but not together, as the scene does. */
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
@@ -106,7 +106,7 @@ export class Changes {
     keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
   }
 
-  /** Change some values: name → number, text, or the name of a choice. An input has this value all the time then. */
+  /** Change some values: name → number, text, or the name of a choice. An input then has its value at all times. */
   set(given) {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
@@ -127,7 +127,7 @@ export class Changes {
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Return the changes as in a command or a link: name and text; for a choice, its name. */
+  /** Return the changes in the form for a command or a link: pairs of a name and a text; for a choice, the text is its name. */
   texts(values = this.values) {
     return Object.entries(values).map(([name, value]) => {
       const { items } = this.parameters.get(name);

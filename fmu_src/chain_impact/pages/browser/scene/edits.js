@@ -14,10 +14,13 @@ export function setOfLink(file, k, key, value) {
   const link = file.chain.links[k];
   setOrRemove(link, key, value);
   if (key === "height") setOrRemove(link, "shape", value === undefined ? undefined : "box");
-  if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed with the last stop
+  if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed together with the last stop
 }
 
-/** Return a point of a link by its index among the points; the first points are the corners of a box, which a scene file leaves out. */
+/**
+ * Return a point of a link by its index among all points of the link; the first points of a box are its corners, which a scene file leaves
+ * out.
+ */
 export function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];
 }
@@ -68,7 +71,8 @@ function keepPoints(file) {
 export function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
   links.push(structuredClone(links.at(-1)));
-  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]); // stops of link 1 are angles from +x, of link 2 from link 1
+  // the stops of the new link are deleted, because those of link 1 are angles from +x, but those of link 2 are relative to link 1
+  if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]);
   [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
   if (contact.points?.includes(tip)) contact.points.push(tip + 1);
 }
@@ -76,9 +80,9 @@ export function addLink({ chain: { links }, initial, contact }) {
 export function removeLink(file, k) {
   [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
   const { links } = file.chain;
-  // the link that is the first one now has no stop, because its stops were relative to the removed link
+  // the link that becomes the first one has no stop, because its stops were relative to the removed link
   STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
-  // the two ends of the removed link become one point
+  // the two ends of the removed link become a single point
   const points = file.contact.points?.map((point) => (point > k ? point - 1 : point));
   file.contact.points &&= [...new Set(points)];
   keepPoints(file);

@@ -1,13 +1,13 @@
 // The geometry of a scene for given values of its parameters: walls, points of links, names of stops.
 
 /**
- * NORMALS: wall of the box → its inward normal. STOPS: the stops of a joint, as keys of a link and as names among the walls.
- * SLIDER_STOPS: stop of a slider, as a name among the walls → its key.
+ * NORMALS: wall of the box → its inward normal. STOPS: the stops of a joint, whose names are keys of a link and names among the walls.
+ * SLIDER_STOPS: name of a slider's stop among the walls → its key.
  */
 export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
 /** The names of the walls of the box, in the order of their numbers. */
 export const BOX_WALLS = Object.keys(NORMALS);
-/** The corners of a box, in the order of their numbers: along the link and to its left, as fractions of length and height. */
+/** The corners of a box, in the order of their numbers: positions along the link and to its left, as fractions of length and height. */
 export const { CORNERS } = SHARED.file;
 
 /** Return the coordinates [m] of a corner of a box by its number, from 1: along the link, and to its left. */
@@ -17,8 +17,8 @@ export function cornerOf(number, length, height) {
 }
 
 /**
- * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box are
- * computed from the box.
+ * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box follow from its length
+ * and height.
  */
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;
@@ -26,7 +26,7 @@ export function discOf({ link, entry, corner }, valueOf) {
   return [...cornerOf(corner, valueOf(`${of}.length`), valueOf(`${of}.height`)), valueOf("contact.radius")];
 }
 
-/** Return a derived value: the sum of products of some values, divided by a number. */
+/** Return the value of a default that follows from others: a sum of products of values, divided by a number. */
 export function sumOf({ terms, divisor }, valueOf) {
   const products = terms.map((factors) => factors.reduce((product, factor) => product * valueOf(factor), 1) / divisor);
   return products.reduce((sum, term) => sum + term, 0);
@@ -37,7 +37,7 @@ export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
 }
 
-/** Return the inward normal of a wall: of the box by its name, of another wall by its angle [rad]. */
+/** Return the inward normal of a wall: a wall of the box is given by its name, another wall by its angle [rad]. */
 export function normalOf(name, angle) {
   return NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
 }

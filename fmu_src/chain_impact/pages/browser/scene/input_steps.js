@@ -1,15 +1,15 @@
-// Inputs that the reader changed while the motion played: in a link, and as signals of a scene.
+// Inputs that the reader changed while the motion played: as parts of a link, and as signals of a scene.
 
 import { numberText } from "../base/format.js";
 
-const MARK = "@"; // stands behind the name of an input with steps in a link
+const MARK = "@"; // the mark after the name of an input with steps in a link
 
 /** Return the inputs with steps as parts of a link: pairs of a name and a text, such as 0.5:2,1:3 for times and values. */
 export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
-/** Return the inputs with steps in the parts of a link, and the other parts. An error says what is allowed. */
+/** Return the inputs with steps in the parts of a link, and the other parts. An error names the allowed form. */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];
   for (const [key, text] of Object.entries(texts)) {
@@ -24,7 +24,7 @@ export function inputStepsIn(texts, changes) {
   return { others, inputSteps };
 }
 
-/** Return the pairs of a time and a value in the text of an input. */
+/** Return the pairs of a time and a value that the text of an input contains. */
 function stepsOf(name, text, changes) {
   const steps = text.split(",").map((step) => step.split(":"));
   const refused = steps.find(([time, value, ...more], k) => {

@@ -1,4 +1,4 @@
-// The model of a scene for the page: its variables and its record, from the contents of its file and the templates of
+// The model of a scene for the page: its variables and its record. They are made from the contents of the scene's file and the templates of
 // `kit.py`.
 
 import { mapped } from "../base/mapped.js";
@@ -9,7 +9,7 @@ import { filled, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
-/** Return all values of `rows` in a file: name → number, path in the file (`steps`), and the rule if the value is derived. */
+/** Return all values for `rows` in a file: name → the number, the path in the file (`steps`), and the rule if the value is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
   for (const { name, path, owner, rule, items, has } of rows) {
@@ -59,13 +59,13 @@ function parametersOf(rows, others, values, { known }, byName) {
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const index = word ? wordIndex(given && known[givenIf] ? given : word, known, owner.at) : -1;
-    // in a signal's row the unit "1" stands for the unit of the input that the signal drives
+    // in a row for signals the unit "1" stands for the unit of the input that the signal drives
     const unit = row.unit === "1" && owner.input ? byName.get(owner.input).unit : row.unit;
     return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
   });
 }
 
-/** Return the words for the parts that a fault can name, in the order of `parts_in_words` in Python. */
+/** Return the words for the parts that can be the reason of a fault, in the order of `parts_in_words` in Python. */
 function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
@@ -78,7 +78,7 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
   ];
 }
 
-/** Return the model of a scene; `command` are the words after `chain-impact simulate` that repeat a run. */
+/** Return the model of a scene; `command` are the words after `chain-impact simulate` in the command that repeats a run. */
 export function describe(kit, file, command) {
   const structure = structureOf(file, kit);
   const { stops, wallNames, existingWalls, known, sites } = structure;

@@ -1,5 +1,5 @@
-// The structure of a scene: its facts and lists, and the conditions, counts and owners of variables that follow from them by the
-// tables of `facts.py` and `owners.py`.
+// The structure of a scene: its facts and lists, and the conditions, counts and owners of variables, which follow from these by the tables
+// of `facts.py` and `owners.py`.
 
 import { mapped } from "../base/mapped.js";
 import { inFile } from "../base/paths.js";
@@ -8,7 +8,7 @@ import { holds, membersIn, numberIn, valuesOfMembers } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
-/** Return the structure of a scene, as `structure.py`, and the parts of the scene from which it follows. */
+/** Return the structure of a scene, as in `structure.py`, with the parts of the scene from which it follows. */
 export function structureOf(file, kit) {
   const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
@@ -21,7 +21,7 @@ export function structureOf(file, kit) {
   return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
 }
 
-/** Return the function that returns the value of a name in the rules of `owners.py`, as `values_of` there. */
+/** Return the function from a name in the rules of `owners.py` to its value, as `values_of` in that file does. */
 export function valuesOfScene(file, lists, known) {
   return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
 }
@@ -56,7 +56,7 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
   return lists;
 }
 
-/** Return the values of a table under their dotted keys; a list of names counts as its length. */
+/** Return the values of a table under their dotted keys; a list of names is replaced by its length. */
 function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
@@ -93,7 +93,7 @@ export function filled(text, { n, of, name }) {
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
 
-/** Return all rows of the groups for each owner of the group's kind; `has`: whether the owner meets the row's conditions. */
+/** Return the rows of all groups for each owner of the group's kind; `has` returns whether the owner meets a row's conditions. */
 export function rowsOfOwners(groups, { owners, known }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...known, ...owner };

@@ -1,16 +1,16 @@
-// The record of a scene, from which the kernel begins: its size, the indices of its words, and its contents.
+// The record of a scene, with which the kernel begins: its size, the indices of its words, and its contents.
 
 import { valuesOfScene } from "./owners.js";
 import { numberIn, valuesOfMembers } from "./rules.js";
 import { putSignals } from "./signals.js";
 
-/** Return the index of a word in a record of these sizes: a constant, and a slope for each count and for the index. */
+/** Return the index of a word in a record of some sizes: a constant, plus multiples of each count and of the index of the owner. */
 export function wordIndex([constant, ...slopes], sizes, index = 0) {
   const counts = SHARED.record.COUNTS.map((name) => sizes[name]);
   return [...counts, index].reduce((sum, count, k) => sum + slopes[k] * count, constant);
 }
 
-/** Return the indices of all words of nested tables in a record of these sizes. */
+/** Return the indices of all words in nested tables, in a record of some sizes. */
 export function wordIndices(words, sizes) {
   if (Array.isArray(words)) return wordIndex(words, sizes);
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));
@@ -22,8 +22,8 @@ function actingOf({ acts: [number, index], owner: { at } }) {
 }
 
 /**
- * Return the record of the scene, not initialized; `driven` are its driven inputs with their outputs, and `byName` its inputs, with
- * or without a signal.
+ * Return the record of the scene, not yet initialized; `driven` are its driven inputs with their outputs, and `byName` its inputs, with or
+ * without a signal.
  */
 export function recordOf(kit, structure, driven, rows, values, byName) {
   const { file, known, lists, mayTouch } = structure;

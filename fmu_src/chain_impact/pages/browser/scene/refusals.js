@@ -1,9 +1,9 @@
-// The sentences and rules with which the page refuses the contents of a scene file: those of Python, in `refusals.py`.
+// The sentences and rules with which the page refuses contents of a scene file; they are those of Python, in `refusals.py`.
 
 import { inFile, pathText } from "../base/paths.js";
 import { holds, numberIn } from "./rules.js";
 
-/** Return a value for a message, written as in Python's messages; numbers may be written otherwise (1 for 1.0). */
+/** Return a value as text for a message, in the form of Python's messages; some numbers have another form (1 for 1.0). */
 export function shown(value) {
   const text = written(value);
   return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}...` : text;
@@ -38,7 +38,7 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
 }
 
 /**
- * Refuse the first value of a file that does not go together with others; `valueAt` and `textAt` return the value at a path of the
+ * Refuse the first value of a file that does not go together with other values; `valueAt` and `textAt` return the value at a path of the
  * file, and its text.
  */
 export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) => inFile(file, path), textAt = pathText) {
@@ -59,12 +59,14 @@ export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) 
   }
 }
 
-/** Return the path of each table with properties of a contact law, and the function that returns its values and those of the law. */
+/**
+ * Return the path of each table with properties of a contact law, and the function that returns its values and the properties of the law.
+ */
 function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
   const table = (path, law, otherwise) => [path, (key) =>
     (key.startsWith("law.") ? SHARED.laws[law]?.[key.slice(4)] : valueAt([...path, key]) ?? otherwise(key, path))];
-  // a wall with its own sliding friction has no static friction by default
+  // a wall with its own sliding friction has a static friction of 0 by default
   const ofWall = (key, path) => {
     if (!key.endsWith("friction")) return undefined;
     return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;

@@ -1,4 +1,4 @@
-// The rules of `scene/rules.py`, which Python parses: here their trees are evaluated as there.
+// The rules of `scene/rules.py`. Python parses the rules to trees; the page evaluates the trees in the same way as Python.
 
 import { range } from "../base/range.js";
 
@@ -13,7 +13,7 @@ const COMPARISONS = {
   ">=": (a, b) => a >= b,
 };
 
-/** Return the value of a part of a rule, of a condition 0 or 1; null if it is missing. */
+/** Return the value of a part of a rule; a condition gives 0 or 1, a missing value null. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? numbered(valueOf(name)) : constant;
   if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
@@ -27,7 +27,9 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
   return numbered((ARITHMETIC[operator] ?? COMPARISONS[operator])(counted(first), counted(second)));
 }
 
-/** Return whether a part of a rule holds for any member, or its sum over all members; `members`: from `valuesOfMembers`. */
+/**
+ * Return the value of any(…) or sum(…): whether a rule holds for any member, or a sum over all members; `members`: from `valuesOfMembers`.
+ */
 function ofMembers(operator, members, of) {
   if (operator === "any") return numbered(members.some((valueOf) => holds(of, valueOf)));
   const values = members.map((valueOf) => valueIn(of, valueOf));
@@ -52,7 +54,7 @@ function isSo(value) {
   return typeof value === "object" && value !== null ? Object.keys(value).length > 0 : Boolean(value);
 }
 
-/** Return whether a rule holds; `valueOf` returns the value of a name. */
+/** Return whether a rule holds; `valueOf` returns the value for a name. */
 export function holds(rule, valueOf) {
   return isSo(valueIn(rule, valueOf));
 }
@@ -62,15 +64,15 @@ export function numberIn(rule, valueOf) {
   return counted(valueIn(rule, valueOf));
 }
 
-/** Return the members of the list that a rule stands for; for a number, as many members without values. */
+/** Return the members of the list that a rule stands for; if the rule stands for a number, as many members without values. */
 export function membersIn(rule, valueOf) {
   const value = valueIn(rule, valueOf);
   return typeof value === "number" ? range(value).map(() => ({})) : listed(value);
 }
 
 /**
- * Return for each member of the list that a rule stands for the function that returns the value of a name: `order`, a value of the
- * member, or else that of `valueOf`. A member of a list in the file has all keys of its table, even those that the file leaves out.
+ * Return, for each member of the list that a rule stands for, a function from a name to its value: `order`, a value of the member or, for
+ * other names, the result of `valueOf`. A member of a list in the file has all keys of its table, even those that the file leaves out.
  */
 export function valuesOfMembers(rule, valueOf) {
   const isInFile = rule.name?.includes(".");

@@ -1,5 +1,5 @@
-// The contents of a scene file, completed and checked by the rules of the keys in `kit.py` and by rules for several values. The kernel
-// refuses further values that are valid alone but not together.
+// The contents of a scene file, completed and checked by the rules of the keys in `kit.py`, and by rules for several values together. The
+// kernel refuses further values that are valid alone but not together.
 
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
@@ -61,7 +61,7 @@ class ContentsReader {
     return value;
   }
 
-  /** Return the rule of a key; if its values have the unit of a signal's input, with the unit of the first of its inputs. */
+  /** Return the rule of a key. If its values have the unit of a signal's input, the rule gets the unit of the signal's first input. */
   #inUnitOf(names, rule) {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
     if (!rule.hasUnitOfInput) return rule;
@@ -92,7 +92,7 @@ class ContentsReader {
     return given.map(read);
   }
 
-  /** Return one entry for each of the equal links of a `count`. */
+  /** Return an entry for each of the equal links for which an entry with a `count` stands. */
   #repeated(links) {
     const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
     const [, most] = this.keys.chain.keys.links.entries;
@@ -102,7 +102,7 @@ class ContentsReader {
   }
 }
 
-/** Return the contents of a scene file from its text; an error names the line. */
+/** Return the contents of a scene file from its text; an error names the wrong line. */
 export function contentsIn(text) {
   try {
     return TOML.parse(text.replace(/^\ufeff/, ""));
@@ -111,7 +111,7 @@ export function contentsIn(text) {
   }
 }
 
-/** Return the stops that a scene has, as pairs: number of the joint, from 1, and key of the stop in its link, as joint_min. */
+/** Return the stops of a scene as pairs: the number of the joint, from 1, and the key of the stop in its link, such as joint_min. */
 export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
@@ -139,8 +139,8 @@ export function movablePoints({ chain: { base, links } }) {
 const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
 
 /**
- * Return the numbers of the points that may touch walls: the ends of links that the file lists, by default those that can move, and
- * the points of links, except at a pinned base.
+ * Return the numbers of the points that may touch walls: the ends of links that the file lists (by default the ends that can move), and the
+ * points of links except a point at a pinned base.
  */
 export function touchingPoints(file) {
   const { chain: { base, links }, contact } = file;
@@ -162,8 +162,8 @@ export function pairsOf(file) {
 }
 
 /**
- * Return the contents of a scene file with every default, with each link as one entry, and with all angles absolute and in
- * radians; derived values are left out. An error says which key is wrong.
+ * Return the contents of a scene file with every default, with each link as one entry, and with all angles absolute and in radians; derived
+ * values are left out. An error names the wrong key.
  */
 export function complete(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
@@ -181,7 +181,7 @@ export function complete(data, kit) {
   return file;
 }
 
-/** Return the index of the entry of the file that stands for a link, by the index of the link. */
+/** Return the index of the entry in the file that stands for a link, from the index of the link. */
 function fileEntryOf(link, { chain: { links } }) {
   let last = -1;
   return links.findIndex(({ count = 1 }) => (last += count) >= link);
@@ -189,7 +189,7 @@ function fileEntryOf(link, { chain: { links } }) {
 
 /** Add defaults that follow from other values; refuse values that are each valid, but not together. */
 function completeAll(file, data, kit) {
-  // in the order of Python, so that both refuse a file for the same fault
+  // the checks are in the order of Python, so that both languages refuse a file for the same fault
   setWallAngles(file);
   setBodies(file, data);
   setAngles(file);
@@ -271,7 +271,7 @@ function checkMaterials(file) {
 function checkContents(file) {
   const { contact, inputs, chain, walls } = file;
   const movable = movablePoints(file);
-  contact.points?.sort((a, b) => a - b); // the order of points has no meaning
+  contact.points?.sort((a, b) => a - b); // the points are sorted, because their order has no meaning
   const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
   if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
   keepFileRules(file);

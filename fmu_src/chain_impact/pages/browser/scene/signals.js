@@ -45,7 +45,7 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
-/** Refuse a signal that cannot drive an input; `order`: how many times the input is integrated, `moves`: whether it is a motion. */
+/** Refuse a signal that cannot drive an input; `order` is the number of integrations of the input, and `moves` whether it is a motion. */
 function checkMotion(what, input, signal, order, moves) {
   const speed = Math.abs(signal.amplitude * signal.frequency);
   const facts = {
@@ -57,7 +57,7 @@ function checkMotion(what, input, signal, order, moves) {
   keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }
 
-/** Return the driven inputs in the order of their rows in the record, each with its first knot and its number of knots. */
+/** Return the driven inputs in the order of their rows in the record, each with the index of its first knot and its number of knots. */
 export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,
@@ -115,14 +115,14 @@ export function withOutputs(driven, inputs, signals) {
 }
 
 /**
- * Return the driven quantities: name of an input, of its integral or derivative → row of its signal, and order of the
+ * Return the driven quantities: name of an input, of its integral or its derivative → the row of the signal, and the order of the
  * derivative.
  */
 export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** Put the signals into a new record: `put` gets the name of a field, a value and an index. */
+/** Put the signals into a new record: `put` is a function of the name of a field, a value and an index. */
 export function putSignals(driven, tables, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);

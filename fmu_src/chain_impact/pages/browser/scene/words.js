@@ -1,6 +1,6 @@
-// The words for inputs, parameters and the numbers of signals, in place of their names.
+// The words for inputs, parameters and numbers of signals, which the page shows in place of their names.
 
-// the quantities of a base by the first letter of their names: x, vx, ax
+// the words for the quantities of a base, by the beginning of their names: x, vx, ax
 const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
 
 /** Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle. */
@@ -26,7 +26,7 @@ export function parameterText(name) {
   return words[0].toUpperCase() + words.slice(1);
 }
 
-/** Return words for a key and its owners, from the first one: "friction of wall ramp", "initial angle of link 1". */
+/** Return words for a key and its owners: "friction of wall ramp", "initial angle of link 1". */
 function partsText(head, others, key) {
   const spaced = key.replaceAll("_", " ");
   if (head === "initial") return `initial ${spaced.replace(/\[(\d+)\]$/, " of link $1")}`;

@@ -5,7 +5,7 @@ import { discOf } from "../scene/geometry.js";
 
 const { CARRIAGE, CIRCLE_CORNERS, FREE_END, STOP_MARK } = SHARED.bodies;
 
-/** Return the part of a hull from the first of sorted points to the last point, which is left out (Andrew, 1979). */
+/** Return one half of a convex hull, from the first of sorted points to the last point, which is left out (Andrew, 1979). */
 function halfHull(points) {
   const hull = [];
   for (const [x, y] of points) {
@@ -43,8 +43,8 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
 }
 
 /**
- * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is half a carriage
- * beyond the last position of the base.
+ * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop lies half a carriage beyond
+ * the last position that the base can reach.
  */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");

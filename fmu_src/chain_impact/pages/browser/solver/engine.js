@@ -1,13 +1,13 @@
-// The part of the page that sends requests to the worker.
+// The engine: the part of the page that sends requests to a worker.
 
 export class Engine {
   #number = 0; // number of the newest request
-  #waiting = new Map(); // number of a request → functions for its result, error and progress
+  #waiting = new Map(); // table from the number of a request to the functions for its result, its error and its progress
   #sceneSent; // a promise that is fulfilled when the scene has been sent to the worker
   #fault; // the error with which the worker has ended, if any
   #ended = false;
 
-  /** A worker that runs the program at an address; `compiled` is a promise of the compiled kernel, which all workers share. */
+  /** Start a worker that runs the program at an address; `compiled` is a promise of the compiled kernel, which all workers share. */
   constructor(address, compiled) {
     this.compiled = compiled;
     this.worker = new Worker(address);
@@ -37,7 +37,7 @@ export class Engine {
     });
   }
 
-  /** End the worker; open requests get no result. */
+  /** End the worker; requests that are not answered get no result. */
   end() {
     this.#ended = true;
     this.worker.terminate();

@@ -3,10 +3,10 @@
 
 const { WORD } = SHARED.record; // [bytes] size of a word
 const ROWS = 256; // number of rows of outputs that the kernel fills in one call
-const RUNS = 41; // number of runs of a study in one call
+const RUNS = 41; // number of runs of a study that the kernel computes in one call
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
-/** Return the next multiple of 64 bytes. */
+/** Return the next multiple of 64 bytes, to which addresses are aligned. */
 function aligned(address) {
   return (address + 63) & ~63;
 }
@@ -19,7 +19,7 @@ export function rowTimes(stop, step) {
   return times;
 }
 
-/** Return spans of consecutive words in one list: for each span its first word, and its number of words. */
+/** Return spans of consecutive words as one list: the first word and the number of words of each span. */
 function wordSpans(outputs) {
   const spans = [];
   for (const { word } of outputs) {
@@ -30,7 +30,7 @@ function wordSpans(outputs) {
   return spans.flat().map(BigInt);
 }
 
-/** The functions that a user's law may ask for. */
+/** The functions that a user's law may call. */
 const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
 
 export class Kernel {
@@ -62,7 +62,7 @@ export class Kernel {
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
   }
 
-  /** Return addresses after the record for arrays of some numbers of words. */
+  /** Return addresses, after the record, for arrays of some numbers of words. */
   #allocate(sizes) {
     const addresses = sizes.reduce((all, size) => [...all, aligned(all.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(addresses.at(-1));
@@ -73,7 +73,7 @@ export class Kernel {
     return Number(this.integers[this.scene.layout.status]);
   }
 
-  /** Write the scene's record, not initialized, with some parameters changed: name → number. */
+  /** Write the scene's record, not yet initialized, with some parameters changed: name → number. */
   #write(values) {
     this.bytes.set(this.start);
     for (const [name, value] of Object.entries(values)) {
@@ -84,7 +84,7 @@ export class Kernel {
     }
   }
 
-  /** Set the scene's start with some parameters changed. */
+  /** Initialize the scene's record with some parameters changed. */
   initialize(values) {
     this.#write(values);
     this.exports.initialize(this.record, 0);
@@ -184,7 +184,7 @@ export class Kernel {
     return new Float64Array(buffer, results, runs * width).slice();
   }
 
-  /** Collect the finished contacts from the log; the oldest contacts are lost if they were not collected in time. */
+  /** Collect the ended contacts from the log; the oldest contacts are lost if they are not collected in time. */
   #collectFinished() {
     const { contactLog, changes } = this.scene.layout;
     const ended = Number(this.integers[contactLog.count]);
@@ -194,7 +194,7 @@ export class Kernel {
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
-  /** Return `count` rows of the log of contacts; `rowOf` returns the row of an index. */
+  /** Return `count` rows of the log of contacts; `rowOf` maps an index from 0 to the row in the log. */
   #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };

@@ -1,5 +1,5 @@
-// A motion for the player, from two runs of the kernel, and a third run if outputs are chosen. The first run finds the impacts, the second
-// run has rows at the frames, which are dense where the motion is shown slowly. Rows do not change the solution.
+// A motion for the player, from two runs of the kernel, and a third run if outputs are chosen. The first run finds the impacts. The second
+// run has rows at the frames, which are dense where the motion is shown slowly; the rows do not change the solution.
 
 import { mapped } from "../base/mapped.js";
 import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
@@ -10,12 +10,12 @@ import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
 
-const PARTS = 100; // number of parts of the first run, between which the run can be stopped
+const PARTS = 100; // number of parts of the first run; between two parts the run can be stopped
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
-// largest number of impacts with additional rows of chosen outputs, and number of these rows
+// largest number of impacts that get additional rows for chosen outputs, and number of these rows in an impact
 const { FOLLOWED, WITHIN } = SHARED.curves;
-const FEW_FRAMES = 20; // number of frames in an impact below which additional rows show the course of the force
+const FEW_FRAMES = 20; // with fewer frames in an impact than this, additional rows show the course of its force
 
 /** Return the impacts of a run in the form of a recording. */
 function impactsOf(impacts, scene, valueOf) {
@@ -62,13 +62,13 @@ function interleaved(each) {
   return rows;
 }
 
-/** Return the words of the record that the page draws. */
+/** Return the words of the record that the page needs for its drawing. */
 function drawnWords({ drawn: { points, groups }, moved }) {
   const entries = Object.values(groups).flat();
   return [...moved.map(({ word }) => word), ...points.flat(), ...entries.flatMap(({ words }) => Object.values(words))];
 }
 
-/** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record. */
+/** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record in all rows. */
 function rowsOf(scene, valueOf, { time, impacts, column }) {
   const { drawn: { points, groups }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -157,14 +157,14 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
-/** Return inputs with steps as a run of the kernel needs them: one step after the other, in the order of time. */
+/** Return inputs with steps in the form for a run of the kernel: one step after the other, in the order of time. */
 export function stepsForKernel(kernel, inputSteps) {
   const all = Object.entries(inputSteps).flatMap(([name, pairs]) =>
     pairs.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return times with additional times within impacts, because an impact may lie between two times. */
+/** Return times, with additional times within impacts, because a whole impact may lie between two times. */
 function withImpacts(times, impacts) {
   const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
@@ -173,7 +173,7 @@ function withImpacts(times, impacts) {
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
-/** Return the number of frames per second on the screen, enough to show the sines that drive inputs. */
+/** Return a number of frames per second on the screen that is enough to show the sines that drive inputs. */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {
     const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
@@ -184,8 +184,8 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Return increasing times from 0 to the end, one in each of equal intervals, at uneven positions in the interval: with even
- * times a fast oscillation could look like a slow one, or like none.
+ * Return increasing times from 0 to the end, one in each of equal intervals, at uneven positions in the interval: at equal distances in
+ * time, a fast oscillation could look like a slow one, or like none.
  */
 function unevenTimes(stop, count) {
   const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
@@ -193,7 +193,7 @@ function unevenTimes(stop, count) {
   return times;
 }
 
-/** Advance one of several runs, and yield the finished fraction of all runs. */
+/** Advance one of several runs, and yield the finished fraction of all runs together. */
 function* withProgress(run, number, runs) {
   let step = run.next();
   while (!step.done) {

@@ -1,4 +1,4 @@
-// The worker, which runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
+// The worker: it runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { Kernel, rowTimes } from "./kernel.js";
 import { motion, stepsForKernel } from "./motion.js";
@@ -6,7 +6,7 @@ import { motion, stepsForKernel } from "./motion.js";
 const MOST_BYTES = 500e6; // [byte] largest size of a table
 const MESSAGE_INTERVAL = 15; // [ms] computing time after which the worker looks for messages
 
-/** Let the browser deliver messages. */
+/** Let the browser deliver the messages that wait. */
 function pause() {
   return new Promise((go) => {
     const { port1, port2 } = new MessageChannel();
@@ -41,10 +41,10 @@ function columnsOf({ time, columns = {}, rows: runs }) {
 }
 
 const KINDS = { motion, rows, study };
-const newest = {}; // kind → number of the newest request; older requests with `replaces` are given up
-const kernels = {}; // kind → promise of a separate kernel for this kind, because runs of several kinds take turns
-const queues = {}; // kind → promise of the end of the request before
-let loaded; // the scene and the compiled module
+const newest = {}; // kind of request → number of its newest request; older requests that can be replaced (`replaces`) are given up
+const kernels = {}; // kind of request → promise of a kernel of its own, because runs of several kinds take turns
+const queues = {}; // kind of request → promise of the end of the request before
+let loaded; // the scene and the compiled module, once they are loaded
 
 async function answer({ kind, number, values, options }) {
   kernels[kind] ??= Kernel.load(loaded.module, loaded.scene);

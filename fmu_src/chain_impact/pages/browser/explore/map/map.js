@@ -13,7 +13,8 @@ import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
 
 const POINTS = 41; // number of points in each direction
 const COARSE = 9; // number of points of the preview in each direction
-const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"]; // the map opens with the first that the scene has
+// outputs that the map shows at first: the first one that the scene has
+const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
 const WORKERS = 8; // largest number of workers
 
 /** Return whether a parameter has a logarithmic axis, as its slider is logarithmic. */
@@ -22,8 +23,9 @@ function isLogarithmic(name) {
 }
 
 /**
- * Return the first and the last value of an axis, within the allowed values: a tenth of the present value and ten times it for a
- * logarithmic axis; 0.05 and 0.95 for a parameter between 0 and 1; else half the value below and above it, or −1 and 1 for 0.
+ * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
+ * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, half the value below and above it, or −1
+ * and 1 for a value of 0.
  */
 function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
@@ -32,7 +34,10 @@ function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return a list with the output of a name, empty if the scene has none; `words`: the map shows the largest of these. */
+/**
+ * Return a list with the output that has a name; the list is empty if the scene has no such output. `words`: the map shows the largest of
+ * several values.
+ */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
@@ -52,9 +57,9 @@ export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run at which a finger has pointed
   #chosen; // the run that the keyboard has chosen
-  #refuses = false; // whether the dialog's text tells why the fields are refused
+  #refuses = false; // whether the text of the dialog tells why the fields are refused
 
-  /** `begin` is a function that makes an engine. */
+  /** Make the map; `begin` is a function that makes an engine. */
   constructor(begin, changes) {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
@@ -77,7 +82,7 @@ export class GridMap {
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
-  /** Show the dialog, with ranges around the present values, unless the reader has changed the ranges. */
+  /** Show the dialog, with ranges around the present values unless the reader has changed the ranges. */
   open() {
     this.inputs.forEach(([, from, to], k) => {
       if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
@@ -87,7 +92,7 @@ export class GridMap {
     this.#preview();
   }
 
-  /** Show at once, with few runs, the map that a press of the button will show; a complete map stays. */
+  /** Show at once, from few runs, a preview of the map that a press of the button will show; a complete map stays. */
   #preview() {
     if (this.shown?.points !== POINTS) this.run(COARSE);
   }
@@ -105,8 +110,8 @@ export class GridMap {
   }
 
   /**
-   * Fill the lists with the parameters that a map can vary and the outputs that it can show, and choose usual ones; stop and
-   * remove the map of another scene.
+   * Fill the lists with the parameters that a map can vary and the outputs that it can show, and choose usual parameters and outputs; stop
+   * and remove the map of another scene.
    */
   #fill() {
     this.#stop();
@@ -129,13 +134,13 @@ export class GridMap {
     this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
   }
 
-  /** Return the words for a parameter, which its slider has, too. */
+  /** Return the words for a parameter, which are also those of its slider. */
   #wordsOf(name) {
     const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
     return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
-  /** Return the factor and the unit in which a parameter is shown, with the changed `values`. */
+  /** Return the factor and the unit with which a parameter is shown, for the changed `values`. */
   #unitOf(name, values) {
     const shown = shownIn(this.changes.parameters.get(name));
     return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name, values) } : shown;
@@ -180,7 +185,7 @@ export class GridMap {
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
     this.#stop();
-    if (this.#refuses) return; // keep the text: it refuses fields that were changed during the runs
+    if (this.#refuses) return; // the text stays, because it refuses fields that were changed during the runs
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
@@ -191,7 +196,7 @@ export class GridMap {
     this.#say(fault || (shown.rows === points ? done : stopped));
   }
 
-  /** Return the preview of a request if it is shown; undefined if the shown map is another one. */
+  /** Return the preview of a request if it is shown; undefined if another map is shown. */
   #coarseFor({ names, axes, values, output }) {
     const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values, map.output.name]);
     const isPreview = this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values, output });
@@ -202,7 +207,7 @@ export class GridMap {
     find("map-text").textContent = readable(text);
   }
 
-  /** Return the values of the fields: names, values along both axes, the other changes and the output. */
+  /** Return the contents of the fields: the names, the values along both axes, the other changes and the output. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
@@ -222,7 +227,7 @@ export class GridMap {
     return this.changes.numberOf(name, isShown ? Number(text) / factor : text);
   }
 
-  /** Simulate the rows of a map, each in the next free worker; there is a worker for each processor, up to WORKERS. */
+  /** Simulate the rows of a map, each row in the next free worker; there are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
@@ -247,7 +252,7 @@ export class GridMap {
     this.#engines = [];
   }
 
-  /** Store the outputs of a row's runs; null, and the reason, for a run that fails, or whose values the scene refuses. */
+  /** Store the outputs of the runs in a row; for a run that fails, or whose values the scene refuses, store null and the reason. */
   #store(rows, row) {
     const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
@@ -270,7 +275,7 @@ export class GridMap {
     return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
-  /** Return why the scene refuses the values of a run; "" if it does not. */
+  /** Return the reason why the scene refuses the values of a run; "" if the values are allowed. */
   #refusalOf(index) {
     try {
       this.changes.with(this.#valuesAt(index), this.shown.values);
@@ -296,13 +301,13 @@ export class GridMap {
     this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
 
-  /** Return whether the present parameters differ from the map's only in its two parameters; false if inputs have steps. */
+  /** Return whether the present parameters differ from those of the map only in the map's two parameters; false if inputs have steps. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
-  /** Return the runs as CSV: both parameters and the output. */
+  /** Return the runs as CSV, with a column for each of the two parameters and for the output. */
   #table() {
     const { names, output, results } = this.shown;
     const lines = Array.from(results, (value, index) => [...Object.values(this.#valuesAt(index)), value ?? ""].join(","));
@@ -318,7 +323,7 @@ export class GridMap {
     save(picture, `${this.changes.scene.name}-map.png`);
   }
 
-  /** Return the index of the run at a position on the canvas; undefined if there is none yet. */
+  /** Return the index of the run at a position on the canvas; undefined if there is no run yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;
@@ -357,7 +362,7 @@ export class GridMap {
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }
 
-  /** Return a value of a parameter with its unit, among the changed `values`; for an angle, also in degrees. */
+  /** Return a value of a parameter with its unit, for the changed `values`; an angle is also given in degrees. */
   #valueText(name, value, values) {
     const { factor, text } = this.#unitOf(name, values);
     const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
@@ -365,7 +370,7 @@ export class GridMap {
     return `${name} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
   }
 
-  /** Open a run; the first touch of a run with a finger only shows its values. */
+  /** Open a run; the first touch of a run with a finger only shows the run's values. */
   #choose(event) {
     const index = this.#runAt(event);
     if (index === undefined) return;

@@ -1,4 +1,4 @@
-// The colours of the map, as `map_colours.py` chooses them: where they end, and which are logarithmic or in steps.
+// The colours of the map, chosen as in `map_colours.py`: their ends, and whether they are logarithmic or in steps.
 
 import { axisScale } from "./map_scales.js";
 
@@ -22,7 +22,9 @@ function quantilesOf(values) {
   });
 }
 
-/** Return the values at the ends of the colours, for increasing values: the extremes, or quantiles if few values are far off. */
+/**
+ * Return the values at the ends of the colours, for increasing values: the extremes, or quantiles if a few values are far from the others.
+ */
 function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);
@@ -36,15 +38,16 @@ function colourEnds(values, isLogarithmic) {
 /** Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
-  const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3)); // up to 5e14
+  const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3)); // sizes of steps up to 5e14
   const size = sizes.find((width) => numbersOf(width)[1] - numbersOf(width)[0] < MOST_COLOURS);
   const [first, last] = numbersOf(size);
   return Array.from({ length: last - first + 2 }, (_, k) => size * (first + k) - 0.5);
 }
 
 /**
- * Return the scale of the colours for the outputs of a map, null without outputs: their `extremes`, the `ends` of the colours, whether
- * it `isLogarithmic`, the limits of its steps, `bins`, for counts that differ, and `shareOf`, the fraction of the scale for a value.
+ * Return the scale of the colours for the outputs of a map; null without outputs. The scale has the `extremes` of the outputs, the `ends`
+ * of the colours, `isLogarithmic`, `bins` (the limits of the steps, for counts that differ) and `shareOf`, the function from a value to a
+ * fraction of the scale.
  */
 export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);

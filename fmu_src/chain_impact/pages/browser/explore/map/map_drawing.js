@@ -6,10 +6,10 @@ import { colourAt, VIRIDIS } from "./map_colours.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
-const GAP = 8; // [pixels] least distance between these numbers
-const PALER = 150; // opacity, of 255, of runs that are not simulated yet
+const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
+const PALER = 150; // the opacity, from 0 to 255, of runs that are not simulated yet
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
-// [pixels] margins around the canvas, equal to those in the style sheet
+// [pixels] margins around the canvas, which the style sheet must have as well
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
 export class MapDrawing {
@@ -22,13 +22,16 @@ export class MapDrawing {
     this.scales.clear();
   }
 
-  /** Draw the runs of a map with the `scale` of its colours; paler the outputs `filled` in for runs that are not simulated yet. */
+  /**
+   * Draw the runs of a map with the `scale` of its colours; outputs that are only `filled` in for runs that are not simulated yet are
+   * paler.
+   */
   drawRuns({ results, points, scale }, filled) {
     const context = this.canvas.getContext("2d");
     const image = context.createImageData(points, points);
     filled.forEach((value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
-      if (value === undefined) return; // neither simulated nor filled: the ground is seen
+      if (value === undefined) return; // a run that is neither simulated nor filled in shows the ground
       const opacity = results[index] === undefined ? PALER : 255;
       const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), opacity] : [128, 128, 128, 60];
       image.data.set(colour, 4 * (row * points + column));
@@ -39,7 +42,7 @@ export class MapDrawing {
   /**
    * Draw the axes, the scale of the colours, and marks.
    *
-   * @param map words for and values of both axes, number of points along an axis, the output and the scale of its colours.
+   * @param map words and values for both axes, number of points along an axis, the output and the scale of its colours.
    * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
    * @param present the present values of both parameters; null if other parameters differ from the map's.
    * @param chosen the index of the run that the keyboard has chosen, if any.
@@ -85,7 +88,7 @@ export class MapDrawing {
     return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Draw the scale of the colours, with its numbers and its title, which tells the extremes beyond the ends of the colours. */
+  /** Draw the scale of the colours, with its numbers and its title; the title names the extremes beyond the ends of the colours. */
   #drawColours(left, top, width, output, scale) {
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));

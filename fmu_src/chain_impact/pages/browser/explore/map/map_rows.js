@@ -1,15 +1,16 @@
-// The rows of a map that grows: their order, from coarse to fine, and what stands for runs that are not simulated yet.
+// The rows of a map that grows: their order, from coarse to fine, and the outputs that are shown for runs that are not simulated yet.
 
-/** Return the numbers of the rows of a map in the order of their simulation: first rows that are far apart, then those between. */
+/** Return the numbers of the rows of a map in the order of their simulation: first rows that are far apart, then the rows between them. */
 export function rowOrder(points) {
   const largest = 2 ** Math.floor(Math.log2(Math.max(points - 1, 1)));
-  const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the row
+  const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the number of the row
   return Array.from({ length: points }, (_, row) => row).sort((a, b) => stepOf(b) - stepOf(a) || a - b);
 }
 
 /**
- * Return the outputs of a map with `points` along each axis, complete: a run that is not simulated yet has the output of the nearest run
- * of `coarse`, a map of the same fields with fewer points; without it, of the nearest row. undefined stands for none.
+ * Return the outputs of a map with `points` along each axis, without gaps. A run that is not simulated yet gets the output of the nearest
+ * run of `coarse`, a map of the same fields with fewer points or, without `coarse`, of the nearest row. An output that does not exist is
+ * undefined.
  */
 export function completed({ results, points, coarse }) {
   const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);
@@ -22,7 +23,7 @@ export function completed({ results, points, coarse }) {
   });
 }
 
-/** Return the output of a coarse map at fractions of its axes; undefined if it has none there. */
+/** Return the output of a coarse map at fractions of its axes; undefined if the map has no output there. */
 function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));

@@ -5,17 +5,17 @@ import { ticksBetween } from "../../base/ticks.js";
 
 const DEGREES = 180 / Math.PI;
 
-/** Return the factor and the unit in which a value is shown: degrees for an angle. */
+/** Return the factor and the unit with which a value is shown; an angle is shown in degrees. */
 export function shownIn({ unit }) {
   return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
 }
 
-/** Return a name with a unit. */
+/** Return a name with its unit. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
 }
 
-/** The quantities that a map can show: name in a scene or a sweep → title. */
+/** The quantities that a map can show: a table from the name in a scene or a sweep to the title. */
 const QUANTITIES = {
   "impact.count": "Number of impacts",
   "impact.last_time": "Time of the last impact",
@@ -27,14 +27,14 @@ const QUANTITIES = {
   "energy.total": "Energy at the end",
 };
 
-/** Return the title for the name of an output; the name itself if it has none. */
+/** Return the title for the name of an output, or the name itself if it has no title. */
 export function quantityOf(name) {
   return QUANTITIES[name] ?? name;
 }
 
 /**
- * Return the functions between a value on an axis and its share of the axis, from `first` to `last`: by powers of ten if
- * logarithmic.
+ * Return the two functions between a value on an axis and its fraction of the axis, from `first` to `last`; on a logarithmic axis, equal
+ * distances stand for equal factors.
  */
 export function axisScale(first, last, isLogarithmic) {
   const [to, from] = isLogarithmic ? [Math.log, Math.exp] : [Number, Number];
@@ -42,7 +42,7 @@ export function axisScale(first, last, isLogarithmic) {
   return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
 }
 
-/** Return the ticks of a logarithmic axis: powers of ten, with 2 and 5 times them if these are few; else even ticks. */
+/** Return the ticks of a logarithmic axis: powers of ten; if these are few, also 2 and 5 times them, or ticks at equal distances. */
 export function decadesBetween(low, high) {
   const first = Math.floor(Math.log10(low));
   const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, k) => first + k);
@@ -53,7 +53,7 @@ export function decadesBetween(low, high) {
   return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
-/** Return the unit in which a map shows its output, for the scale of its colours, and the factor to this unit. */
+/** Return the unit in which a map shows its output, for the scale of its colours, and the factor by which values convert to this unit. */
 export function scaledTo({ unit }, scale) {
   const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };

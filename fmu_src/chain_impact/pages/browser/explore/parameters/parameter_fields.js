@@ -1,4 +1,4 @@
-// The fields for values of parameters, with the reason why a value is refused, and with a button for the scene's value.
+// The fields for values of parameters: each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
@@ -15,20 +15,20 @@ export function attempt(field, change) {
   explain(field.closest(".main-parameter, .parameter"));
 }
 
-/** Return a new element for a row, which will show why a value is refused. */
+/** Return a new element for a row, in which the row can show why a value is refused. */
 export function refusal() {
   const message = make("p", { className: "refusal" });
   message.setAttribute("role", "alert");
   return message;
 }
 
-/** Show in a row why its value is refused; nothing if it is not. */
+/** Show in a row why its value is refused; show nothing if the value is allowed. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
 }
 
-/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law, among the changed `values`. */
+/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law, for the changed `values`. */
 export function presentUnit(changes, name, values = changes.values) {
   const { unit } = changes.parameters.get(name);
   return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);

@@ -1,12 +1,12 @@
-// The list of all parameters, which can be searched.
+// The list of all parameters, which the reader can search.
 
 import { make } from "../../base/dom.js";
 import { breakable, readable } from "../../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * Fill the list of all parameters when it is first opened; the field `search` leaves the parameters whose name and meaning contain
- * all its words.
+ * Fill the list of all parameters when it is first opened. The field `search` shows only the parameters whose name and meaning contain all
+ * of its words.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
@@ -46,7 +46,8 @@ function listRow(changes, parameter) {
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
       refresh();
-      unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name)); // a text has its own unit
+      // a text such as "90 deg" has its own unit
+      unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name));
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));
     },

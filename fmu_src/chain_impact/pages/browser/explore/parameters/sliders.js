@@ -7,8 +7,9 @@ import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * The main parameters, which have a slider or a choice: name, label, and the ends of the slider: `ends`, as powers of ten if
- * logarithmic, or from the start value: `decades` powers of ten below and above it, or 0 and `spread` times it.
+ * The main parameters, which have a slider or a choice. Each has a name, a label, and the ends of the slider. The ends are `ends` (powers
+ * of ten on a logarithmic slider), or they follow from the start value: `decades` powers of ten below and above it, or 0 and `spread` times
+ * it.
  */
 export const MAIN_PARAMETERS = [
   { name: "contact.model", label: "Contact law" },
@@ -23,10 +24,10 @@ export const MAIN_PARAMETERS = [
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // number of steps of a slider
-// keys of a signal that are 0 by default, and get a slider only if they are not 0
+// keys of a signal whose default is 0; they get a slider only if the signal has another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
-/** Return the functions between the position of a slider, from 0 to 1, and its value. */
+/** Return the two functions between the position of a slider, from 0 to 1, and its value. */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
     const middle = Math.log10(start);
@@ -40,28 +41,28 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
 }
 
-/** Return a value with as many digits as a slider can distinguish. */
+/** Return a value, rounded to the digits that a slider can distinguish. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** Return the label of a main parameter, with functions that return and show its unit. */
+/** Return the label of a main parameter, with a function that returns its unit and a function that shows the unit. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  // a line does not end before a number
+  // a space before a number at which a line does not end
   const textContent = words.replace(/ (?=\d)/g, "\u00a0");
   const label = make("label", { className: "main-parameter-label", textContent, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = (shown) => {
-    element.textContent = /deg/.test(shown) ? "" : text(); // a text has its own unit
+    element.textContent = /deg/.test(shown) ? "" : text(); // a text such as "90 deg" has its own unit
   };
   return { label, text, showUnit };
 }
 
 /**
- * Return the row of a main parameter: label, field, reset button, and a sentence on a choice, or a slider for a number. `now`
- * returns the present time, and whether the motion plays: while it plays, the slider of an input acts from this time on.
+ * Return the row of a main parameter: label, field, reset button, and a slider for a number or a sentence on a choice. `now` returns the
+ * present time, and whether the motion plays: while it plays, the slider of an input acts from this time on.
  */
 function mainParameter(changes, entry, now) {
   const { name } = entry;
@@ -71,7 +72,7 @@ function mainParameter(changes, entry, now) {
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
   field.id = `main-${name}`;
   label.htmlFor = field.id;
-  field.setAttribute("aria-label", `${entry.label}, ${name}`); // the words that are seen, and the name in the scene
+  field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
   const { element, follow, show } = parameter.items.length ? choiceSentence(changes, parameter) : slider(changes, entry, field, now, text);
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
   row.append(element, refusal());
@@ -87,7 +88,7 @@ function mainParameter(changes, entry, now) {
   } };
 }
 
-/** Return the name of the law under which a stiffness has no effect, because the law has impulses; "" for another one. */
+/** Return the name of the law under which a stiffness has no effect, because the law has impulses; "" if the stiffness has an effect. */
 function idleUnder(changes, name) {
   const model = changes.parameters.get(name.replace(/stiffness$/, "model"));
   if (!name.endsWith(".stiffness") || !model?.items?.length) return "";
@@ -95,7 +96,7 @@ function idleUnder(changes, name) {
   return SHARED.laws[law]?.impulsive ? law : "";
 }
 
-/** Return the sentence on the present choice of a parameter, and a function that shows it. */
+/** Return the element with the sentence on the present choice of a parameter, and a function that shows the sentence. */
 function choiceSentence(changes, { name, items }) {
   const element = make("p", { className: "sentence" });
   return { element, show: () => {
@@ -103,10 +104,7 @@ function choiceSentence(changes, { name, items }) {
   } };
 }
 
-/**
- * Return the slider of a parameter, and functions that show the value: `follow` the value at the present time, `show` the
- * value after a change.
- */
+/** Return the slider of a parameter, and two functions: `follow` shows the value at the present time, `show` the value after a change. */
 function slider(changes, entry, field, now, unit) {
   const { name } = entry;
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
@@ -121,11 +119,11 @@ function slider(changes, entry, field, now, unit) {
     if (entry.isInput && isPlaying && from > 0) attempt(element, () => changes.setFrom(name, value, from));
     else attempt(element, () => changes.set({ [name]: Math.max(value, entry.spread ? rounded(changes.starts[name] / 100) : value) }));
   });
-  // a slider that is dragged back to its value has no event `change`
+  // a slider that is dragged back to its first value causes no event `change`
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
     isDragged = false;
   }));
-  /** Show the value at the present time, except in a field with the focus or with a refused text. */
+  /** Show the value at the present time, except in a field that has the focus or a refused text. */
   const follow = () => {
     const value = changes.valueAt(name, now().time);
     if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, changes.parameters.get(name).unit);
@@ -140,12 +138,12 @@ function slider(changes, entry, field, now, unit) {
 }
 
 /**
- * Return the sliders of the inputs, from −x to x; by the unit, x is the weight of the chain [N], weight times length of the chain
- * [N·m], half a turn, 10 rad/s, the length [m], or the speed after a fall through the length [m/s]; else 1.
+ * Return the sliders of the inputs, each from −x to x. By the unit, x is the weight of the chain [N], weight times length of the chain
+ * [N·m], half a turn, 10 rad/s, the length [m], or the speed after a fall through the length [m/s]; for other units x is 1.
  */
 function inputSliders({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
-  const [weight, length] = [10 * sum("mass"), sum("length")]; // [N] and [m], of the chain
+  const [weight, length] = [10 * sum("mass"), sum("length")]; // weight [N] and length [m] of the chain
   const ends = { "N.m": weight * length, N: weight, rad: Math.PI, "rad/s": 10, m: length, "m/s": Math.sqrt(2 * 10 * length) };
   return scene.inputs.map((name) => {
     const { unit } = scene.parameters.find((parameter) => parameter.name === name);
@@ -154,7 +152,7 @@ function inputSliders({ scene, starts }) {
   });
 }
 
-/** Return the ends of the slider for a number of a signal, by its key, its value, similar values of the signal and the stop time [s]. */
+/** Return the ends of the slider for a number of a signal, from its key, its value, similar values of the signal and the stop time [s]. */
 function endsOfSignal(key, value, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
   if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
@@ -164,8 +162,8 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the sliders of the signals: for all their numbers but those that are 0 by default and in the scene. The list of all
- * parameters has the rest.
+ * Return the sliders of the signals, for all their numbers except those that are 0 in the scene and by default. These are only in the list
+ * of all parameters.
  */
 function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name }) => {
@@ -180,7 +178,7 @@ function signalSliders({ scene, starts }) {
   });
 }
 
-/** Return the main parameters and the inputs of the scene; walls with their own friction or restitution have one each. */
+/** Return the main parameters and the inputs of the scene; a wall with its own friction or restitution has its own entries. */
 export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
@@ -193,8 +191,8 @@ export function mainParametersOf(changes) {
 }
 
 /**
- * Fill an element with main parameters, inputs and signals of the scene, and again when another scene is opened. `now` returns
- * the present time, and whether the motion plays; call the returned function when they change.
+ * Fill an element with main parameters, inputs and signals of the scene, and again when another scene is opened. `now` returns the present
+ * time, and whether the motion plays; call the returned function when either changes.
  */
 export function showMainParameters(element, changes, now) {
   let rows;
