@@ -102,7 +102,7 @@ class Parser(argparse.ArgumentParser):
     """A parser of the command line that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Print the error without the usage."""
+        """Print the error as one line, without the usage of the command."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
@@ -143,7 +143,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the grammar of the command line."""
+    """Return the grammar of the command line, as a parser."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
     whole = Parser(prog="chain-impact", description=purpose)
     whole.set_defaults(run=None, only_prints=False)

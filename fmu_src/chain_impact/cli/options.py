@@ -252,7 +252,7 @@ def write_picture(path: Path | None, size: Size | None, plot: Callable[..., obje
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add ``--csv``. The file may have no suffix, for example ``/dev/stdout``."""
+    """Add the option ``--csv``. The file may have no suffix, for example ``/dev/stdout``."""
     command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 

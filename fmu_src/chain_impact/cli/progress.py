@@ -20,7 +20,7 @@ out, err = plain_console(), plain_console(stderr=True)
 
 
 def say(text: str) -> None:
-    """Print a text as it is."""
+    """Print a text as it is, without markup."""
     out.print(text, soft_wrap=True)
 
 

@@ -55,7 +55,7 @@ class Canvas:
     window: Figure | None = None
 
     def __bool__(self) -> bool:
-        """Return whether there is a file or a window."""
+        """Return whether the picture has a file or a window."""
         return bool(self.path or self.window)
 
     def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:

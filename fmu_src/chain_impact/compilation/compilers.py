@@ -25,7 +25,7 @@ from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.laws.law_syntax import LawError
 from chain_impact.system import HOST, PLATFORMS, X86
 
-PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the processor
+PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest processor of x86 that runs the code
 BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is then on standard error
 KERNEL, DERIVATIVES = "kernel", "derivatives"
 """The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
@@ -185,7 +185,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(complete(module, sizes))
     flags = ["-c", *_tuning(what, sizes)]
-    if "windows" not in PLATFORMS[platform].target:  # code for Windows does not need the flag
+    if "windows" not in PLATFORMS[platform].target:  # code for Windows does not need the flag -fPIC
         flags.append("-fPIC")
     _zig(platform, compiled, kernel, flags=flags)
 
@@ -248,7 +248,7 @@ def prepare_zig(platform: str) -> None:
 
 
 def interface_sources() -> list[Path]:
-    """Return the files of the C interface."""
+    """Return the source files of the C interface of FMUs."""
     return sorted(INTERFACE.rglob("*.c"))
 
 

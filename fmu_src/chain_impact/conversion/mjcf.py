@@ -129,7 +129,7 @@ class _Reader:
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Return body ``b``; the world is body 0."""
+        """Return body ``b`` of the model in the form of a robot; the world is body 0."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])

@@ -46,8 +46,7 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
-    # at most twice the largest distance from the first corner, which is a bound on the distance of two
-    # corners
+    # a bound on the distance of any two corners: twice the largest distance from the first corner
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
     if shape.disc is not None:

@@ -101,7 +101,8 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
         low: its least angle or position in the scene; −∞ without a stop.
         high: its largest angle or position in the scene; ∞ without a stop.
     """
-    values = {key: getattr(joint, key) or None for key in JOINT_KEYS}  # 0 is the default of a scene
+    # 0 is replaced by None, because it is the default of a scene
+    values = {key: getattr(joint, key) or None for key in JOINT_KEYS}
     values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
     values |= {"low": low, "high": high}
     return {key: value for key, value in values.items() if value is not None and math.isfinite(value)}

@@ -161,7 +161,7 @@ def _attributes(
 
 
 def _add_start(root: Element, scene: Scene) -> None:
-    """Add the start, as a keyframe."""
+    """Add the state at the start, as a keyframe."""
     start = scene.initial
     places, rates = {
         "pinned": ((), ()),

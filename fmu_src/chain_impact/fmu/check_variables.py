@@ -40,7 +40,7 @@ class Variable:
 
     @property
     def causality(self) -> str:
-        """The causality, from the attribute of FMI."""
+        """The causality of the variable, from its attribute in FMI."""
         return self.attributes.get("causality", "local")
 
     @property

@@ -71,7 +71,7 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
 
 
 def page(prepared: PreparedScene, fmi: int) -> str:
-    """Return the documentation as a page of HTML."""
+    """Return the documentation of an FMU as a page of HTML."""
     from chain_impact.pictures.start import SIGNS, drawing
 
     scene, variables = prepared.scene, prepared.variables

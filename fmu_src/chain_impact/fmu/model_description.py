@@ -297,7 +297,7 @@ class Array(NamedTuple):
 
     @property
     def length(self) -> int:
-        """The number of elements."""
+        """The number of elements of the array."""
         return math.prod(self.shape)
 
 

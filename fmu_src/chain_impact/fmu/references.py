@@ -29,7 +29,7 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 REFERENCE_FILE = "resources/chain_impact_reference.csv"
-REFERENCE_TOLERANCE = 1e-12  # solver tolerance of the reference run
+REFERENCE_TOLERANCE = 1e-12  # tolerance of the solver in the run that gives the reference results
 REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's simulated time
 # if at most REFERENCE_ROWS / SHORTER rows are reliable, a table over the scene's time / SHORTER replaces the
 # table

@@ -29,7 +29,8 @@ VARIABLE = {
     # words of the record with the value in use and with the set value; a new value is written to both words
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on; more than one for an array
-    **dict.fromkeys(("type", "kind"), "i"),  # indices in TABLE_TYPES and TABLE_KINDS
+    # indices of the variable's type in TABLE_TYPES, and of its kind in TABLE_KINDS
+    **dict.fromkeys(("type", "kind"), "i"),
     **dict.fromkeys(("name", "allowed"), "i"),  # offsets of the texts in the table
 }
 """Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted

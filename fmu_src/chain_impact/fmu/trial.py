@@ -104,7 +104,7 @@ class Trial:
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
     def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
-        """Write a finding to the report."""
+        """Write a finding, a fault of the FMU, to the report."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
         else:
@@ -189,7 +189,7 @@ class Trial:
                 return  # one finding is enough, because other findings would have the same cause
 
     def step(self, time: float, step: float) -> None:
-        """Take a step."""
+        """Let the FMU take a step."""
         self.call("DoStep", "", self.fmu.doStep, time, step, False)
 
 
@@ -218,7 +218,7 @@ def _text(value: Value) -> str:
 
 
 def main() -> None:
-    """Test the FMU that the command line gives."""
+    """Test the FMU that the arguments of the command line name."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
         findings = 0

@@ -152,7 +152,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the limits and choices of a value."""
+    """Return the limits and choices by which the page checks a value."""
     limits = {
         name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
     }

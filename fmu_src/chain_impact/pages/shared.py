@@ -131,7 +131,7 @@ def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value with lists in place of arrays."""
+    """Return a value in which lists replace arrays, so that JSON can hold it."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     return [_plain(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -241,7 +241,7 @@ def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
-    """Return the outputs of a panel that are drawn."""
+    """Return the outputs of a panel that have curves; others are always 0."""
     moving = [name for name in names if curves.values[name].any()]
     return moving if moving and len(moving) < len(names) - 1 else list(names)
 

@@ -96,7 +96,8 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int
     lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
     look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
     lines = axes.hlines(np.zeros(len(starts)), starts, ends, **look)
-    lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))  # only the sides clip
+    # only the left and right sides of the axes clip the lines
+    lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
     lines.set_in_layout(False)
 
 

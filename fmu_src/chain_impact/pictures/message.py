@@ -18,7 +18,7 @@ from chain_impact.scene.unit_text import of_power
 # a dissipated energy up to this, relative to the largest energy, is round-off, and not a loss
 NO_LOSS = 1e-12
 
-SHORT_TIME = 0.1  # [s] a shorter time has a unit with a prefix
+SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, such as ms
 
 
 def time_unit(span: float) -> tuple[float, str]:

@@ -61,7 +61,7 @@ VISIBLE_ELASTIC = 0.01
 # energies whose values all are less than this, relative to the range of all energies, look like one line: if
 # the total and two others do, they are a band
 TINY = 0.05
-CLOCK_HEIGHT = 0.045  # [inch] the height of the colours of time
+CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
@@ -178,7 +178,7 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
 
 
 def range_of(energies: dict[str, np.ndarray]) -> float:
-    """Return the range of all energies and 0 [J]."""
+    """Return the size [J] of the range that contains all energies and 0."""
     ends = (end(energy) for energy in energies.values() for end in (np.min, np.max))
     return float(np.ptp([0.0, *ends]))
 

@@ -10,7 +10,7 @@ Size = Sequence[float | None]
 # [inch] the least and the largest width and height of a figure; a larger size is probably in other units, and
 # would fill the memory with pixels
 LEAST_SIZE, LARGEST_SIZE = 2.0, 60.0
-MM = 25.4  # millimetres in an inch
+MM = 25.4  # the number of millimetres in an inch
 
 
 def figure_size(size: Size) -> tuple[float, float | None]:

@@ -91,7 +91,8 @@ MOST_HEAD = 0.33  # the largest height of headline and conditions, relative to t
 MOST_FOOT, FREE_FOOT = 0.15, 0.25
 LEAST_TICKS = 3  # the least number of ticks on an axis
 TICK_STEPS = (1, 2, 2.5, 5, 10)  # the allowed distances between ticks, times any power of ten
-COUNT_STEPS = (1, 2, 5, 10)  # the same for numbers of impacts and runs
+# the allowed distances between ticks on an axis of counts, times any power of ten
+COUNT_STEPS = (1, 2, 5, 10)
 
 
 @contextmanager

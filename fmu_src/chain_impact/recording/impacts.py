@@ -209,7 +209,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
 
 
 def names_of(record: Any) -> Any:
-    """Return the names of the columns."""
+    """Return the names of the columns of a record."""
     dtype = getattr(record, "dtype", None)
     return dtype.names if dtype is not None and dtype.names else record.keys()
 

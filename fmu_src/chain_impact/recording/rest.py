@@ -25,7 +25,7 @@ def rest_word(recording: Recording) -> str:
 
 
 def ends_at_rest(recording: Recording) -> bool:
-    """Return whether the motion rests at the end."""
+    """Return whether a rest lasts until the end of the motion."""
     found = rests(recording)
     return bool(found) and found[-1][1] == recording.time[-1]
 

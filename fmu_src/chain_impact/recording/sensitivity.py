@@ -50,7 +50,7 @@ class Sensitivities:
 
     @property
     def source(self) -> str:
-        """The name of the scene, for errors."""
+        """The name of the scene, for messages of errors."""
         return self.prepared.scene.name
 
     @cached_property

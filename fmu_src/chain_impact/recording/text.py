@@ -1,4 +1,4 @@
-"""Words for results: counts, names and tables."""
+"""Functions that write counts, names and tables of results as text."""
 
 from __future__ import annotations
 

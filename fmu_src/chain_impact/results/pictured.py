@@ -48,7 +48,7 @@ class Pictured(Recording):
         walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
         try:
             positions = self.all_points
-        except UnknownNameError:  # positions were left out of the result
+        except UnknownNameError:  # the positions of points were left out of the result
             return []
         return passing(positions, walls, set(point_wall_pairs(self.scene)))
 

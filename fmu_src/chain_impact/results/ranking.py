@@ -34,7 +34,7 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 # changes only
 LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12  # an effect up to this, relative to the quantity, counts as round-off
-MOST_BARS = 16  # the largest number of bars
+MOST_BARS = 16  # the largest number of bars in the picture of a ranking
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
 """The units that get a prefix in the picture."""
 FIXED_STEP_MARK = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
@@ -338,7 +338,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
 
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
-    """Return the largest force in any joint."""
+    """Return the largest force in any joint, with its derivatives."""
     names = [
         name
         for name in sensitivities.columns
@@ -355,7 +355,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
 
 
 def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    """Return an output at the end of the run."""
+    """Return an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"

@@ -158,7 +158,7 @@ class Result(Pictured):
 
     @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
-        """The walls: name → free side."""
+        """The walls, as a table from the name of a wall to its free side."""
         return self.scene.half_planes
 
     @cached_property
@@ -179,7 +179,7 @@ class Result(Pictured):
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
-        """The joints with stops, and their ranges."""
+        """The joints with stops, and the ranges of their angles."""
         return ranges_of(self.parameters)
 
     @property

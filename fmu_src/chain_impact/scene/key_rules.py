@@ -98,7 +98,7 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(KeyRules.__annotations__) | rules
-    if isinstance(default, Mapping):  # tables by name are empty by default
+    if isinstance(default, Mapping):  # a table whose entries have names given by users is empty by default
         return field(default_factory=dict, hash=False, metadata=metadata)
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 

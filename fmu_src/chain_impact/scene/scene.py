@@ -351,7 +351,7 @@ def _keys() -> dict[str, DataPath]:
 
 
 def _names(scene: Scene) -> dict[str, DataPath]:
-    """Return name → path of every single value."""
+    """Return a table from name to path, for every single value of the scene."""
     walls = [wall.name for wall in scene.walls]
     return {name_of(path, walls): path for path, _ in _leaves(scene)}
 

@@ -12,7 +12,7 @@ from chain_impact.scene.tables import Material
 from chain_impact.scene.unit_text import of_power
 
 SHOWN_ENTRIES = 6  # largest number of entries of a list that the text shows
-WIDTH = 100  # largest number of characters of a line
+WIDTH = 100  # largest number of characters in a line of the text
 
 
 def text(scene: Contents) -> str:

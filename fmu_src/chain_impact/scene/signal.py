@@ -28,7 +28,7 @@ class Form(NamedTuple):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """All keys of the form."""
+        """The names of all keys of a signal of this form."""
         return (*self.required, *self.optional)
 
 
@@ -80,7 +80,7 @@ class Samples:
     columns: tuple[tuple[str, tuple[float, ...]], ...]
 
     def values(self, name: str) -> tuple[float, ...]:
-        """Return the values of an input."""
+        """Return the values of an input in the table, one for each time."""
         return dict(self.columns)[name]
 
 

@@ -1,4 +1,4 @@
-"""Contact stiffness from material and shape."""
+"""The stiffness of a contact from the material and the shape of the bodies."""
 
 import math
 import warnings

@@ -128,7 +128,7 @@ class Stops:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """The inputs of the FMU."""
+    """The inputs that the scene asks for in its FMU."""
 
     joint_torques: bool = quantity(
         "", "torques at the joints between links and at a base that is pinned or on a slider", False
@@ -175,7 +175,7 @@ class Outputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Initial:
-    """The state at time 0."""
+    """The state of the chain at time 0."""
 
     position: tuple[float, float] = quantity("m", "position of the base", (0.0, 0.0), alone=True)
     joint_angles: tuple[float, ...] | None = quantity(
@@ -218,7 +218,7 @@ STEP_ROUND_OFF = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Simulation:
-    """The default experiment."""
+    """The default experiment: stop time and communication step."""
 
     stop_time: float = quantity("s", "end of the simulation", 1.0, above=0.0, alone=True)
     step_size: float = quantity("s", "communication step", 1e-3, above=0.0, alone=True)

@@ -27,7 +27,7 @@ Sampled = Callable[[np.ndarray], np.ndarray]
 # number of times in a run at which each function is called at first; a pulse shorter than the time between
 # two calls can be missed
 CHECKED_TIMES = 2000
-POINTS = 16  # number of values of a function in a piece
+POINTS = 16  # number of values of a function from which a piece is computed
 SHORTEST = 4e-13  # a piece shorter than this, relative to the length of the run, is dropped
 ALIKE = 1e-6  # the largest relative difference of the lengths of two pieces that count as equally long
 # an interval longer than 2^FAR times the last piece is halved at once, because a fit would probably fail

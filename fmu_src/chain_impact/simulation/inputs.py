@@ -36,7 +36,7 @@ from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
-Signal = InputSource  # the name that users import
+Signal = InputSource  # ``Signal`` is the name under which users import this type
 Given = Mapping[str, InputSource] | TableSource
 """Inputs by their names, or a table with the column ``time`` and a column for each input."""
 Interpolation = Literal["follow", "hold", "linear", "spline"]

@@ -21,7 +21,7 @@ class RunError(RuntimeError):
     """
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:
-        """Store the recording with the message."""
+        """Store the recording up to the fault, together with the message."""
         super().__init__(message)
         self.recording = recording
 

@@ -74,7 +74,7 @@ def plot_comparison(
     size: Size | None = None,
     ax: Any = None,
 ) -> Any:
-    """Draw the picture; see ``Comparison.plot``."""
+    """Draw the picture of a comparison, as ``Comparison.plot`` describes."""
     if ax is None:
         return draw_figure(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
@@ -87,7 +87,7 @@ def plot_comparison(
 
 @styled()
 def fill(figure: Figure, comparison: LawRuns) -> None:
-    """Draw the two panels on an empty figure."""
+    """Draw the two panels of the picture on an empty figure."""
     small = is_narrow(figure)
     looks = looks_of(comparison, small=small)
     headline(figure, message(comparison, small=small), conditions(comparison, looks))
@@ -152,7 +152,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
 
 
 def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add a reason why a law has a colour."""
+    """Add a further reason why a law has a colour."""
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 

@@ -21,7 +21,7 @@ DASH = "–"
 
 
 def report(comparison: LawRuns) -> Iterator[str | TextTable]:
-    """Yield the whole text: lines and a table."""
+    """Yield the whole text of a comparison: lines and a table."""
     yield heading(comparison)
     yield law_table(comparison)
     yield legend(comparison)

@@ -63,12 +63,12 @@ class LawRun:
 
     @property
     def impacts(self) -> int:
-        """The number of impacts."""
+        """The number of impacts in the run."""
         return len(self.result.impacts) if self.result else 0
 
     @property
     def steps(self) -> int:
-        """The number of steps of the solver."""
+        """The number of steps of the solver in the run."""
         return self.result.statistics["steps"] if self.result else 0
 
 
@@ -100,7 +100,7 @@ class LawRuns:
     reached: tuple[Reached, ...]
 
     def __getitem__(self, law: str) -> LawRun:
-        """Return the run of a law."""
+        """Return the run with the law that has an id."""
         return next(run for run in self.runs if run.law == law)
 
     @property

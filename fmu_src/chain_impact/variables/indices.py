@@ -38,12 +38,12 @@ class Peak(NamedTuple):
 
     @property
     def fmi_unit(self) -> str:
-        """The unit, as an FMU writes it."""
+        """The unit of the value, as an FMU writes it."""
         return impact_units(stop=self.at_stops)[self.field]
 
     @property
     def unit(self) -> str:
-        """The unit as a text."""
+        """The unit of the value, as a text for readers."""
         return unit_at(self.field, stop=self.at_stops)
 
     @property

@@ -1,4 +1,4 @@
-"""One variable of the FMU."""
+"""A variable of an FMU, and the data on it that an importer needs."""
 
 from __future__ import annotations
 

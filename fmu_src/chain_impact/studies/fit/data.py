@@ -340,7 +340,7 @@ class _Book:
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
-        """Add one value if the cell is not empty."""
+        """Add the value in a cell to the measurements, if the cell is not empty."""
         value = table.number(row, name)
         if not math.isnan(value):
             if name == JOINT_FORCE and not self._scene.outputs.loads:

@@ -54,7 +54,7 @@ PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 AROUND_LAWS, LAW_HEIGHT = 0.7, 0.17
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
-MODEL = VERMILLION  # the colour of the model beside one data set
+MODEL = VERMILLION  # the colour of the model's curve if there is only one data set
 HARDLY = 10.0  # data hardly support a law from this ΔAIC on (Burnham & Anderson 2004)
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
 
@@ -78,7 +78,7 @@ class Column:
 def plot_fit(
     fit: Estimates, path: str | os.PathLike[str] | None = None, size: Size | None = None
 ) -> Figure | None:
-    """Draw the picture; see ``Fit.plot``."""
+    """Draw the picture of a fit, as ``Fit.plot`` describes."""
     count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
     is_free = count > 1 and count % 2 == 1  # a cell of the grid, which then has the ranking

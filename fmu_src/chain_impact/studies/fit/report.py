@@ -1,4 +1,4 @@
-"""A fit as text."""
+"""The report of a fit as text."""
 
 from __future__ import annotations
 

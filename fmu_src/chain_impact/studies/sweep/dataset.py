@@ -142,7 +142,7 @@ class Dataset:
         return "" if count == end - first else f"{count} runs"
 
     def _list(self) -> None:
-        """Write the manifest."""
+        """Write the manifest, with the present list of files."""
         with written_whole(self.path / MANIFEST) as fresh:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 

@@ -82,7 +82,7 @@ class Job:
 
     @property
     def dtype(self) -> np.dtype:
-        """The type of the row of one run."""
+        """The NumPy type of a row with the results of one run."""
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
         largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)

@@ -148,7 +148,7 @@ def is_logarithmic(variation: Variation) -> bool:
 
 
 def label_of(runs: Runs, variation: Variation) -> str:
-    """Return the name and unit of a parameter."""
+    """Return the label of an axis: the name and unit of a parameter."""
     return f"{variation.name}{raised(in_brackets(unit_of(runs, variation)))}"
 
 

@@ -43,7 +43,7 @@ class Quantity:
 
     @property
     def label(self) -> str:
-        """The label of the axis."""
+        """The label of an axis: the words for the quantity, with its unit."""
         return f"{self.name}{in_brackets(self.unit)}"
 
     @property

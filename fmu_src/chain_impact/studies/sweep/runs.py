@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Return columns of the complete table."""
+        """Return columns of the complete table, by their names."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

@@ -51,7 +51,7 @@ struct Instance {
     Phase phase;
     int event_mode;  /* 1: the importer uses event mode */
     int32_t (*advance)(Word *record, double time); /* the function of the kernel that advances the record to a time */
-    int set_up;      /* 1: start and stop time are given */
+    int set_up;      /* 1: the importer has given start and stop time */
     int initialized; /* 1: the start was computed with all values that were set before the first step */
     const Word *observed; /* the record with the outputs of the present time; NULL if no record has them */
     int warned; /* 1: the importer was warned that positions and velocities of a motion contradict each other */
@@ -74,7 +74,7 @@ int do_step(Instance *instance, const char *call, double now, double size, int *
 int start(Instance *instance, const char *call); /* Compute the start, if it is not computed yet. */
 int fail(Instance *instance, int status, int fault); /* Log a fault of the kernel, after which no step can follow. */
 
-/* variables.c */
+/* functions of variables.c */
 typedef enum { FLOAT64S, INT32S, INT64S } ArrayType; /* type of the importer's arrays */
 int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length);
@@ -83,7 +83,7 @@ int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr
 /* Accept an empty list of variables only. */
 int none(const Instance *instance, const char *call, size_t count, const char *missing);
 
-/* states.c */
+/* functions of states.c */
 int get_state(Instance *instance, const char *call, void **handle);
 int set_state(Instance *instance, const char *call, void *state);
 int free_state(const Instance *instance, const char *call, void **handle);
@@ -91,7 +91,7 @@ int state_size(const Instance *instance, const char *call, void *state, size_t *
 int serialize(const Instance *instance, const char *call, void *state, void *bytes, size_t size);
 int deserialize(const Instance *instance, const char *call, const void *bytes, size_t size, void **handle);
 
-/* messages.c */
+/* functions of messages.c */
 #define ALL_CATEGORIES (~0u)
 /* the categories that are logged with debug logging off: reasons why a call was refused or failed */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
@@ -103,7 +103,7 @@ int say(const Instance *instance, int status, const char *format, ...) __attribu
    otherwise they log an error. */
 int allowed(const Instance *instance, const char *call, unsigned phases);
 int given(const Instance *instance, const char *call, const char *name, const void *argument);
-const char *when(const Instance *instance); /* the present phase in words */
+const char *when(const Instance *instance); /* Return words for the present phase of the instance. */
 typedef struct { char text[1000]; } Sentence;
 /* Return the sentence for a status and, if the record names a part of the scene as its cause, the words for this
    part. */
@@ -112,7 +112,7 @@ typedef struct { char text[32]; } Number;
 Number number(double value); /* Return the shortest text of a number from which the same number is read. */
 Number rounded(double value); /* Return the text of a number with nine digits. */
 
-/* table.c */
+/* functions of table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
 int is_whole(const Table *table); /* Return whether the table is valid for this binary (whole.c). */
 uint32_t checksum(const void *bytes, size_t size); /* Return the checksum CRC-32 of some bytes, as in zlib and PNG. */

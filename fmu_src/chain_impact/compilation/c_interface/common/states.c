@@ -14,7 +14,7 @@ typedef struct {
     double time, stop_time; /* the record follows these numbers in memory */
 } State;
 
-enum { INITIALIZED = 1, SET_UP = 2 }; /* bits of State.flags */
+enum { INITIALIZED = 1, SET_UP = 2 }; /* values of the bits of State.flags */
 enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 

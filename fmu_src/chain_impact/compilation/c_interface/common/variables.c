@@ -114,7 +114,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
         return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(instance));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    int in_range = at->low <= value && value <= at->high; /* the comparison is also false for NaN */
+    int in_range = at->low <= value && value <= at->high; /* for NaN the comparison is false, too */
     put_registers_back(registers);
     if (in_range) return OK;
     if (at->type == INTEGER)

@@ -10,7 +10,7 @@
 FMI2_Export const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 FMI2_Export const char *fmi2GetVersion(void) { return fmi2Version; }
 
-/* --- instances: 2.1.5, 2.1.6 --- */
+/* --- instances: sections 2.1.5 and 2.1.6 of FMI 2.0 --- */
 
 typedef void (*Logger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
 
@@ -90,7 +90,7 @@ MISSING(fmi2GetRealOutputDerivatives, "derivatives of outputs", const fmi2Intege
 MISSING(fmi2GetDirectionalDerivative, "directional derivatives", const fmi2ValueReference known[], size_t knowns,
         const fmi2Real change[], fmi2Real value[])
 
-/* --- states: 2.1.8 --- */
+/* --- states: section 2.1.8 of FMI 2.0 --- */
 
 FUNCTION(fmi2GetFMUstate, get_state(c, __func__, handle), fmi2Component c, fmi2FMUstate *handle)
 FUNCTION(fmi2SetFMUstate, set_state(c, __func__, state), fmi2Component c, fmi2FMUstate state)
@@ -102,7 +102,7 @@ FUNCTION(fmi2SerializeFMUstate, serialize(c, __func__, state, bytes, size), fmi2
 FUNCTION(fmi2DeSerializeFMUstate, deserialize(c, __func__, bytes, size, handle), fmi2Component c,
          const fmi2Byte bytes[], size_t size, fmi2FMUstate *handle)
 
-/* --- steps: 4.2.2, 4.2.3 --- */
+/* --- steps: sections 4.2.2 and 4.2.3 of FMI 2.0 --- */
 
 FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real size, fmi2Boolean never_back) {
     (void)never_back;

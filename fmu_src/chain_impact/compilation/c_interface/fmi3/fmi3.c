@@ -13,7 +13,7 @@
 
 FMI3_Export const char *fmi3GetVersion(void) { return fmi3Version; }
 
-/* --- instances: 2.3.1 --- */
+/* --- instances: section 2.3.1 of FMI 3.0 --- */
 
 static void log_message(const Instance *instance, int status, const char *category, const char *message) {
     if (instance->logger)
@@ -73,7 +73,7 @@ FUNCTION(fmi3ExitInitializationMode, exit_initialization(c, __func__), fmi3Insta
 FUNCTION(fmi3Terminate, terminate(c, __func__), fmi3Instance c)
 FUNCTION(fmi3Reset, reset(c, __func__), fmi3Instance c)
 
-/* --- variables: 2.2.6.2 --- */
+/* --- variables: section 2.2.6.2 of FMI 3.0 --- */
 
 #define ACCESS(name, what, type, array)                                                                   \
     FUNCTION(name, what(c, __func__, array, vr, count, values, length), fmi3Instance c,                   \
@@ -119,7 +119,7 @@ NO_VARIABLES(fmi3GetDirectionalDerivative, const fmi3ValueReference known[], siz
 NO_VARIABLES(fmi3GetAdjointDerivative, const fmi3ValueReference known[], size_t knowns, const fmi3Float64 seed[],
              size_t seeds, fmi3Float64 sensitivity[], size_t sensitivities)
 
-/* --- states: 2.2.6.4 --- */
+/* --- states: section 2.2.6.4 of FMI 3.0 --- */
 
 FUNCTION(fmi3GetFMUState, get_state(c, __func__, handle), fmi3Instance c, fmi3FMUState *handle)
 FUNCTION(fmi3SetFMUState, set_state(c, __func__, state), fmi3Instance c, fmi3FMUState state)
@@ -131,7 +131,7 @@ FUNCTION(fmi3SerializeFMUState, serialize(c, __func__, state, bytes, size), fmi3
 FUNCTION(fmi3DeserializeFMUState, deserialize(c, __func__, bytes, size, handle), fmi3Instance c, const fmi3Byte bytes[],
          size_t size, fmi3FMUState *handle)
 
-/* --- steps and events: 2.3.5, 4.2.1 --- */
+/* --- steps and events: sections 2.3.5 and 4.2.1 of FMI 3.0 --- */
 
 FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 size, fmi3Boolean never_back,
                                   fmi3Boolean *event_needed, fmi3Boolean *terminated, fmi3Boolean *early,

@@ -7,7 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define FMI3_Export __attribute__((visibility("default"))) /* as in fmi2Functions.h */
+/* all exported functions are visible, as in fmi2Functions.h */
+#define FMI3_Export __attribute__((visibility("default")))
 #define fmi3Version "3.0"
 #define fmi3True true
 #define fmi3False false

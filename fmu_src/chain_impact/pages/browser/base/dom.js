@@ -1,6 +1,6 @@
-// Functions for elements of the page.
+// Functions that find or make elements of the page.
 
-/** Return the element with an id. */
+/** Return the element of the page with an id. */
 export function find(id) {
   return document.getElementById(id);
 }

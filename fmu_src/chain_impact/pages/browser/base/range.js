@@ -1,4 +1,4 @@
-// Lists of numbers.
+// Functions that make or examine lists of numbers.
 
 /** Return the numbers from 0 to length − 1. */
 export const range = (length) => Array.from({ length }, (_, k) => k);

@@ -1,4 +1,4 @@
-// The ticks of an axis.
+// Round numbers for the ticks of an axis.
 
 const TICK_STEPS = [5, 2.5, 2, 1]; // the allowed steps between ticks, relative to a power of ten
 

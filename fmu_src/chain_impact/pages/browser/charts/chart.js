@@ -13,7 +13,7 @@ const NARROWEST = 48; // [pixels] the least width of a vertical axis; most label
 // positions of the letters of curves for comparison, relative to the width of the chart: the position of A, and the distance to the next
 // letter
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
-const LETTER_DOT = 6; // [pixels] radius of the dot of a letter
+const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
 const LABEL_MARGIN = 4; // [pixels] the margin to the left of a label
 const DECIMALS_OF_LARGEST = 3; // number of decimals of values between 1 and 10
 const LEAST_WITH_DECIMALS = 1e-6; // the least absolute value, of the largest value, with which values are written without an exponent

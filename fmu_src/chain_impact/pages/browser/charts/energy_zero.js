@@ -30,7 +30,7 @@ export function energyText(name, offset) {
   return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
 }
 
-/** Return the range of all energies and 0 [J]. */
+/** Return the size [J] of the range that contains all energies and 0. */
 function energyRange(energies) {
   const ends = [0, ...Object.values(energies).flatMap(endsOf)];
   return Math.max(...ends) - Math.min(...ends);

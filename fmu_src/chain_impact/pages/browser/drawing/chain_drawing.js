@@ -82,7 +82,7 @@ export class ChainDrawing {
     this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
   }
 
-  /** Use another recording from now on. */
+  /** Show another recording from now on. */
   show(recording) {
     this.recording = recording;
     [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());

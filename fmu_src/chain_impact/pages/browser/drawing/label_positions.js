@@ -44,9 +44,9 @@ function meetsRing([left, top, right, bottom], { position: [x, y], radius }) {
 }
 
 export class LabelSpace {
-  #taken = []; // the used boxes
-  #rings = []; // the used rings: {position, radius}
-  #lines = []; // the used lines: pairs of positions
+  #taken = []; // the boxes of texts and marks that are used
+  #rings = []; // the rings that labels must not cover: {position, radius}
+  #lines = []; // the lines that labels must not cover: pairs of positions
   #avoided = []; // functions that return whether a box covers things that labels should avoid, if they can
 
   /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */

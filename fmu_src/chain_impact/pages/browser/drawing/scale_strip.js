@@ -5,7 +5,7 @@ const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the 
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
 const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
 const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width
-const BAR_TEXT = 6; // largest number of letters at the scale bar
+const BAR_TEXT = 6; // largest number of letters in the text at the scale bar
 export const STRIP = 30; // [pixels] height of the strip at the top for the scale bar
 
 /** Return the part of a line on the screen that is below the strip with the scale bar. */

@@ -105,7 +105,7 @@ function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
   const thumb = 16; // [pixels] the width of the slider's thumb, whose middle stays half of this width away from the ends of the slider
-  const lowest = 5; // [pixels] least height of a mark
+  const lowest = 5; // [pixels] least height of the mark of an impact above the slider
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
     const tall = Math.max(lowest, (height * endSpeed) / fastest);

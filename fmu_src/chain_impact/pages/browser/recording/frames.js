@@ -5,7 +5,7 @@ import { frameTimes, PACING, slowSpans } from "./pacing.js";
 import { viewOf } from "./view.js";
 
 const COORDINATES = 2_000_000; // largest number of coordinates in all frames
-const FEWEST_FRAMES = 200; // smallest number of frames
+const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
  * Return the impacts in the form that the page uses: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.

@@ -39,7 +39,7 @@ function put(table, [key, ...rest], value) {
   else table[key] = value;
 }
 
-/** Return a value as TOML. */
+/** Return a value as text in TOML. */
 function tomlOf(value) {
   if (Array.isArray(value)) return `[${value.map(tomlOf).join(", ")}]`;
   if (typeof value === "number") return numberText(value);

@@ -121,7 +121,7 @@ export class Changes {
     this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
-  /** Replace all changes by these changes. */
+  /** Replace all changes on the page by the given changes. */
   replace(values, inputSteps = this.inputSteps) {
     Object.assign(this, { values, inputSteps });
     this.#listeners.forEach((listener) => listener());

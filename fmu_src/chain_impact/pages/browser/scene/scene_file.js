@@ -9,7 +9,7 @@ import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** Return whether a value keeps a rule. */
+/** Return whether a value of a key keeps one of the key's rules. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
   const is = {
     float: Number.isFinite,
@@ -21,7 +21,7 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
-/** Refuse a missing key of the file. */
+/** Refuse a file in which a required key is missing. */
 function refuseMissing(path, key, { meaning }) {
   refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
 }
@@ -177,7 +177,7 @@ export function complete(data, kit) {
     error.message = error.message.replace(/^chain\.links\[(\d+)\]/, (_, link) => `chain.links[${fileEntryOf(link - 1, data) + 1}]`);
     throw error;
   }
-  file.outputs.sensitivities = []; // the page computes no derivatives
+  file.outputs.sensitivities = []; // no sensitivities are asked for, because the page computes no derivatives
   return file;
 }
 

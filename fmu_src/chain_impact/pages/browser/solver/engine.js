@@ -1,7 +1,7 @@
 // The engine: the part of the page that sends requests to a worker.
 
 export class Engine {
-  #number = 0; // number of the newest request
+  #number = 0; // number of the newest request to the worker
   #waiting = new Map(); // table from the number of a request to the functions for its result, its error and its progress
   #sceneSent; // a promise that is fulfilled when the scene has been sent to the worker
   #fault; // the error with which the worker has ended, if any

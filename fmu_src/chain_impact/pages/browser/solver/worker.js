@@ -3,7 +3,7 @@
 import { Kernel, rowTimes } from "./kernel.js";
 import { motion, stepsForKernel } from "./motion.js";
 
-const MOST_BYTES = 500e6; // [byte] largest size of a table
+const MOST_BYTES = 500e6; // [byte] largest size of the table of results of a request
 const MESSAGE_INTERVAL = 15; // [ms] computing time after which the worker looks for messages
 
 /** Let the browser deliver the messages that wait. */

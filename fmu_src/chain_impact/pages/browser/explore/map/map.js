@@ -11,11 +11,11 @@ import { MapDrawing } from "./map_drawing.js";
 import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
 
-const POINTS = 41; // number of points in each direction
+const POINTS = 41; // number of points of the map in each direction
 const COARSE = 9; // number of points of the preview in each direction
 // outputs that the map shows at first: the first one that the scene has
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
-const WORKERS = 8; // largest number of workers
+const WORKERS = 8; // largest number of workers that compute a map
 
 /** Return whether a parameter has a logarithmic axis, as its slider is logarithmic. */
 function isLogarithmic(name) {
@@ -237,7 +237,7 @@ export class GridMap {
         const row = rows.shift();
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
-        if (!result) return; // the worker was ended
+        if (!result) return; // there is no result because the worker was ended
         if (shown === this.shown) this.#store(result.rows, row);
       }
     };
@@ -383,7 +383,8 @@ export class GridMap {
   #open(index) {
     if (this.shown.results[index] === undefined) return;
     try {
-      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {}); // runs of a map have constant inputs
+      // the inputs get no steps, because the runs of a map have constant inputs
+      this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {});
       this.dialog.close();
     } catch (error) {
       this.#say(`${error.message}.`);

@@ -46,7 +46,7 @@ function listRow(changes, parameter) {
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
       refresh();
-      // a text such as "90 deg" has its own unit
+      // the unit is left out after a text such as "90 deg", which contains its own unit
       unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name));
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));

@@ -23,7 +23,7 @@ export const MAIN_PARAMETERS = [
   { name: "solver.tolerance", label: "Tolerance", logarithmic: true, ends: [-12, -3] },
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
-const STEPS = 400; // number of steps of a slider
+const STEPS = 400; // number of steps from one end of a slider to the other
 // keys of a signal whose default is 0; they get a slider only if the signal has another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
@@ -55,7 +55,8 @@ function labelOf(changes, { name, label: words }) {
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = (shown) => {
-    element.textContent = /deg/.test(shown) ? "" : text(); // a text such as "90 deg" has its own unit
+    // the unit is left out after a text such as "90 deg", which contains its own unit
+    element.textContent = /deg/.test(shown) ? "" : text();
   };
   return { label, text, showUnit };
 }
