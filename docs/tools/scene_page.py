@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any, get_args, get_origin
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.key_rules import Derived, allowed, without_none
+from chain_impact.scene.key_rules import Derived, allowed, simple_default, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import scene_keys
 from docs.tools.markdown_text import code, short_description
@@ -25,7 +25,7 @@ def scene_reference() -> str:
         if entry.metadata and not _is_table(entry.type):
             rule = entry.metadata
             meaning, _, missing = short_description(rule["description"]).partition("; if missing: ")
-            default = _other(entry) or missing or _default(rule["default"])
+            default = _other(entry) or missing or _default(simple_default(rule))
             if default == AS_IN_CONTACT:  # the allowed values and the meaning are the same, too
                 rows.append((code(name), default, ""))
             else:

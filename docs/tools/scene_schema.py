@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any, cast, get_args, get_origin
 
 from chain_impact.scene.angles import DEGREES, degrees_pattern
-from chain_impact.scene.key_rules import Derived, keys, without_none
+from chain_impact.scene.key_rules import Derived, keys, simple_default, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Initial, Wall
@@ -67,7 +67,7 @@ def _key(entry: Any) -> dict[str, Any]:
         return {"type": "object", "description": inner["description"], "additionalProperties": inner}
     rule = entry.metadata
     text = rule["description"] + in_brackets(rule["unit"])
-    default = rule["default"]
+    default = simple_default(rule)
     if isinstance(default, Derived):
         text += f"; default: {default.text}"
     rules = {"description": text} | _value(kind, rule)

@@ -106,6 +106,27 @@ wall_motion = ["y_min"]
 [outputs]
 loads = true
 """,
+    "zeros": """
+name = "Zeros"
+[chain]
+base = "slider"
+slider = { friction = 0 }
+[[chain.links]]
+length = 0.5
+mass = 0.5
+[[chain.links]]
+length = 0.5
+mass = 0.5
+center_of_mass_offset = 0
+joint_armature = 0
+joint_friction = 0
+[box]
+y_min = -2.0
+[contact]
+friction = 0
+[initial]
+angles = [-1.0, 0.5]
+""",
     "rail": """
 name = "Rail"
 chain = { base = "slider", links = [{ length = 0.5, mass = 0.5 }] }

@@ -13,6 +13,7 @@ from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
 from tests.pages.in_pages import page_contents, without_advice
 from tests.pages.javascript import function_of
+from tests.pages.scene_texts import BODIES
 
 
 def test_a_value_is_not_set_back_where_it_does_not_go_with_another(script):
@@ -73,9 +74,16 @@ def test_derived_values_are_shown_as_in_the_edited_file(script, changes):
     assert back == starts
 
 
-@pytest.mark.parametrize("source", [*model_names(), *range(0, 20, 2)])
+def opened(source):
+    """Return a model, a scene with rare keys, or a random scene by its number."""
+    if source in BODIES:
+        return parse_scene(BODIES[source], "bodies.toml")
+    return load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
+
+
+@pytest.mark.parametrize("source", [*model_names(), "zeros", *range(0, 20, 2)])
 def test_the_saved_file_is_the_scene(script, source):
-    scene = load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
+    scene = opened(source)
     kit = page_contents(scene)["kit"]
     saved = (
         "([kit, contents]) => tomlText(contentsOf(new Changes(sceneOf({ file: contents, kit }))), kit.keys)"

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import Chain, simulate
 from chain_impact.simulation.derivatives import DifferentiatedRun
-from chain_impact.simulation.reasons import REASONS, REASONS_OF_FRICTION
+from chain_impact.simulation.reasons import NO_LESS, REASONS, REASONS_OF_FRICTION
 from tests.helpers.scenes.derivative_scenes import (
     Case,
     differences,
@@ -102,7 +102,7 @@ def limits(case: Case, parameters=("contact.stiffness",)):
 
 def test_each_reason_has_a_sentence():
     assert not set(REASONS) & set(REASONS_OF_FRICTION)
-    assert sorted({**REASONS, **REASONS_OF_FRICTION}) == list(range(1, 11))
+    assert sorted({**REASONS, **REASONS_OF_FRICTION}) == list(range(1, 10))
 
 
 @pytest.mark.parametrize(("share", "given"), [(1.0, False), (1.001, True), (0.999, True)])
@@ -139,9 +139,13 @@ def test_a_friction_that_is_zero():
         initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
         simulation={"stop_time": 0.01, "step_size": 1e-3},
     )
-    told, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction"])
-    assert "the dry friction of point 0 at y_min: " + REASONS_OF_FRICTION[9] in told[0]
+    told, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction", "link[1].mass"])
+    assert told == (NO_LESS.format(parameter="wall.y_min.friction"),)
     assert np.isnan(result.sensitivity("point[0].x", "wall.y_min.friction")[-1])
+    alone = limits(Case(with_two, (), (0.01,)), ["link[1].mass"])[1]
+    for name in ("point[0].x", "link[1].angle"):
+        mass = result.sensitivity(name, "link[1].mass")
+        np.testing.assert_array_equal(mass, alone.sensitivity(name, "link[1].mass"))
     assert limits(Case(with_two, (), (0.01,)), ["wall.x_max.friction"])[0] == ()
 
 
@@ -163,7 +167,7 @@ def test_a_contact_that_begins_without_sliding(friction, given):
     else:
         assert f"from t = {onset:.7f}" in told[0]
         assert " s on, the dry friction of point 0 at y_min: " in told[0]
-        assert REASONS_OF_FRICTION[10] in told[0]
+        assert REASONS_OF_FRICTION[9] in told[0]
         assert np.isnan(slopes).all()
         assert by_change[0][0] == pytest.approx(0.1, rel=1e-3)
         assert by_change[1][0] < 0.08
@@ -176,7 +180,7 @@ def test_a_joint_that_is_released_at_rest(moment, given):
     case = dry_link(moment)
     told, _ = limits(case, ["initial.angular_velocity[1]"])
     assert (told == ()) == given
-    assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[10] in told[0]
+    assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[9] in told[0]
     assert limits(case, ["link[1].joint_friction", "link[1].mass"])[0] == ()
 
 
@@ -194,9 +198,38 @@ def test_a_joint_friction_that_is_zero(links):
     values = np.array([case.value(name) for name in names])
     values[-1] = 0.0
     answer = run.run(values, np.array([0.0, 0.2]))
-    (told,) = answer.limits
-    assert f"from t = 0 s on, the dry friction of joint {links}: {REASONS_OF_FRICTION[9]}" in told
-    assert np.isnan(answer.slopes[1]).all()
+    assert answer.limits == (NO_LESS.format(parameter=names[-1]),)
+    np.testing.assert_array_equal(np.isnan(answer.slopes[1, 0]), [False] * 4 + [True])
+
+
+def test_derivatives_by_a_zero_that_the_file_gives():
+    """An offset and an armature of 0 beside frictions of 0: two legs fall on the floor."""
+    zeros = {"center_of_mass_offset": 0.0, "joint_armature": 0.0, "joint_friction": 0.0}
+    scene = table(
+        [{"length": 0.5, "mass": 1.0, **zeros}, {"length": 0.4, "mass": 0.7, **zeros}],
+        base="slider",
+        box={"y_min": -0.6},
+        contact={"stiffness": 1e5, "restitution": 0.6, "friction": 0.0},
+        initial={"angles": [-0.3, 0.5], "slider_velocity": 0.5},
+        simulation={"stop_time": 0.5, "step_size": 0.05},
+        solver={"tolerance": 1e-11},
+    )
+    rough = ["contact.friction", *(f"link[{i}].joint_friction" for i in (1, 2))]
+    smooth = [f"link[{i}].{key}" for i in (1, 2) for key in ("center_of_mass_offset", "joint_armature")]
+    result = simulate(scene, sensitivities=[*rough, *smooth])
+    assert {*result.sensitivity_limits} == {NO_LESS.format(parameter=name) for name in rough}
+    assert len(result.impacts) > 0
+
+    def at(name, number):
+        return simulate(scene.with_values({name: number}))["link[1].angle"]
+
+    for name in smooth:
+        small = 1e-5
+        if name.endswith("offset"):
+            by_change = (at(name, small) - at(name, -small)) / (2 * small)
+        else:  # no armature is below 0
+            by_change = (4 * at(name, small) - at(name, 2 * small) - 3 * at(name, 0.0)) / (2 * small)
+        np.testing.assert_allclose(result.sensitivity("link[1].angle", name), by_change, atol=1e-5, rtol=1e-5)
 
 
 @pytest.mark.full("more cases", but=5)

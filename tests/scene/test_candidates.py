@@ -3,6 +3,7 @@
 from chain_impact import load_scene
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
+from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.prepared import PreparedScene
 
@@ -32,3 +33,9 @@ def test_stops_come_last_joint_after_joint():
     assert stopped.wall_names == ("x_min", "x_max", "y_min", "y_max", "ramp", "joint_min", "joint_max")
     assert candidates(stopped) == [(4, 1), (4, 2), (4, 3), (4, 4), (2, 5), (2, 6), (4, 6)]
     assert point_wall_pairs(stopped) + stop_pairs(stopped) == candidates(stopped)
+
+
+def test_a_wall_with_the_name_of_a_stop_is_a_wall():
+    walls = [{"name": name, "point": [0.0, -9.0], "angle": 0.1} for name in ("joint_min", "slider_max")]
+    named = with_values(load_scene("four_link_box"), {("walls",): walls})
+    assert {candidate["stop"] for candidate in SceneFacts(named)["candidates"]} == {0}

@@ -46,7 +46,8 @@ def test_values_by_their_names():
     changes = {"contact.friction": 0.2, "contact.static_friction": 0.25, "wall.slope.friction": 0.1}
     scene = sled(**changes)
     assert changes.items() <= scene.values.items()
-    assert pendulum(**{"link[2].joint_friction": 0.0}).friction_joints == (1,)
+    assert pendulum(**{"link[2].joint_friction": None}).friction_joints == (1,)
+    assert pendulum(**{"link[2].joint_friction": 0.0}).friction_joints == (1, 2)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +69,8 @@ def test_parts_with_friction_are_listed():
     assert sled().has_contact_friction
     assert sled(**{"contact.friction": 0.0, "wall.slope.friction": 0.0}).has_contact_friction, "to be tuned"
     assert sled(**{"contact.friction": 0.0, "contact.static_friction": 0.1}).has_friction
-    assert not sled(**{"contact.friction": 0.0}).has_friction
+    assert sled(**{"contact.friction": 0.0}).has_friction, "to be tuned"
+    assert not sled(**{"contact.friction": None}).has_friction
     assert not sled(**{"contact.points": []}).has_friction
     assert not sled(**{"walls": ()}).has_friction
     assert pendulum().has_friction

@@ -2,11 +2,19 @@
 
 # Tests: variables/structure.py
 
+from functools import reduce
+from operator import getitem
+
+import pytest
+
 from chain_impact import Chain
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import with_values
+from chain_impact.scene.chain_tables import Link, Site, Slider
+from chain_impact.scene.key_rules import keys, simple_default
+from chain_impact.scene.scene import scene_from_dict, with_values
+from chain_impact.scene.tables import Contact, Initial, Material, Solver, Stops
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee
@@ -122,7 +130,7 @@ def test_a_scene_with_friction_has_its_variables():
 
 
 def test_only_the_joints_with_friction_have_variables():
-    one = variables(pendulum(**{"link[2].joint_friction": 0.0}))
+    one = variables(pendulum(**{"link[2].joint_friction": None}))
     new = {name for name, variable in one.items() if is_dry(variable)} - {"energy.dissipated"}
     of_joint = {"link[1].joint_friction", "joint[1].friction_moment", "joint[1].sticking"}
     assert new == of_joint | {"energy.friction"}
@@ -141,3 +149,53 @@ def test_a_sticking_element_answers_to_an_input_at_once():
     found = variables(sled())
     at_once = {name for name in found if name.startswith("contact[0]") and found[name].feedthrough}
     assert at_once == {f"contact[0].slope.{key}" for key in ("force", "friction_force", "sticking")}
+
+
+WRITTEN = {
+    ("chain", "slider"): Slider,
+    ("chain", "links", 1): Link,
+    ("chain", "links", 0, "points", 0): Site,
+    ("contact",): Contact,
+    ("contact", "wall", "y_min"): Material,
+    ("stops",): Stops,
+    ("initial",): Initial,
+    ("solver",): Solver,
+}
+"""Path → table of each table with parameters, in the file of ``rod_on_a_slider``."""
+
+
+def rod_on_a_slider(*path, **given):
+    """Return the scene of two links on a slider whose file also gives some values in the table at a path."""
+    links = [{"length": 1, "mass": 1, "joint_min": -2, "points": [{"x": 0.3}]}, {"length": 1, "mass": 1}]
+    data = {"name": "Rod", "chain": {"base": "slider", "slider": {}, "links": links}, "box": {"y_min": -3}}
+    data |= {"contact": {"wall": {"y_min": {}}}, "stops": {}, "initial": {"angles": [0, 0]}, "solver": {}}
+    reduce(getitem, path, data).update(given)
+    return scene_from_dict(data, "rod.toml")
+
+
+def numbers_with_defaults():
+    """Yield the path and the default of each key whose default is a number in every scene."""
+    for path, table in WRITTEN.items():
+        for entry in keys(table):
+            default = simple_default(entry.metadata)
+            if isinstance(default, int | float) and not isinstance(default, bool):
+                yield (*path, entry.name), default
+
+
+@pytest.mark.parametrize(("path", "default"), list(numbers_with_defaults()))
+def test_a_number_that_the_file_gives_is_a_parameter(path, default):
+    *table, key = path
+    scene = rod_on_a_slider(*table, **{key: default})
+    assert path in {variable.scene_path for variable in PreparedScene(scene).parameters}
+
+
+def test_a_zero_that_the_file_does_not_give_is_no_variable():
+    plain, alone = rod_on_a_slider(), ("chain", "links", 1)
+    gone = {("contact", "friction"), ("contact", "static_friction"), ("chain", "slider", "friction")}
+    gone |= {(*alone, key) for key in ("center_of_mass_offset", "joint_armature", "joint_friction")}
+    assert not gone & {variable.scene_path for variable in PreparedScene(plain).variables}
+    assert not any(is_dry(variable) for variable in PreparedScene(plain).variables)
+    written = rod_on_a_slider(*alone, joint_armature=0, joint_friction=0)
+    again = written.with_values({"link[2].joint_armature": None, "link[2].joint_friction": None})
+    assert again == plain
+    assert PreparedScene(again).new_instance().tobytes() == PreparedScene(plain).new_instance().tobytes()

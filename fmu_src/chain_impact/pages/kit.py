@@ -217,7 +217,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
             **_rule(rule, table),
             "ofBox": rule.of_box and _rule(rule.of_box, table),
         },
-        "absentAt": kind.absent_at,
+        "ifNotGiven": kind.if_not_given,
         "missing": json.dumps(kind.if_missing),  # the value is a text, because JSON has no infinite numbers
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "given": kind.given and word_terms(kind.given),

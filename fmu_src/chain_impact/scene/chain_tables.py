@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from chain_impact.scene.default_rules import CONTACT_RADIUS, MIDDLE, ROD, SLIDER_TABLE
+from chain_impact.scene.default_rules import CONTACT_RADIUS, MIDDLE, OFF, ROD, SLIDER_TABLE
 from chain_impact.scene.key_rules import IDENTIFIER, quantity
 from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import refusal
@@ -52,7 +52,7 @@ class Link:
     center_of_mass_offset: float = quantity(
         "m",
         "distance of the centre of mass from the link's line, to its left",
-        0.0,
+        OFF,
         label="Centre of mass left",
     )
     inertia: float = quantity(
@@ -67,10 +67,10 @@ class Link:
     )
     joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
     joint_friction: float = quantity(
-        "N.m", "moment of dry friction in the joint nearer to the base", 0.0, minimum=0.0
+        "N.m", "moment of dry friction in the joint nearer to the base", OFF, minimum=0.0
     )
     joint_armature: float = quantity(
-        "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", 0.0, minimum=0.0
+        "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", OFF, minimum=0.0
     )
     joint_torque_limit: float | None = quantity(
         "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
@@ -102,7 +102,7 @@ class Slider:
         "m", "position on the line at which the spring is slack", 0.0, label="Rest position"
     )
     friction: float = quantity(
-        "N", "force of dry friction along the line", 0.0, minimum=0.0, label="Friction"
+        "N", "force of dry friction along the line", OFF, minimum=0.0, label="Friction"
     )
     min: float | None = quantity("m", "stop at the least position of the carriage", None, label="Stop from")
     max: float | None = quantity("m", "stop at the largest position of the carriage", None, label="Stop to")

@@ -35,6 +35,7 @@ FROM_JOINTS = Derived(
     lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
     or_key="joint_angles",
 )
+OFF = Derived("0", lambda _: 0.0, constant=True, off=0.0)
 ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
 

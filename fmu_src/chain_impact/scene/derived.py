@@ -44,7 +44,7 @@ def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
 
 def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:
     """Remove the derived values from the data of a scene, except values at the paths ``kept``."""
-    for path in derived:
+    for path in sorted(derived, key=len, reverse=True):  # a table after the values in it
         if path not in kept:
             *parents, key = path
             del functools.reduce(operator.getitem, parents, data)[key]

@@ -8,19 +8,31 @@ of "links" with ``has_friction``, which makes the facts "joint_friction" and "fr
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from dataclasses import replace
+from functools import cached_property, partial
 from itertools import accumulate
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
 from chain_impact.scene.candidates import candidates
+from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.names import INPUTS_OF
+from chain_impact.scene.default_rules import OFF
+from chain_impact.scene.key_rules import keys
+from chain_impact.scene.names import INPUTS_OF, DataPath
 from chain_impact.scene.rules import holds, members_in, number_in, of_members, value_at, value_within
 from chain_impact.scene.signals import driven_by
+from chain_impact.scene.tables import Contact
 
 ALWAYS = "always"
 """The fact that holds for all scenes."""
+_OFF_KEYS = {
+    entry.name
+    for table in (Link, Slider, Contact)
+    for entry in keys(table)
+    if entry.metadata["default"] is OFF
+}
+"""The keys whose values are missing in rules if the file does not give them."""
 
 
 class Members(NamedTuple):
@@ -53,11 +65,11 @@ LISTS = {
         "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
     ),
     "links": Members(
-        "jointed: a joint holds it; has_friction: this joint has dry friction",
+        "jointed: a joint holds it; has_friction: this joint may have dry friction",
         over="chain.links",
         values={
             "jointed": "chain.base != 'free' or order > 0",
-            "has_friction": "jointed and joint_friction > 0",
+            "has_friction": "jointed and given(joint_friction)",
         },
     ),
     "moving_walls": Members(
@@ -84,8 +96,8 @@ FACTS = {
     "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
     "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
     "skewed": Fact(
-        "any(chain.links, center_of_mass_offset != 0)",
-        "the centre of mass of some link lies beside the link's line",
+        "any(chain.links, given(center_of_mass_offset))",
+        "the centre of mass of some link may lie beside the link's line",
     ),
     "pairs": Fact("sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"),
     "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
@@ -94,13 +106,13 @@ FACTS = {
     "own_stop_law": Fact("given(stops.model)", "stops have another law than walls"),
     "law": Fact("contacts or stops and not own_stop_law", "the law of contacts acts"),
     "contact_friction": Fact(
-        "pairs and (contact.friction > 0 or contact.static_friction > 0 or "
+        "pairs and (given(contact.friction) or given(contact.static_friction) or "
         "any(contact.wall, given(friction) or given(static_friction)))",
-        "a contact may have dry friction: a coefficient is above 0, or a wall has its own, even 0",
+        "a contact may have dry friction: a coefficient is given, even 0",
     ),
-    "joint_friction": Fact("any(links, has_friction)", "a joint has dry friction"),
-    "slider_friction": Fact("chain.slider.friction > 0", "the slider has dry friction"),
-    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part has dry friction"),
+    "joint_friction": Fact("any(links, has_friction)", "a joint may have dry friction"),
+    "slider_friction": Fact("given(chain.slider.friction)", "the slider may have dry friction"),
+    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part may have dry friction"),
     "has_inputs": Fact(
         " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
         "inputs act on the chain without contact",
@@ -148,8 +160,30 @@ class SceneFacts(dict[str, Any]):
         return value
 
     def value_of(self, name: str) -> Any:
-        """Return the value for a name in a rule; a name with a dot is a key of the scene's file."""
-        return value_at(self.scene, name) if "." in name else self[name]
+        """Return the value for a name in a rule; a name with a dot is a key of the scene's file.
+
+        A value that is not given is missing if its default is ``OFF``.
+        """
+        if "." not in name:
+            return self[name]
+        if name == "chain.links":
+            return self._links
+        return None if tuple(name.split(".")) in self._off else value_at(self.scene, name)
+
+    @cached_property
+    def _off(self) -> frozenset[DataPath]:
+        return frozenset(path for path in self.scene.derived_paths if path[-1] in _OFF_KEYS)
+
+    @cached_property
+    def _links(self) -> tuple[Link, ...]:
+        """The links, with None for values that are missing in rules."""
+        missing: dict[int, dict[str, Any]] = {}
+        for path in self._off:
+            match path:
+                case "chain", "links", int(i), str(key):
+                    missing.setdefault(i, {})[key] = None
+        links = self.scene.chain.links
+        return tuple(replace(link, **missing.get(i, {})) for i, link in enumerate(links))
 
     def _members(self, row: Members) -> list[dict[str, Any]]:
         """Return the members of a list that follows from another list."""
@@ -179,7 +213,7 @@ def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
 def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
     names, found = facts.scene.wall_names, list[dict[str, Any]]()
     for n, wall in candidates(facts.scene):
-        stop = STOP_CODES.get(names[wall], AT_WALL)
+        stop = STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL)
         at_joint = stop != AT_WALL and n > 0
         label = {} if at_joint else {"name": names[wall]}
         found.append({"n": n, "wall": wall, "stop": stop, "at_joint": at_joint, **label})

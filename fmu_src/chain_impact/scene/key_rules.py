@@ -66,6 +66,8 @@ class Derived:
         of_box: the other rule for a link that is a box, if there is one.
         or_key: the key of the same table that can be given in place of this key, if there is one.
         with_stops: the constant default in a scene with stops of joints, if there is one.
+        off: the constant default of a value without which a scene lacks what the value describes, such as dry
+            friction: for rules (rules.py) a value that is not given is missing, a given 0 is not.
     """
 
     text: str
@@ -76,6 +78,7 @@ class Derived:
     of_box: Derived | None = None
     or_key: str = ""
     with_stops: float | None = None
+    off: float | None = None
 
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
@@ -100,7 +103,14 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
     metadata |= dict.fromkeys(KeyRules.__annotations__) | rules
     if isinstance(default, Mapping):  # a table whose entries have names given by users is empty by default
         return field(default_factory=dict, hash=False, metadata=metadata)
-    return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
+    simple = simple_default(metadata)
+    return field(default=MISSING if isinstance(simple, Derived) else simple, metadata=metadata)
+
+
+def simple_default(rule: Mapping[str, Any]) -> Any:
+    """Return the default in the metadata ``rule``; a `Derived` only if no number stands for it."""
+    default = rule["default"]
+    return default if not isinstance(default, Derived) or default.off is None else default.off
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST
-from chain_impact.scene.default_rules import FROM_JOINTS, MOVABLE, ZEROS, as_in_contact, with_stops
+from chain_impact.scene.default_rules import FROM_JOINTS, MOVABLE, OFF, ZEROS, as_in_contact, with_stops
 from chain_impact.scene.key_rules import IDENTIFIER, quantity
 from chain_impact.scene.names import INPUTS_OF
 
@@ -87,9 +87,9 @@ class Contact:
         above=0.0,
         alone=True,
     )
-    friction: float = quantity("1", "coefficient of sliding friction", 0.0, minimum=0.0)
+    friction: float = quantity("1", "coefficient of sliding friction", OFF, minimum=0.0)
     static_friction: float = quantity(
-        "1", "coefficient of static friction, not less than friction; 0: equal to it", 0.0, minimum=0.0
+        "1", "coefficient of static friction, not less than friction; 0: equal to it", OFF, minimum=0.0
     )
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 

@@ -30,6 +30,7 @@ from chain_impact.simulation.instance import Instance, SimulationError, WordRows
 from chain_impact.simulation.one_sided import bends_at_start
 from chain_impact.simulation.reasons import (
     LEFT_OPEN,
+    NO_LESS,
     NO_RISE,
     ONE_SIDED,
     REASONS,
@@ -208,10 +209,10 @@ class DifferentiatedInstance(Instance):
     def limits(self) -> tuple[str, ...]:
         """Sentences for users: which derivatives are NaN and why, and errors by dry friction."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
-        rises = [name for name, missing in zip(self.parameters, self._missing, strict=True) if missing]
+        missing = [of for of, is_missing in zip(self.varied, self._missing, strict=True) if is_missing]
         told = [
             *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),
-            *(NO_RISE.format(parameter=name) for name in rises),
+            *((NO_RISE if is_rise(of) else NO_LESS).format(parameter=of.name) for of in missing),
             *(ONE_SIDED.format(parameter=name) for name in self._one_sided),
         ]
         if trust["reason"] == TRUSTED:
@@ -229,6 +230,11 @@ class DifferentiatedInstance(Instance):
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
         return ended, *told
+
+
+def is_rise(parameter: Variable) -> bool:
+    """Return whether a parameter is the rise of a signal; the others that can be missing are frictions."""
+    return parameter.record_path[:2] == ("signal", "rise")
 
 
 @dataclass(frozen=True, eq=False)

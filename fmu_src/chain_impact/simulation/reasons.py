@@ -7,7 +7,6 @@ from chain_impact.kernel.tangent.trust import (
     FROM_REST,
     GRAZING,
     JUMP,
-    NO_LESS,
     NOT_SOLVED,
     SLOW_CHANGE,
     TOGETHER,
@@ -35,7 +34,6 @@ REASONS_OF_FRICTION = {
     SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
     AT_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick or slide",
     TOGETHER: "the sliding or sticking of several ends at one moment, and it matters which is first",
-    NO_LESS: "its coefficient is 0, and cannot be less",
     FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
 }
 """Code → reason why derivatives end because of dry friction."""
@@ -45,6 +43,9 @@ NO_RISE = (
     "without one"
 )
 """The sentence on a rise of 0 by which the motion has no derivative."""
+
+NO_LESS = "there is no derivative by {parameter} at 0, as friction cannot be less"
+"""The sentence on a friction of 0 by which the motion has no derivative."""
 
 ONE_SIDED = (
     "the derivative by {parameter} is for an earlier time only: its signal bends at the start of the run"

@@ -63,7 +63,9 @@ class Kind:
         given_if: condition under which the path ``given`` exists; without a condition it always exists.
         derived: the rule by which the scene may derive the value, if any.
         tunable: condition under which a parameter can be set at any time.
-        absent_at: a scene in which the value is equal to this number, if any, does not have the parameter.
+        if_given: whether only a scene that gives the value has the parameter.
+        if_not_given: number of a parameter that a scene has without giving it, because it gives another one;
+            None for a parameter that only a scene with its value has.
         if_missing: the number that the record has if the scene does not have the value.
         choices: name of an enumeration's list of choices.
         smooth: whether there are derivatives with respect to the variable.
@@ -92,7 +94,8 @@ class Kind:
     given_if: str = ""
     derived: Derived | None = None
     tunable: str = ""
-    absent_at: float | None = None
+    if_given: bool = False
+    if_not_given: float | None = None
     if_missing: float = 0.0
     choices: str = ""
     smooth: bool = True

@@ -34,12 +34,12 @@ _METHODS = tuple(
 
 
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
-    """Yield the parameters of the FMU: those whose value in the scene is neither None nor ``absent_at``."""
+    """Yield the parameters of the FMU: those that the scene has, and gives if it must (``if_given``)."""
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
         path = filled(kind.path or (), owner.values)
         value = value_at(scene, path)
-        if value is not None and value != kind.absent_at:
+        if value is not None and not (kind.if_given and path in derived):
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )

@@ -102,6 +102,14 @@ def _vector(table: type, *, path: DataPath, record_path: DataPath, text: str, **
     return kinds
 
 
+_COEFFICIENT: dict[str, Any] = {
+    "tunable": ALWAYS,
+    "when": ("contact_friction",),
+    "if_not_given": 0.0,
+    "hint": HAS_FRICTION,
+}
+"""The columns of both coefficients of [contact]."""
+
 PARAMETERS = (
     block(
         "one",
@@ -117,7 +125,7 @@ PARAMETERS = (
             record_path=("chain", KEY, AT),
             names=[key for key in _rules(Link) if key not in ("points", "shape")],
             height={"if_missing": 0.0, "hint": HAS_ONE},
-            center_of_mass_offset={"absent_at": 0.0, "hint": HAS_ONE},
+            center_of_mass_offset={"if_given": True, "hint": HAS_ONE},
             center_of_mass={"given": ("chain", "given_center_of_mass", AT)},
             inertia={"given": ("chain", "given_inertia", AT)},
             joint_damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
@@ -132,7 +140,7 @@ PARAMETERS = (
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
-            joint_armature={"absent_at": 0.0, "hint": HAS_ONE},
+            joint_armature={"if_given": True, "hint": HAS_ONE},
             joint_torque_limit={
                 "record_path": ("drive", "limit", AT),
                 "if_missing": math.inf,
@@ -230,8 +238,8 @@ PARAMETERS = (
             path=("contact", KEY),
             record_path=("given", KEY),
             names=("friction", "static_friction"),
-            friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
-            static_friction={"tunable": ALWAYS, "when": ("contact_friction",), "hint": HAS_FRICTION},
+            friction=_COEFFICIENT,
+            static_friction=_COEFFICIENT,
         ),
         when=("contacts",),
     ),

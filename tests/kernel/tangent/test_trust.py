@@ -10,6 +10,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.events.marks import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
+from chain_impact.kernel.tangent.duals import DIRECTIONS
 from tests.helpers.scenes.problems import ball
 from tests.kernel.tangent.dual import Dual
 
@@ -107,7 +108,10 @@ def instance(events=(), speeds=(3.0, 4.0)):
     t.touch.impact_speed, t.touch.speed = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
     t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
-    t.law.minimum_impact_speed, t.law.static_friction = [dual(LEAST)] * 4, [Dual(0.0, [0.0, 0.0])] * 4
+    t.law.minimum_impact_speed, t.law.static_friction = (
+        [dual(LEAST)] * 4,
+        [Dual(0.0, np.zeros(DIRECTIONS))] * 4,
+    )
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
     x, y = (np.array([dual(0.0), dual(speed)], object) for speed in speeds)

@@ -37,12 +37,11 @@ from chain_impact.kernel.tangent.event_times import (
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,
-    NO_LESS,
     OPEN_DISTANCE,
     SLOW_CHANGE,
     TOGETHER,
     TRUSTED,
-    cannot_be_less,
+    check_coefficient,
     fastest_speed,
     mark_split,
     mark_untrusted,
@@ -321,18 +320,14 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """End the derivatives if friction of an active contact, a joint or the slider is 0 with derivatives.
-
-    Friction cannot be less than 0, so the motion has a derivative on one side only.
-    """
+    """Note directions without a derivative by the friction of an active contact, a joint or the slider."""
     if t.elements == 0:
         return
     for c in range(t.candidates):
-        if t.touch.active[c] and cannot_be_less(t.law.static_friction[c]):
-            end_derivatives(t, NO_LESS, c)
+        if t.touch.active[c]:
+            check_coefficient(t, t.law.static_friction[c])
     for i in range(first_joint(t), drive_count(t)):
-        if cannot_be_less(t.drive.friction[i]):
-            end_derivatives(t, NO_LESS, t.candidates + i)
+        check_coefficient(t, t.drive.friction[i])
 
 
 def is_nearly_at_limit(t, e):

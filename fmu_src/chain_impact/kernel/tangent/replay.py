@@ -113,8 +113,8 @@ def start_tangent(d, t):
     start_laws(t)
     begin_trust(t)
     set_start(t, d.step.time)
-    check_coefficients(t)
     check_rises(t)
+    check_coefficients(t)
     begin_explicit(t)
 
 

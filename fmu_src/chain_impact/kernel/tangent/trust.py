@@ -14,10 +14,10 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.rows.geometry import clearance
-from chain_impact.kernel.tangent.duals import has_slope, value
+from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 
 TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
-SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
+SLOW_CHANGE, AT_LIMIT, TOGETHER, FROM_REST = 6, 7, 8, 9
 NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if the reason is neither an impact nor an element
 JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
 # A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN_DISTANCE
@@ -31,8 +31,8 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 def check_onsets(t):
     """End the derivatives if they do not exist at an onset at the end of the last step.
 
-    Such an onset grazes, is at the least speed of its law, is one of several at one time, or has a static
-    friction of 0 with derivatives. The points must be located at this end.
+    Such an onset grazes, is at the least speed of its law, or is one of several at one time. The points must
+    be located at this end.
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
@@ -41,12 +41,7 @@ def check_onsets(t):
             _, gap_rate = clearance(t, c)
             if -value(gap_rate) < least:
                 least, first = -value(gap_rate), c
-        if (
-            t.touch.event[c] == ONSET
-            and t.trust.reason == TRUSTED
-            and cannot_be_less(t.law.static_friction[c])
-        ):
-            mark_untrusted(t, NO_LESS, c, value(t.step.end))
+            check_coefficient(t, t.law.static_friction[c])
     # no contact has begun if ``first`` is negative, or if the rates are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
@@ -67,9 +62,15 @@ def near_least_speed(t, c, speed):
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
 
 
-def cannot_be_less(friction):
-    """Return whether a parameter of dry friction is 0, its least possible value, and has derivatives."""
-    return value(friction) == 0.0 and has_slope(friction)
+def check_coefficient(t, friction):
+    """Note in ``trust.missing`` the directions without a derivative, as a friction with derivatives is 0.
+
+    Friction cannot be less, so the motion has a derivative on one side only.
+    """
+    if value(friction) == 0.0:
+        for k in range(DIRECTIONS):
+            if slope(friction, k) != 0.0:
+                t.trust.missing[k] = 1
 
 
 def fastest_speed(t):

@@ -12,12 +12,13 @@ import { drivenRows, withOutputs } from "./signals.js";
 /** Return all values for `rows` in a file: name → the number, the path in the file (`steps`), and the rule if the value is derived. */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
-  for (const { name, path, owner, rule, items, has } of rows) {
+  for (const { name, path, owner, rule, items, has, ifNotGiven = null } of rows) {
     const indices = { "{at}": owner.at, "{name}": owner.name, "{link}": owner.link, "{entry}": owner.entry };
     const steps = path.map((step) => indices[step] ?? step);
     const given = inFile(file, steps);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
+    else if (has && ifNotGiven !== null) values.set(name, { number: ifNotGiven, steps });
     else if (rule && (has || owner.corner)) {
       const ownRule = (rule.ofBox && file.chain.links[owner.at]?.height && rule.ofBox) || rule;
       const terms = ownRule.terms.map((term) => term.map((factor) => filled(factor, owner)));
@@ -48,14 +49,14 @@ function drawnOf(kit, known, outputs) {
 }
 
 /**
- * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, unless the value is `absentAt`,
- * then all `others` (inputs and times).
+ * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, then all `others` (inputs and
+ * times).
  */
 function parametersOf(rows, others, values, { known }, byName) {
-  const shown = rows.filter(({ name, has, absentAt }) => has && values.has(name) && values.get(name).number !== absentAt);
+  const shown = rows.filter(({ name, has }) => has && values.has(name));
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...others].map((parameter) => {
-    const { name, owner, given, givenIf, word, rule, number, ownerKind, path, has, when, absentAt, missing, ...row } = parameter;
+    const { name, owner, given, givenIf, word, rule, number, ownerKind, path, has, when, ifNotGiven, missing, ...row } = parameter;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
     const index = word ? wordIndex(given && known[givenIf] ? given : word, known, owner.at) : -1;
