@@ -40,7 +40,10 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
 
 
 def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return one half of a convex hull, from the first of the sorted corners up to the last, left out."""
+    """Return one half of a convex hull, from the first of the sorted corners to the last one.
+
+    The last corner is left out, because the other half begins with it.
+    """
     hull: list[tuple[float, float]] = []
     for x, y in corners:
         while len(hull) > 1:

@@ -81,7 +81,7 @@ def plot_fit(
     """Draw the picture of a fit, as ``Fit.plot`` describes."""
     count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
-    is_free = count > 1 and count % 2 == 1  # a cell of the grid, which then has the ranking
+    is_free = count > 1 and count % 2 == 1  # the grid has a free cell, which gets the ranking
     height = 0.7 + math.ceil(count / 2) * PANEL_HEIGHT + (0.0 if is_free else _ranking_height(fit))
     return draw_figure(partial(fill, fit=fit), path, size, (width, height))
 
