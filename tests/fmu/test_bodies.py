@@ -1,6 +1,6 @@
 """FMUs of scenes with points on links, an offset of a centre of mass, and a slider."""
 
-# Tests: fmu/facts.py, fmu/run.py, variables/outputs.py
+# Tests: fmu/scene_data.py, fmu/run.py, variables/outputs.py
 
 import re
 import zipfile
@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.fmu.facts import read_facts
 from chain_impact.fmu.run import record_fmu
+from chain_impact.fmu.scene_data import read_scene_data
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
 from tests.fmu.scenes import scene_of
@@ -91,4 +91,4 @@ def test_names_of_points_and_rules_do_not_follow_from_descriptions(fmus, tmp_pat
     before, after = (record_fmu(fmu, {"simulation.stop_time": 0.01}) for fmu in (fmus["body"], bare))
     assert after.point_names == before.point_names
     assert after.parameters == before.parameters
-    assert read_facts(bare).rules
+    assert read_scene_data(bare).rules

@@ -19,9 +19,9 @@ from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu import build
 from chain_impact.fmu.build import build_fmu, validate_fmu
-from chain_impact.fmu.facts import FACTS_FILE
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.references import REFERENCE_FILE
+from chain_impact.fmu.scene_data import SCENE_DATA_FILE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names
@@ -93,7 +93,7 @@ def test_an_fmu_has_the_files_of_the_standard(fmus, target, model):
         pixels = pyplot.imread(io.BytesIO(fmu.read(picture)), "png")
         if target != "pythonfmu":  # test_slave.py tests the files of pythonfmu's FMU
             library = f"binaries/{'x86_64-linux' if target == 'fmi3' else 'linux64'}/{name}.so"
-            found = {one for one in fmu.namelist() if one not in {REFERENCE_FILE, FACTS_FILE}}
+            found = {one for one in fmu.namelist() if one not in {REFERENCE_FILE, SCENE_DATA_FILE}}
             assert found == needed | {library, "resources/model.bin"}
             assert binary(fmu.read(library)).libraries == {"libc.so.6", "libm.so.6"}
             assert f"fmi{FMIS[target]}DoStep" in binary(fmu.read(library)).offered

@@ -16,9 +16,9 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.fmu.build import build_fmu
-from chain_impact.fmu.facts import FACTS_FILE
 from chain_impact.fmu.pythonfmu_target import slave_source
 from chain_impact.fmu.references import REFERENCE_FILE
+from chain_impact.fmu.scene_data import SCENE_DATA_FILE
 from tests.fmu.clean import importing
 from tests.fmu.importer import MESSAGES, Instance, refused
 from tests.fmu.zig import zig
@@ -40,7 +40,7 @@ def test_the_fmu_has_only_needed_files_and_a_script_for_its_values(path, tmp_pat
     assert slave == script.replace(".py", "_slave.py")
     resources = ("kernel-linux64.so", "model.bin", "slavemodule.txt")
     expected = {f"resources/{name}" for name in resources}
-    expected |= {REFERENCE_FILE, FACTS_FILE, "model.png"}
+    expected |= {REFERENCE_FILE, SCENE_DATA_FILE, "model.png"}
     expected |= {"documentation/index.html", "documentation/licenses/license.txt"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
     other = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)

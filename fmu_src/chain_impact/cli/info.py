@@ -14,10 +14,10 @@ from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import headline, variable_lines
-from chain_impact.fmu.facts import read_facts
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
 from chain_impact.fmu.run import TIMES
+from chain_impact.fmu.scene_data import read_scene_data
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import load_scene
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
         held = read_fmu(Path(options.source))
-        rules = read_facts(Path(options.source)).rules
+        rules = read_scene_data(Path(options.source)).rules
         name, description, variables = held.modelName, held.description or "", held.modelVariables
         facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
         facts += [("platforms", ", ".join(platforms_of(options.source)))]

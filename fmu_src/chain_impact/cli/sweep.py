@@ -84,8 +84,8 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the sweep, write the files that the options name, and print how many runs failed, with reasons."""
+    from chain_impact.studies.sweep.interrupted import partial_path
     from chain_impact.studies.sweep.job import job_of
-    from chain_impact.studies.sweep.partial import partial_path
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
     from chain_impact.studies.sweep.variation import variations_of

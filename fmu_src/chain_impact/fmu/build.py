@@ -11,10 +11,10 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
-from chain_impact.fmu.facts import facts_file
 from chain_impact.fmu.native_target import native_files
 from chain_impact.fmu.pythonfmu_target import pythonfmu_files
 from chain_impact.fmu.references import reference_files
+from chain_impact.fmu.scene_data import scene_data_file
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
@@ -88,7 +88,7 @@ def build_fmu(
         log.debug("packaging the FMU")
         native = target == "native"
         files = native_files(prepared, kernels, fmi) if native else pythonfmu_files(prepared, kernels)
-        files |= facts_file(prepared) | documents(prepared, fmi) | reference_files(prepared)
+        files |= scene_data_file(prepared) | documents(prepared, fmi) | reference_files(prepared)
         _pack(files, path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.fmu.facts import Facts, read_facts
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.inputs import driven_rows
+from chain_impact.fmu.scene_data import SceneData, read_scene_data
 from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import impacts_shown
@@ -66,7 +66,7 @@ def record_fmu(
         OSError: when a file cannot be read.
     """
     path, show = Path(path), progress or silent
-    description, facts = _chain_of(path), read_facts(path)
+    description, data = _chain_of(path), read_scene_data(path)
     parameters, outputs = _parameters(description), _outputs(description)
     experiment, start_values = _settings(path, description.defaultExperiment, parameters, settings)
     stop_time, step_size = experiment
@@ -75,7 +75,7 @@ def record_fmu(
     driven, rows_given = description, None
     if inputs:
         driven, rows_given = driven_rows(description, *inputs, experiment, values)
-    recording = partial(_recording, description, facts, variables=parameters, outputs=outputs, values=values)
+    recording = partial(_recording, description, data, variables=parameters, outputs=outputs, values=values)
     # a list for fmpy's recorder, which fmpy gives to the callback after the first step
     recorders: list[Any] = []
 
@@ -89,7 +89,7 @@ def record_fmu(
             path,
             driven,
             start_values=start_values,
-            output=[*outputs, *facts.rules],
+            output=[*outputs, *data.rules],
             stop_time=stop_time,
             output_interval=step_size,
             input=rows_given,
@@ -147,7 +147,7 @@ def _settings(
 
 def _recording(
     description: Any,
-    facts: Facts,
+    data: SceneData,
     rows: np.ndarray,
     *,
     variables: Mapping[str, Any],
@@ -169,9 +169,9 @@ def _recording(
         impacts=impacts_shown(rows, names),
         walls=walls,
         wall_names=names,
-        parameters=parameters | {name: float(rows[name][0]) for name in facts.rules},
+        parameters=parameters | {name: float(rows[name][0]) for name in data.rules},
         stops=stops,
-        point_names=facts.point_names,
+        point_names=data.point_names,
         inputs=tuple(v.name for v in description.modelVariables if v.causality == "input"),
     )
     return replace(recorded, stick_slip=phases_from(recorded.time, recorded.touches, names))

@@ -24,7 +24,7 @@ from chain_impact.scene.key_rules import keys
 from chain_impact.scene.names import AT, ENTRY_AT, DataPath
 from chain_impact.scene.rules import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.common import MOST_CACHED, Common, changed_numbers
+from chain_impact.variables.cache import MOST_CACHED, Common, changed_numbers
 from chain_impact.variables.indices import WORD, layout_of, word_index
 from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
 from chain_impact.variables.listing import BEHIND

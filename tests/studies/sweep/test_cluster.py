@@ -15,8 +15,8 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep import cluster
+from chain_impact.studies.sweep.computation import Computation
 from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.studies.sweep.work import Work
 from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
@@ -169,9 +169,9 @@ def test_a_worker_that_can_keep_no_kernel(scheduler):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
 
-def test_a_piece_that_a_worker_cannot_do(scheduler, monkeypatch):
+def test_a_batch_that_a_worker_cannot_do(scheduler, monkeypatch):
     scheduler.worker()
-    monkeypatch.setattr(Work, "run_piece", property(lambda _: partial(int, "odd")))
+    monkeypatch.setattr(Computation, "run_batch", property(lambda _: partial(int, "odd")))
     with pytest.raises(RunError, match="FourLinkBox: the cluster could not do a part of the sweep: TypeErr"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 

@@ -14,12 +14,12 @@ from filelock import FileLock
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep import sweep as module, work
+from chain_impact.studies.sweep import computation, sweep as module
+from chain_impact.studies.sweep.computation import CHUNK, file_name
 from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.design import grid, sampled
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.variation import variations_of
-from chain_impact.studies.sweep.work import CHUNK, file_name
 from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
@@ -114,7 +114,7 @@ def test_finished_runs_are_not_run_again(tmp_path, whole, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    monkeypatch.setattr(work, "Runner", None)  # no kernel, scheduler or file is needed either
+    monkeypatch.setattr(computation, "Runner", None)  # no kernel, scheduler or file is needed either
     monkeypatch.setattr(FileLock, "acquire", None)
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
@@ -225,7 +225,7 @@ def test_a_sweep_that_fails_at_once_leaves_no_files(tmp_path, monkeypatch):
 def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path, monkeypatch):
     real = module.run_in_threads
 
-    done = []  # the threads decide which piece is finished first
+    done = []  # the threads decide which batch is finished first
 
     def full(work, *arguments):
         done.append(next(real(work, *arguments)))

@@ -1,6 +1,6 @@
 """Sweeps that are killed or interrupted: the same command goes on after the finished runs."""
 
-# Tests: studies/sweep/partial.py
+# Tests: studies/sweep/interrupted.py
 
 import json
 import signal
@@ -25,9 +25,9 @@ from chain_impact.studies.sweep import sweep
 real = sweep.run_in_threads
 
 def killed(*arguments):
-    pieces = real(*arguments)
+    batches = real(*arguments)
     for _ in range(3):
-        yield next(pieces)
+        yield next(batches)
     os.kill(os.getpid(), signal.SIGKILL)
 
 sweep.run_in_threads = killed
@@ -79,9 +79,9 @@ def interrupted(request, tmp_path, monkeypatch, capsys):
     real = module.run_in_threads
 
     def run_in_threads(*arguments):
-        pieces = real(*arguments)
+        batches = real(*arguments)
         for _ in range(2):
-            yield next(pieces)
+            yield next(batches)
         raise KeyboardInterrupt
 
     table = tmp_path / f"runs{request.param}"

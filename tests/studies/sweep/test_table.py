@@ -9,8 +9,8 @@ import pytest
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.studies.sweep.computation import CHUNK
 from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.studies.sweep.work import CHUNK
 from tests.tiers import needs_interop
 
 SCENE = with_values(

@@ -14,21 +14,23 @@ from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
-from chain_impact.studies.sweep.pieces import hand_out
-from chain_impact.studies.sweep.work import Outcome, Span, Work
+from chain_impact.studies.sweep.batches import hand_out
+from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 
-# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished piece of
+# [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished batch of
 # runs after which the number of workers is checked
 CONNECT, PATIENCE = 10.0, 30.0
 
 
-def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator[tuple[Span, Outcome]]:
-    """Yield the results of the runs in some spans, piece by piece as workers finish them.
+def run_on_cluster(
+    computation: Computation, spans: Sequence[Span], address: str
+) -> Generator[tuple[Span, Outcome]]:
+    """Yield the results of the runs in some spans, batch by batch as workers finish them.
 
-    If a worker is lost, other workers take over its pieces.
+    If a worker is lost, other workers take over its batches.
 
     Args:
-        work: the work on each piece.
+        computation: the computation of each batch.
         spans: the runs.
         address: the address of the scheduler, ``tcp://host:port``.
 
@@ -37,7 +39,7 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
         SceneError: when there is no scheduler, it has no workers at the start, or a worker has another
             version of chain-impact, or cannot see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
-        RunError: when the cluster gives up a piece, has no workers left, or the connection is lost.
+        RunError: when the cluster gives up a batch, has no workers left, or the connection is lost.
     """
     lost = RunError(f"scheduler {address}: the connection was lost")
 
@@ -51,16 +53,16 @@ def run_on_cluster(work: Work, spans: Sequence[Span], address: str) -> Generator
             raise RunError(f"scheduler {address}: it has no workers left")
 
     with _connected(require("distributed", "cluster").Client, address) as client:
-        count = _check_workers(client, work, address)
+        count = _check_workers(client, computation, address)
         try:
             executor = client.get_executor(pure=False)
-            yield from hand_out(executor, count, work.run_piece, spans, check=check, patience=PATIENCE)
+            yield from hand_out(executor, count, computation.run_batch, spans, check=check, patience=PATIENCE)
         except (BuildError, RunError):
             raise
         except CancelledError:
             raise lost from None
         except Exception as error:
-            name, reason = work.job.scene.name, f"{type(error).__name__}: {error}"
+            name, reason = computation.job.scene.name, f"{type(error).__name__}: {error}"
             raise RunError(f"{name}: the cluster could not do a part of the sweep: {reason}") from None
 
 
@@ -92,7 +94,7 @@ def _connected(kind: Any, address: str) -> Any:
     return client
 
 
-def _check_workers(client: Any, work: Work, address: str) -> int:
+def _check_workers(client: Any, computation: Computation, address: str) -> int:
     """Refuse workers of another version, or without the folder; return the number of their threads.
 
     Return the number of threads of all workers.
@@ -112,11 +114,11 @@ def _check_workers(client: Any, work: Work, address: str) -> int:
                 f"scheduler {address}: the worker {worker} has chain-impact {answer[0]} "
                 f"(kernel {answer[1]}), must have {ours[0]} (kernel {ours[1]}) as here"
             )
-    if work.folder:
-        for worker, answer in client.run(_sees, work.folder).items():
+    if computation.folder:
+        for worker, answer in client.run(_sees, computation.folder).items():
             if not answer:
                 raise SceneError(
-                    f"scheduler {address}: the worker {worker} does not see {work.folder}: give a folder on "
-                    "a disk that all workers share, or a file, as runs.parquet"
+                    f"scheduler {address}: the worker {worker} does not see {computation.folder}: "
+                    "give a folder on a disk that all workers share, or a file, as runs.parquet"
                 )
     return sum(threads.values())

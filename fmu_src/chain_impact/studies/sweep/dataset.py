@@ -25,10 +25,10 @@ from chain_impact.extras import require
 from chain_impact.progress import log
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
+from chain_impact.studies.sweep.batches import missing
+from chain_impact.studies.sweep.computation import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
-from chain_impact.studies.sweep.pieces import missing
-from chain_impact.studies.sweep.work import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.system import remove_lock, written_whole
 
 # the name of the manifest begins with _, because readers of Parquet ignore files whose names begin with _ or
@@ -61,11 +61,11 @@ class Dataset:
         """Return the number of runs."""
         return self.runs
 
-    def add(self, piece: Span, file: str) -> None:
+    def add(self, batch: Span, file: str) -> None:
         """Add a complete file to the folder, with its final name."""
-        name = file_name(piece)
+        name = file_name(batch)
         (self.path / file).replace(self.path / name)
-        self.files[name] = piece
+        self.files[name] = batch
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
@@ -158,8 +158,8 @@ class Dataset:
             raise SceneError(f"{manifest} is not the manifest of a sweep: {wrong}") from None
         if differs:
             raise SceneError(f"{self.path} was left by a sweep that differs in its {differs[0]}: {wrong}")
-        for name, piece in files.items():
-            if name != file_name(piece) or not 0 <= piece[0] < piece[1] <= self.runs:
+        for name, batch in files.items():
+            if name != file_name(batch) or not 0 <= batch[0] < batch[1] <= self.runs:
                 raise SceneError(f"{manifest} lists {name}, which is not a file of the sweep: {wrong}")
         return files
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
+from chain_impact.studies.sweep.computation import CHUNK, STATUS_WORD, Columns, columns_of
 from chain_impact.studies.sweep.dataset import Dataset
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS
-from chain_impact.studies.sweep.work import CHUNK, STATUS_WORD, Columns, columns_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

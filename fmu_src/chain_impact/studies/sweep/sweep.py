@@ -12,15 +12,15 @@ import numpy as np
 from chain_impact.compilation.ready import missing_compilers
 from chain_impact.progress import Progress, log, silent
 from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.studies.sweep.batches import missing, run_in_threads
 from chain_impact.studies.sweep.cluster import run_on_cluster
+from chain_impact.studies.sweep.computation import Computation, Span, columns_of
 from chain_impact.studies.sweep.dataset import known_by, locked_dataset
 from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole
+from chain_impact.studies.sweep.interrupted import keep, partial_path, take_up
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
-from chain_impact.studies.sweep.partial import keep, partial_path, take_up
-from chain_impact.studies.sweep.pieces import missing, run_in_threads
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
 from chain_impact.studies.sweep.variation import Values, variations_of
-from chain_impact.studies.sweep.work import Span, Work, columns_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
@@ -109,19 +109,19 @@ def sweep(
             stack.enter_context(_interruptible(target, head, rows, done, design))
         many = scheduler is None and left >= OWN_KERNEL_FROM
         own_kernel = many and not missing_compilers() and has_own_kernel(job)
-        work = Work(job, design, dataset.path.resolve() if dataset else None, own_kernel)
+        computation = Computation(job, design, dataset.path.resolve() if dataset else None, own_kernel)
         if scheduler is None or not spans:
-            pieces = run_in_threads(work, spans, threads)
+            batches = run_in_threads(computation, spans, threads)
         else:
-            pieces = run_on_cluster(work, spans, scheduler)
-        stack.enter_context(closing(pieces))
-        for piece, piece_rows in pieces:
-            if dataset and isinstance(piece_rows, str):
-                dataset.add(piece, piece_rows)
+            batches = run_on_cluster(computation, spans, scheduler)
+        stack.enter_context(closing(batches))
+        for batch, batch_rows in batches:
+            if dataset and isinstance(batch_rows, str):
+                dataset.add(batch, batch_rows)
             else:
-                rows[slice(*piece)] = piece_rows
-                done.append(piece)
-            left -= piece[1] - piece[0]
+                rows[slice(*batch)] = batch_rows
+                done.append(batch)
+            left -= batch[1] - batch[0]
             progress(1.0 - left / design.runs)
     result = Sweep(scene, design, dataset or rows, job.outputs)
     if target and not dataset:
@@ -140,5 +140,5 @@ def _interruptible(
     except BaseException:
         if done:
             keep(table, head, rows, done)
-            write_table(table, (columns_of(design, rows[slice(*piece)], piece[0]) for piece in sorted(done)))
+            write_table(table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(done)))
         raise

@@ -18,9 +18,9 @@ from chain_impact.extras import require
 from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.recording.text import TextTable, as_html, plural
 from chain_impact.scene.reading import SceneError
+from chain_impact.studies.sweep.computation import PARQUET, Columns, write_parquet
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.studies.sweep.work import PARQUET, Columns, write_parquet
 from chain_impact.system import written_whole
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The computation of each piece of a sweep, whose rows are returned or written to a file."""
+"""The computation of each batch of a sweep, whose rows are returned or written to a file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from chain_impact.studies.sweep.job import STATUS, Job, Runner
 Span = tuple[int, int]
 """A span of runs: first … end − 1."""
 Outcome = np.ndarray | str
-"""The rows of a piece, or the name of the file with the rows."""
+"""The rows of a batch, or the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
 CHUNK = 2**14  # largest number of runs in memory at once, which take 3 MB
@@ -63,8 +63,8 @@ def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 @dataclass(frozen=True)
-class Work:
-    """The computation of the pieces of a sweep.
+class Computation:
+    """The computation of the batches of a sweep.
 
     Attributes:
         job: the data that the runs share.
@@ -79,14 +79,14 @@ class Work:
     own_kernel: bool = False
 
     def runner(self) -> Runner:
-        """Return the runner for the runs of a piece.
+        """Return the runner for the runs of a batch.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
         return Runner(self.job, own_kernel=self.own_kernel)
 
-    def run_piece(self, piece: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
+    def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
         """Compute some runs; return the rows or the file's name, and the computing time [s].
 
         Raises:
@@ -96,13 +96,13 @@ class Work:
         runner, started = self.runner(), perf_counter()
 
         def chunks() -> Iterator[tuple[int, np.ndarray]]:
-            for first in range(piece[0], piece[1], CHUNK):
-                values = self.design.values(first, min(first + CHUNK, piece[1]))
+            for first in range(batch[0], batch[1], CHUNK):
+                values = self.design.values(first, min(first + CHUNK, batch[1]))
                 yield first, runner.run(values, wanted)
 
         if self.folder is None:
             return np.concatenate([rows for _, rows in chunks()]), perf_counter() - started
-        path = self.folder / f".{file_name(piece)}-{uuid4().hex}"
+        path = self.folder / f".{file_name(batch)}-{uuid4().hex}"
         try:
             write_parquet(path, (columns_of(self.design, rows, first) for first, rows in chunks()))
         except BaseException as error:
@@ -114,6 +114,6 @@ class Work:
         return path.name, perf_counter() - started
 
 
-def file_name(piece: Span) -> str:
+def file_name(batch: Span) -> str:
     """Return the name of a complete file; the sorted names are in the order of the runs."""
-    return f"runs-{piece[0]:015d}{PARQUET}"
+    return f"runs-{batch[0]:015d}{PARQUET}"

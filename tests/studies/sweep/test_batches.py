@@ -1,9 +1,9 @@
-"""Pieces of a sweep cover the missing runs exactly once, and are sized by their expected time.
+"""Batches of a sweep cover the missing runs exactly once, and are sized by their expected time.
 
-The rows do not depend on the number of threads and the sizes of pieces.
+The rows do not depend on the number of threads and the sizes of batches.
 """
 
-# Tests: studies/sweep/job.py, studies/sweep/work.py
+# Tests: studies/sweep/job.py, studies/sweep/computation.py
 
 import threading
 from concurrent.futures import CancelledError
@@ -16,19 +16,19 @@ from chain_impact.kernel.status import OK
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation import instance
-from chain_impact.studies.sweep.design import grid
-from chain_impact.studies.sweep.job import Runner, job_of
-from chain_impact.studies.sweep.pieces import (
-    LONGEST_PIECE,
-    LONGEST_PIECE_TIME,
-    SHORTEST_PIECE_TIME,
-    Pieces,
+from chain_impact.studies.sweep.batches import (
+    LONGEST_BATCH,
+    LONGEST_BATCH_TIME,
+    SHORTEST_BATCH_TIME,
+    Batches,
     missing,
     run_in_threads,
 )
+from chain_impact.studies.sweep.computation import Computation
+from chain_impact.studies.sweep.design import grid
+from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.variation import variations_of
-from chain_impact.studies.sweep.work import Work
 
 
 @pytest.mark.parametrize(
@@ -44,29 +44,29 @@ def test_missing_runs_are_those_between_finished_ones(done, left):
     assert missing(done, 100) == left
 
 
-def taken(pieces, seconds_a_run):
-    while piece := pieces.take():
-        pieces.took(piece, (piece[1] - piece[0]) * seconds_a_run)
-        yield piece
+def taken(batches, seconds_a_run):
+    while batch := batches.take():
+        batches.took(batch, (batch[1] - batch[0]) * seconds_a_run)
+        yield batch
 
 
 @pytest.mark.parametrize("seconds_a_run", [0.0, 1e-5, 1e-3, 10.0])
-def test_pieces_cover_the_spans(seconds_a_run):
+def test_batches_cover_the_spans(seconds_a_run):
     spans = [(3, 10), (20, 20_000)]
-    found = list(taken(Pieces(spans, 2), seconds_a_run))
+    found = list(taken(Batches(spans, 2), seconds_a_run))
     runs = [run for first, end in found for run in range(first, end)]
     assert runs == [run for first, end in spans for run in range(first, end)]
 
 
-def test_pieces_take_a_part_of_the_time_so_far():
-    pieces = list(taken(Pieces([(0, 1_000_000)], 2), 1e-3))
-    sizes = [end - first for first, end in pieces]
-    for (first, _), size in zip(pieces[2:], sizes[2:], strict=True):
-        assert size <= max(1000 * SHORTEST_PIECE_TIME, 0.11 * first)
-    assert max(sizes) == 1000 * LONGEST_PIECE_TIME
+def test_batches_take_a_part_of_the_time_so_far():
+    batches = list(taken(Batches([(0, 1_000_000)], 2), 1e-3))
+    sizes = [end - first for first, end in batches]
+    for (first, _), size in zip(batches[2:], sizes[2:], strict=True):
+        assert size <= max(1000 * SHORTEST_BATCH_TIME, 0.11 * first)
+    assert max(sizes) == 1000 * LONGEST_BATCH_TIME
     assert len(sizes) < 150
     assert sizes[-1] < 0.1 * max(sizes)  # at the end, all threads get a share
-    assert max(end - first for first, end in taken(Pieces([(0, 10**7)], 2), 1e-9)) == LONGEST_PIECE
+    assert max(end - first for first, end in taken(Batches([(0, 10**7)], 2), 1e-9)) == LONGEST_BATCH
 
 
 SCENE = with_values(
@@ -144,15 +144,15 @@ def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatc
 
 def test_a_caller_that_stops_listening_gets_all_threads_back():
     before = threading.active_count()
-    pieces = run_in_threads(Work(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
-    _, rows = next(pieces)
+    batches = run_in_threads(Computation(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
+    _, rows = next(batches)
     assert rows["solver.steps"].all()
-    pieces.close()
+    batches.close()
     assert threading.active_count() == before
 
 
 def test_an_error_in_a_thread_is_raised_here(monkeypatch):
-    work = Work(*parts({"contact.restitution": "0.3:0.7:100"}))
+    work = Computation(*parts({"contact.restitution": "0.3:0.7:100"}))
 
     def broken(*_):
         raise MemoryError("no room")

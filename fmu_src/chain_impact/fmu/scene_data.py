@@ -1,0 +1,43 @@
+"""The data on a scene that an FMU contains beside its variables.
+
+These are the names of points, and the rules by which parameters follow from others.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+from typing import NamedTuple
+
+from chain_impact.variables.prepared import PreparedScene
+
+SCENE_DATA_FILE = "resources/chain_impact_scene.json"
+
+
+class SceneData(NamedTuple):
+    """The data on the scene of an FMU beside its variables.
+
+    Attributes:
+        point_names: number of a point → its name, for the points that have one.
+        rules: name of a parameter → the rule by which its value follows from others unless it is set.
+    """
+
+    point_names: dict[int, str]
+    rules: dict[str, str]
+
+
+def scene_data_file(prepared: PreparedScene) -> dict[str, bytes]:
+    """Return the file with the data on a scene, by its path in the FMU."""
+    rules = {variable.name: variable.rule.text for variable in prepared.parameters if variable.rule}
+    data = SceneData(prepared.scene.point_names, rules)
+    return {SCENE_DATA_FILE: json.dumps(data._asdict(), ensure_ascii=False).encode()}
+
+
+def read_scene_data(fmu: Path) -> SceneData:
+    """Return the data on the scene of an FMU; there are none if the FMU does not have the file."""
+    with zipfile.ZipFile(fmu) as files:
+        if SCENE_DATA_FILE not in files.namelist():
+            return SceneData({}, {})
+        data = SceneData(**json.loads(files.read(SCENE_DATA_FILE)))
+    return data._replace(point_names={int(number): name for number, name in data.point_names.items()})

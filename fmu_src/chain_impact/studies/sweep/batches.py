@@ -1,0 +1,140 @@
+"""The missing runs of a sweep, divided into batches for workers.
+
+A worker here is a thread, on this machine or in a process of a cluster, that computes one batch at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from functools import partial
+from threading import Event
+
+from chain_impact.studies.sweep.computation import Computation, Outcome, Span
+from chain_impact.system import LISTEN
+
+FIRST_BATCH, LONGEST_BATCH = 8, 2**18  # number of runs in the first and in the longest batch
+SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0  # [s] shortest and longest time that a batch may take
+# time that a batch may take, relative to the time so far; an interruption loses at most this part of the time
+# so far
+SHARE = 0.2
+# A batch has at most BATCH_RATIO times as many runs as the batch before. The last batches are smaller, so
+# that all workers end together; but each takes at least 1/BATCH_RATIO of the time of a usual batch.
+BATCH_RATIO = 16
+AHEAD = 2  # number of batches that are submitted for each worker, so that no worker waits for the caller
+
+
+class Batches:
+    """The missing runs of a sweep, given out batch by batch.
+
+    A batch takes about SHARE × the time so far, within the limits, so that an hour of a core has about a
+    hundred batches.
+    """
+
+    def __init__(self, spans: Sequence[Span], workers: int) -> None:
+        """Store the missing runs in order, and the number of workers."""
+        self._spans, self._workers = list(reversed(spans)), workers
+        self._left = sum(end - first for first, end in spans)
+        self._size, self._least, self._elapsed = FIRST_BATCH, 1, 0.0
+
+    def take(self) -> Span | None:
+        """Return the next batch, or None if none is left.
+
+        The last batches are small, so that no worker waits long for another.
+        """
+        if not self._spans:
+            return None
+        first, end = self._spans.pop()
+        size = min(self._size, max(self._left // (2 * self._workers), self._least))
+        middle = min(end, first + size)
+        if middle < end:
+            self._spans.append((middle, end))
+        self._left -= middle - first
+        return first, middle
+
+    def took(self, batch: Span, seconds: float) -> None:
+        """Record how long a batch took; this time determines the size of the next batches."""
+        self._elapsed += seconds / self._workers
+        a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
+        wanted = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
+        self._size = max(1, min(int(wanted * a_second), BATCH_RATIO * self._size, LONGEST_BATCH))
+        self._least = max(1, int(wanted / BATCH_RATIO * a_second))
+
+
+def hand_out(
+    executor: Executor,
+    count: int,
+    do: Callable[[Span], tuple[Outcome, float]],
+    spans: Sequence[Span],
+    *,
+    check: Callable[[], None] = lambda: None,
+    patience: float = LISTEN,
+) -> Generator[tuple[Span, Outcome]]:
+    """Yield each batch of some spans of runs, with its results, as the executor finishes it.
+
+    Args:
+        executor: executes the batches in threads of this machine, or on the machines of a cluster.
+        count: the number of workers; AHEAD × ``count`` batches are submitted at the same time.
+        do: function that computes a batch, and returns the result and the computing time [s].
+        spans: the runs, in order.
+        check: function that is called when no batch was finished for some time; it raises an error if there
+            is a fault.
+        patience: the time after which ``check`` is called, and Ctrl-C is noticed [s].
+    """
+    batches = Batches(spans, count)
+    at_work: dict[Future[tuple[Outcome, float]], Span] = {}
+
+    def submit() -> None:
+        if batch := batches.take():
+            at_work[executor.submit(do, batch)] = batch
+
+    try:
+        for _ in range(AHEAD * count):
+            submit()
+        while at_work:
+            done = wait(at_work, patience, FIRST_COMPLETED).done
+            if not done:
+                check()
+            for future in done:
+                batch = at_work.pop(future)
+                rows, seconds = future.result()
+                batches.took(batch, seconds)
+                submit()
+                yield batch, rows
+    finally:
+        for future in at_work:
+            future.cancel()
+
+
+def run_in_threads(
+    computation: Computation, spans: Sequence[Span], threads: int
+) -> Generator[tuple[Span, Outcome]]:
+    """Compute spans of runs in threads; yield each finished batch of a span with its results.
+
+    Other Python threads can run meanwhile. If the caller stops the iteration, all threads end in less than a
+    second.
+
+    Raises:
+        BuildError: when the kernel cannot be compiled.
+        OSError: when a file cannot be written.
+    """
+    if spans:
+        computation.runner()  # the first runner compiles the kernel before the threads start
+    enough = Event()
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            yield from hand_out(
+                pool, threads, partial(computation.run_batch, wanted=lambda: not enough.is_set()), spans
+            )
+        finally:
+            enough.set()
+
+
+def missing(done: Sequence[Span], count: int) -> list[Span]:
+    """Return the spans of 0 … count − 1 that no given span contains."""
+    spans, start = [], 0
+    for first, end in sorted(done):
+        if first > start:
+            spans.append((start, first))
+        start = max(start, end)
+    return [*spans, (start, count)] if start < count else spans
