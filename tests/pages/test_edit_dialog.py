@@ -60,6 +60,19 @@ def refusal(page):
     return page.locator("#edit-text").inner_text()
 
 
+def test_a_long_number_fits_into_its_field_and_is_whole_in_the_title(show):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    fields = page.locator("#edit-links input")
+    assert fields.count() > 20
+    room = "fields => fields.map((field) => field.clientWidth - field.scrollWidth)"
+    assert min(fields.evaluate_all(room)) >= 0
+    inertia = page.locator("#edit").get_by_role("textbox", name="link[1].inertia")
+    given = load_scene("four_link_box").chain.links[0].inertia
+    assert float(inertia.get_attribute("title")) == given
+    assert float(inertia.input_value()) == pytest.approx(given, rel=1e-3)
+
+
 def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     page = show()
     page.get_by_role("slider", name="Restitution").press("ArrowLeft")

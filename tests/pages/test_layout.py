@@ -107,6 +107,18 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
     assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
 
 
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_a_tap_on_an_impact_shows_the_motion(show, size):
+    """The rows that a phone scrolls into view are not below the motion, which stays, or the controls."""
+    page = show("hopper", viewport=size, has_touch=True)
+    for number in (1, 3):
+        page.get_by_role("button", name=f"Go to impact {number}, ").tap(timeout=4000)
+        until(page, f"document.querySelector('#impacts [aria-current]').rowIndex === {number}")
+        view = page.locator("#view").bounding_box()
+        assert view["y"] >= 0.0
+        assert view["y"] + view["height"] <= page.locator("footer").bounding_box()["y"] + 1.0
+
+
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper"])
 def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
     page = show(model, viewport=PHONE, has_touch=True)

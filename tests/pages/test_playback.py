@@ -118,10 +118,10 @@ def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
         assert time_of(page) == pytest.approx(peak_time(recording, impact), abs=2e-5)
         newtons = page.text_content(".force-text").replace("kN", "e3").replace("N", "")
         assert float(newtons.replace("\u202f", "")) == pytest.approx(impact["peak_force"], rel=0.02)
-        assert (
-            f"Impact {number} of 14: point {impact['point']} at {recording.wall_names[impact['wall']]}"
-            in page.inner_text("#caption")
-        )
+        where = f"point {impact['point']} at {recording.wall_names[impact['wall']]}"
+        caption = page.inner_text("#caption")
+        assert caption.startswith(f"Impact {number} of 14: {page.text_content('.force-text')}, ")
+        assert caption.endswith(f"m/s, {where}")
         assert page.inner_text("tr[aria-current] button") == str(number)
     assert press(page, "Home") == 0.0
     times = [press(page, key) for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]]
@@ -195,7 +195,7 @@ def test_the_latest_of_overlapping_contacts_is_named(show_recording, until_next)
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         time_of(page)
         assert page.inner_text("tr[aria-current] button") == str(number)
-        assert page.inner_text("#caption").startswith(f"Impact {number} of 2: point {number - 1} ")
+        assert re.match(rf"Impact {number} of 2: .*, point {number - 1} at ", page.inner_text("#caption"))
         assert page.text_content("#contact-name").startswith(f"impact {number}: point {number - 1} ")
     go_to(page, 0.0125)
     assert page.inner_text("tr[aria-current] button") == "2"

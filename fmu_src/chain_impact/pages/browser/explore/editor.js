@@ -163,7 +163,9 @@ export class Editor {
 
   /** Return a field for a number or a text, such as a name or an angle; an empty field stands for no value. */
   #field(name, value, set, unit = "") {
-    const field = make("input", { value: typeof value === "number" ? valueText(value, unit) : (value ?? ""), autocomplete: "off" });
+    const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
+    const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole; // fits into the field
+    const field = make("input", { value: short, title: whole, autocomplete: "off" });
     field.setAttribute("aria-label", name);
     // if the scene does not give a key, and its value follows from other keys, this value is the placeholder of the empty field
     const derived = value === undefined && this.changes.valueOf(name);

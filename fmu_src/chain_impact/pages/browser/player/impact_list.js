@@ -1,6 +1,6 @@
 // The list of impacts; a click on an impact goes to its largest force.
 
-import { make } from "../base/dom.js";
+import { find, make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of impacts in the list, because each of them is a row of elements in the page
@@ -38,8 +38,7 @@ function reboundText({ speed, rebound, peak }) {
 
 export class ImpactList {
   constructor(element, goTo) {
-    this.element = element;
-    this.goTo = goTo;
+    Object.assign(this, { element, goTo });
     this.more = make("button", { id: "impacts-all", type: "button" });
     this.more.addEventListener("click", () => this.#showAll(true));
     element.after(this.more);
@@ -54,8 +53,7 @@ export class ImpactList {
   /** List the impacts of a recording. */
   show(recording) {
     const { element, goTo } = this;
-    this.current = undefined;
-    this.rows = undefined;
+    this.current = this.rows = undefined;
     this.more.textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
@@ -87,13 +85,14 @@ export class ImpactList {
       reboundText(impact),
       peakText(impact),
     ];
-    texts.forEach((text) => {
-      row.insertCell().textContent = text;
-    });
+    texts.forEach((textContent) => Object.assign(row.insertCell(), { textContent }));
     const { jointForce, joint } = impact;
     const ofJoint = joint > 0 ? { textContent: forceText(jointForce), title: `In joint ${joint}` } : { textContent: "–" };
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
-    row.addEventListener("click", () => goTo(impact));
+    row.addEventListener("click", () => {
+      goTo(impact);
+      find("stage").scrollIntoView({ block: "nearest" }); // on a phone on its side, the list is far below the motion
+    });
     return row;
   }
 
@@ -113,11 +112,11 @@ export class ImpactList {
   }
 }
 
-/** Return words for the contact at a time; "" if the contact is not an impact. */
+/** Return words for a contact at a time, the force first, because a narrow screen cuts the end; "" if the contact is not an impact. */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;
   const next = onset > time ? " is next" : "";
-  const force = peak === null ? "" : `, ${peakText(contact)}`;
-  return `Impact ${number} of ${impacts.length}${next}: ${contact.what} at ${wall}, ${approachText(contact)}${force}`;
+  const force = peak === null ? "" : `${peakText(contact)}, `;
+  return `Impact ${number} of ${impacts.length}${next}: ${force}${approachText(contact)}, ${contact.what} at ${wall}`;
 }

@@ -49,8 +49,7 @@ function rounded(value) {
 /** Return the label of a main parameter, with a function that returns its unit and a function that shows the unit. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  // a space before a number at which a line does not end
-  const textContent = words.replace(/ (?=\d)/g, "\u00a0");
+  const textContent = words.replace(/ (?=\d)/g, "\u00a0"); // no line ends before a number
   const label = make("label", { className: "main-parameter-label", textContent, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
