@@ -137,6 +137,25 @@ def test_a_dragged_arrow_ends_at_the_pointer_and_rests_at_its_stem(show):
     assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
 
 
+def test_the_velocity_of_a_slider_is_an_arrow_along_its_line(show):
+    """The line of the hopper is vertical: what a pointer or a key does across it has no effect."""
+    page, name = show("hopper", {"initial.slider_velocity": 0.0}), "initial.slider_velocity"
+    reachable(page, "velocity 0")
+    assert drag(page, "velocity 0", (25.0, -30.0))[name] > 0.0
+    across, up = middle(page, "velocity 0") - middle(page, "joint 0")
+    assert (across, up < -32.0) == (pytest.approx(0.0, abs=1.0), True)
+    page.locator('[data-grip="velocity 0"]').focus()
+    found = []
+    for key in ("ArrowLeft", "ArrowUp", *["Shift+ArrowDown"] * 3):
+        found.append(parameters(page)[name])
+        page.keyboard.press(key)
+        settle(page)
+    across, up, *down = np.diff([*found, parameters(page)[name]])
+    assert (across, up > 0.0, max(down) < 0.0) == (0.0, True, True)
+    assert parameters(page)[name] < 0.0
+    assert middle(page, "velocity 0")[1] > middle(page, "joint 0")[1]
+
+
 def test_handles_exist_at_the_start_only(show):
     page = show()
     before = parameters(page)

@@ -3,7 +3,7 @@
 
 import { isCrossed } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
-import { freeRegionWithin } from "../recording/free_region.js";
+import { edgeBefore, edgesOf } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
 const ARROW_TIME = 0.1; // [s] an arrow of velocity is as long as the distance that is covered in this time
@@ -18,6 +18,7 @@ const BESIDE_GRIP = 2; // [pixels] least distance between two grips
 const MOST_DECIMALS = 15;
 const STEPS_OF_KEYS = [4, 24]; // [pixels] the distances by which an arrow key moves a grip: alone, and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const SLIDER_VELOCITY = "initial.slider_velocity";
 const SPOKEN = {
   site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
   joint: (index) => `Point ${index}: arrow keys move it`,
@@ -36,7 +37,8 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    this.dragged = null; // the handle that is dragged, as {kind, index, time, pointer}; null if none is
+    // the handle that is dragged, as {kind, index, time, pointer}; for a key, `by` [pixels] replaces the pointer; null if none is
+    this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
@@ -67,13 +69,20 @@ export class Handles {
     const base = isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")];
     const numbers = Array.from({ length: this.changes.scene.links }, (_, k) => k + 1);
     const positions = pointsOf(base, numbers.map((link) => [this.#value(`link[${link}].length`), this.#value(`initial.angle[${link}]`)]));
-    const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
+    const sliding = this.#line?.map((component) => component * this.#value(SLIDER_VELOCITY));
+    const velocity = [sliding ?? [this.#value("initial.vx"), this.#value("initial.vy")]];
     numbers.forEach((link) => {
       const rate = this.#value(`initial.angular_velocity[${link}]`);
       const [x, y] = vectorTo(positions[link - 1], positions[link]);
       velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
     });
     return { positions, velocity };
+  }
+
+  /** Return the direction of the slider's line; null without a slider. */
+  get #line() {
+    const angle = this.#value("slider.angle");
+    return this.changes.parameters.has(SLIDER_VELOCITY) ? [Math.cos(angle), Math.sin(angle)] : null;
   }
 
   /**
@@ -202,7 +211,7 @@ export class Handles {
     const { positions, velocity } = this.#start;
     const time = this.#arrowTime(velocity);
     const screen = (point) => this.player.drawing.camera.toScreen(...point);
-    const first = this.changes.parameters.has("initial.vx") ? 0 : 1;
+    const first = this.#line || this.changes.parameters.has("initial.vx") ? 0 : 1;
     return positions.map((point, k) => {
       const from = screen(point);
       const vector = vectorTo(from, screen(tipOf(point, velocity[k], time)));
@@ -214,10 +223,12 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem of a point at rest: at the base opposite to link 1, at another point the direction in
-   * which a positive angular velocity of the link before it moves it; another direction if the edge would cut off the grip.
+   * Return the direction on the screen of the stem of a point at rest: of a slider along its line, at another base opposite to
+   * link 1, at another point the direction in which a positive angular velocity of the link before it moves it; another
+   * direction if the edge would cut off the grip.
    */
   #aside(k, [x, y]) {
+    if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];
     const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
     const [dx, dy] = k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
     const [width, height] = this.player.drawing.size;
@@ -256,8 +267,9 @@ export class Handles {
     const [kind, index] = grip.split(" ");
     const { x, y, width, height } = event.target.getBBox();
     const step = STEPS_OF_KEYS[Number(event.shiftKey)];
-    this.dragged = { kind, index, apart: this.#apart(event.target, kind, index), time: this.#arrowTime(this.#start.velocity) };
-    this.#move(x + width / 2 + step * direction[0], y + height / 2 + step * direction[1]);
+    const by = [direction[0] * step, direction[1] * step];
+    this.dragged = { kind, index, by, apart: this.#apart(event.target, kind, index), time: this.#arrowTime(this.#start.velocity) };
+    this.#move(x + width / 2 + by[0], y + height / 2 + by[1]);
     this.dragged = null;
     this.draw(); // the drawing is made at once, so that the next key finds the grip at its new position
   }
@@ -327,9 +339,17 @@ export class Handles {
     const k = Number(index);
     const { positions, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
-    const vector = vectorTo(positions[k], [x, y]);
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the part of the vector without the stem
+    const line = k === 0 ? this.#line : null;
+    const from = vectorTo(positions[k], [x, y]);
+    const vector = line ? line.map((component) => component * componentOf(from, line)) : from;
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the fraction without the stem
     const speed = vector.map((component) => (share * component) / this.dragged.time);
+    if (line) {
+      // a key changes the speed of a slider also through 0, where its arrow turns
+      const { by } = this.dragged;
+      const own = by ? this.#value(SLIDER_VELOCITY) + componentOf([by[0], -by[1]], line) * pixel : componentOf(speed, line);
+      return { [SLIDER_VELOCITY]: byHand(own, pixel) };
+    }
     if (k === 0) return { "initial.vx": byHand(speed[0], pixel), "initial.vy": byHand(speed[1], pixel) };
     const link = [0, 1].map((axis) => positions[k][axis] - positions[k - 1][axis]);
     const added = [0, 1].map((axis) => speed[axis] - velocity[k - 1][axis]);
@@ -364,27 +384,12 @@ function vectorTo([x0, y0], [x1, y1]) {
   return [x1 - x0, y1 - y0];
 }
 
+/** Return the component of a vector along a direction. */
+function componentOf([x, y], [dx, dy]) {
+  return x * dx + y * dy;
+}
+
 /** Return the position [m] of a point after it has moved with its velocity for a time. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
-}
-
-/**
- * Return the position for the grip of a wall beyond the view: on the perpendicular from the middle of the view to the wall, `inside` [m]
- * before the edge of the view; undefined if the middle is not on the wall's free side.
- */
-function edgeBefore({ normal, offset }, [low, high], inside) {
-  const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
-  if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
-  const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
-  const distance = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
-  return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
-}
-
-/** Return a list with the ends of the visible part of a wall; an empty list if no part is visible. */
-function edgesOf(walls, name, rectangle) {
-  const { normal: [nx, ny], offset } = walls[name];
-  const { edges } = freeRegionWithin(walls, rectangle);
-  const isOn = ([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-6 * (1 + Math.abs(offset));
-  return edges.filter((ends) => ends.every(isOn));
 }

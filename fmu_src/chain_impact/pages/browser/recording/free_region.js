@@ -24,3 +24,22 @@ export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
   return { corners, edges: edges.filter((ends) => ends.length > 1) };
 }
 
+/**
+ * Return where the perpendicular from the middle of the view to a wall beyond the view is `inside` [m] before the edge of the view;
+ * undefined if the middle is not on the wall's free side.
+ */
+export function edgeBefore({ normal, offset }, [low, high], inside) {
+  const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
+  if (!(normal[0] * middle[0] + normal[1] * middle[1] > offset)) return undefined;
+  const halves = [0, 1].map((axis) => (high[axis] - low[axis]) / 2 - inside);
+  const distance = Math.min(...halves.map((half, axis) => half / Math.abs(normal[axis])));
+  return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
+}
+
+/** Return a list with the ends of the visible part of a wall; an empty list if no part is visible. */
+export function edgesOf(walls, name, rectangle) {
+  const { normal: [nx, ny], offset } = walls[name];
+  const { edges } = freeRegionWithin(walls, rectangle);
+  const isOn = ([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-6 * (1 + Math.abs(offset));
+  return edges.filter((ends) => ends.every(isOn));
+}
