@@ -53,7 +53,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording), 0
     sizes = mark_sizes(recording, [hits for *_, hits in groups])
-    for name, (_, colour, hits) in zip(shared_word([name for name, *_ in groups]), groups, strict=True):
+    for name, colour, hits in groups:
         axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
         marker = "D" if stopped[hits[0]] else "o"
         look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour, "clip_on": False}
@@ -99,16 +99,6 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int
     # only the left and right sides of the axes clip the lines
     lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
     lines.set_in_layout(False)
-
-
-def shared_word(names: Sequence[str]) -> list[str]:
-    """Return names for a legend; a name that begins with the same word as the name before loses this word.
-
-    For example, "point 0", "point 1" becomes "point 0", "1".
-    """
-    kinds = ["", *(name.partition(" ")[0] for name in names)]
-    pairs = zip(kinds, names, strict=False)
-    return [name.removeprefix(f"{before} ") if before else name for before, name in pairs]
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
