@@ -19,9 +19,13 @@ NUMBERS = re.compile(r"[\d, +–]+( more)?")
 
 
 def lines(words):
-    """Return the texts of a picture without the numbers of impacts, which need not fit."""
+    """Return the words of a picture without the numbers of impacts, which need not fit, and without line ends.
+
+    Whether a label that is as long as its axis has one line or two depends on the resolution of the figure.
+    """
     told = words["Description"].split("\n")
-    return [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
+    kept = [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
+    return " ".join(kept).split()
 
 
 @pytest.mark.full("more cases", but=1)
