@@ -19,7 +19,7 @@ NUMBERS = re.compile(r"[\d, +–]+( more)?")
 
 
 def lines(words):
-    """Return the words of a picture without the numbers of impacts, which need not fit, and without line ends.
+    """Return the words of a picture without the numbers of impacts, which may not fit, and without line ends.
 
     Whether a label that is as long as its axis has one line or two depends on the resolution of the figure.
     """
