@@ -103,6 +103,8 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
         until(page, f"({CUT_CHARTS})().length === 0")
         heights = page.locator("aside .chart").evaluate_all("all => all.map((one) => one.clientHeight)")
         assert min(height for height in heights if height) >= 90 + 26 + 8, "with the axis of the time"
+        force, list_ = (page.locator(name).bounding_box() for name in ("#force", "#list"))
+        assert force["y"] + force["height"] <= list_["y"], "the force is in sight, whatever else is shown"
     page.locator("aside").evaluate("column => column.scrollTo(0, 1e4)")
     assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
 

@@ -39,7 +39,7 @@ MOST_FRAMES = 20_000  # the largest number of frames for which simulated times a
 TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
 # REAL: a rate that differs less than this from 1 is called real time; SLOW_RATE: a smaller rate than this has
 # a stronger colour; TENS: a factor from this one on has no decimals.
-REAL, SLOW_RATE, TENS = 0.02, 0.5, 9.95
+REAL, SLOW_RATE, TENS = 0.05, 0.5, 9.95
 
 Span = tuple[float, float]
 
