@@ -10,7 +10,7 @@ from chain_impact import SceneError
 from chain_impact.conversion.convert import of_robot
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.to_mjcf import mjcf_of
-from chain_impact.scene.scene import scene_of
+from chain_impact.scene.scene import parse_scene, scene_of
 from tests.tiers import needs_interop
 
 pytestmark = needs_interop
@@ -59,6 +59,41 @@ def test_a_wall_whose_plane_is_removed_is_no_wall(tmp_path, removed, left):
     assert [wall.name for wall in found.walls] == [left]
     assert found.walls[0] == next(wall for wall in scene_of("ramp").walls if wall.name == left)
     assert f"walls.{removed}" in done.notes[0]
+
+
+SHAKEN = """
+name = "Shaken"
+walls = [{ name = "ramp", point = [0, -2], angle = 0.1 }]
+chain = { base = "pinned", links = [{ length = 0.5, mass = 1 }, { length = 0.4, mass = 0.5 }] }
+box = { x_max = 3 }
+inputs = { wall_motion = ["ramp", "x_max"], joint_torques = true }
+initial = { angles = [-1.0, 0.5] }
+outputs = { sensitivities = ["link[1].mass", "wall.ramp.angle", "signal.shake.amplitude"] }
+[signals.shake]
+input = ["wall.ramp.displacement", "wall.x_max.displacement"]
+form = "sine"
+amplitude = 0.01
+frequency = 2
+rise = 0.1
+[signals.push]
+input = "joint[2].torque"
+form = "constant"
+value = 0.3
+"""
+
+
+def test_what_needs_a_removed_wall_or_motor_is_left_out_and_told(tmp_path):
+    shaken = parse_scene(SHAKEN, "shaken.toml")
+    found, done = converted(tmp_path, shaken, extended("ramp", ""))
+    assert (found.inputs.wall_motion, found.signals["push"]) == (("x_max",), shaken.signals["push"])
+    assert found.signals["shake"].input == ("wall.x_max.displacement",)
+    assert found.outputs.sensitivities == ("link[1].mass", "signal.shake.amplitude")
+    told = "inputs.wall_motion ramp, signals.shake, outputs.sensitivities of the scene in the file"
+    assert any(warning.startswith(told) for warning in done.warnings)
+    weak, done = converted(tmp_path, shaken, lambda text: re.sub(r"<motor[^>]*>", "", text))
+    assert ([*weak.signals], weak.inputs.joint_torques) == (["shake"], False)
+    assert any(warning.startswith("signals.push of the scene") for warning in done.warnings)
+    assert weak.outputs.sensitivities == shaken.outputs.sensitivities
 
 
 @pytest.mark.parametrize(

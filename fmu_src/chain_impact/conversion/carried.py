@@ -19,6 +19,7 @@ from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import identifier
 from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.recording.text import few
+from chain_impact.scene.names import input_key
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 
 # the largest difference of two numbers, absolute or relative, that counts as round-off
@@ -66,6 +67,11 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
     if merger.lost:
         text = f"{', '.join(merger.lost)} of the scene in the file: its axes or joints are others"
         warnings.append(text)
+    if merger.missing:
+        text = (
+            f"{', '.join(merger.missing)} of the scene in the file: the file does not have the wall or motor"
+        )
+        warnings.append(text)
     return Converted(data, warnings, differs, left_out, notes)
 
 
@@ -76,6 +82,7 @@ class _Merger:
         alike: whether both conversions have the same base and as many links.
         changed: the keys whose values are those of the file's elements.
         lost: the tables of the scene that are left out.
+        missing: the inputs, signals and derivatives of the scene whose wall or motor the file does not have.
     """
 
     def __init__(
@@ -84,6 +91,7 @@ class _Merger:
         self.scene, self.written, self.found = scene, written, found
         self.changed: list[str] = []
         self.lost: list[str] = []
+        self.missing: list[str] = []
         one, other = written["chain"], found["chain"]
         self.alike = one["base"] == other["base"] and len(one["links"]) == len(other["links"])
         chosen = bool(choices.joints or choices.plane or choices.tip)
@@ -107,7 +115,39 @@ class _Merger:
             self.lost.append("signals")
         if not self.alike and data["outputs"].pop("sensitivities", None):
             self.lost.append("outputs.sensitivities")
+        self._leave_out_inputs(data)
         return data
+
+    def _leave_out_inputs(self, data: dict[str, Any]) -> None:
+        """Remove inputs, signals and derivatives that need a wall or a motor which the file does not have."""
+        inputs, walls = data["inputs"], {*data["box"], *(wall["name"] for wall in data["walls"])}
+        gone = [name for name in inputs.get("wall_motion", ()) if name not in ("*", *walls)]
+        inputs["wall_motion"] = [name for name in inputs.get("wall_motion", ()) if name not in gone]
+
+        def exists(name: str) -> bool:
+            key, wall = input_key(name), name.split(".")[1] if name.startswith("wall.") else ""
+            is_there = key is None or bool(inputs.get(key))
+            return is_there and (not wall or wall in walls)
+
+        self.missing += [f"inputs.wall_motion {name}" for name in gone]
+        signals = data.get("signals", {})
+        for name, signal in list(signals.items()):
+            driven = [signal["input"]] if isinstance(signal["input"], str) else list(signal["input"])
+            signal["input"] = [one for one in driven if exists(one)]
+            if signal["input"] != driven:
+                self.missing.append(f"signals.{name}")
+            if not signal["input"]:
+                del signals[name]
+        asked = data["outputs"].get("sensitivities", [])
+        known = [name for name in asked if exists(name) and not self._is_of_lost_signal(name, signals)]
+        if known != list(asked):
+            data["outputs"]["sensitivities"] = known
+            self.missing.append("outputs.sensitivities")
+
+    def _is_of_lost_signal(self, name: str, signals: Mapping[str, Any]) -> bool:
+        """Return whether a name is that of a parameter of a signal that is left out."""
+        of, _, rest = name.partition(".")
+        return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
         """Return the scene's value if the two conversions have the same value, else the value in the file.
