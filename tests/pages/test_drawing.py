@@ -86,6 +86,28 @@ def lean(page):
     return math.atan2(x1 - x2, y1 - y2)
 
 
+@pytest.mark.parametrize("opened", ["show", "show_recording"])
+def test_a_ball_is_a_circle_with_the_trace_of_its_centre(request, opened):
+    """The mark on the ball, at the end of its link, has no dot and no trace."""
+    model = "ramp" if opened == "show" else record_slowly("ramp")
+    page = request.getfixturevalue(opened)(model)
+    go_to(page, 1.0)
+    assert [page.locator(kind).count() for kind in (".disc", ".tip", ".joint", ".link", ".radius")] == [
+        1,
+        1,
+        0,
+        0,
+        1,
+    ]
+    centres = page.evaluate(
+        "['.disc', '.tip'].map((kind) => document.querySelector(kind)).map(({ cx, cy }) => [cx, cy])"
+        ".map((pair) => pair.map(({ baseVal }) => baseVal.value))"
+    )
+    assert centres[0] == pytest.approx(centres[1])
+    last = page.get_attribute(".trace", "points").split()[-1]
+    assert [float(value) for value in last.split(",")] == pytest.approx(centres[0], abs=1.0)
+
+
 def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recording):
     page = show_recording(record_slowly(sled()))
     go_to(page, SLIDES)

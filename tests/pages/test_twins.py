@@ -204,6 +204,13 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     assert found["anchor"] == anchor.tolist()
 
 
+@pytest.mark.parametrize("model", ["ramp", "sphere_on_wall", "bouncing_ball", "rod_drop", "thrown_brick"])
+def test_the_centre_of_a_ball(script, model):
+    shape, values = data(recorded(model)), load_scene(model).values
+    link = [values["link[1].center_of_mass"], values["link[1].length"]]
+    assert script.evaluate("([shape, link]) => ballOf(shape, ...link)", [shape, link]) == shape["ball"]
+
+
 @pytest.mark.parametrize("source", ["knee", "sled", *model_names()])
 def test_the_quantities_that_are_drawn(script, source):
     scene = {"knee": knee, "sled": sled}.get(source, partial(load_scene, source))()

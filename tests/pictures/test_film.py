@@ -244,7 +244,13 @@ def test_forces_as_text(value, text):
 
 @pytest.mark.parametrize(
     ("rate", "text"),
-    [(1.01, "real time"), (1 / 480, "480 × slower"), (1 / 3, "3 × slower"), (2.5, "2.5 × faster")],
+    [
+        (1.01, "real time"),
+        (1 / 1.04, "real time"),
+        (1 / 480, "480 × slower"),
+        (1 / 3, "3 × slower"),
+        (2.5, "2.5 × faster"),
+    ],
 )
 def test_rates_as_text(rate, text):
     assert rate_text(rate) == text

@@ -12,12 +12,11 @@ from chain_impact.pictures import draw_chain
 from chain_impact.pictures.motion import (
     MOST_STRONG_POSES,
     apart,
-    ball_of,
     by_speed,
     part_in_view,
     strong_times,
 )
-from chain_impact.recording.view import size_of
+from chain_impact.recording.view import ball_of, size_of
 from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
 

@@ -18,7 +18,7 @@ from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import radius_of
+from chain_impact.recording.view import ball_of, radius_of
 from chain_impact.scene.half_planes import HalfPlane
 
 RECORDED_PROGRAM = "player/recorded_page.js"
@@ -74,6 +74,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
         "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),
+        "ball": ball_of(recording),
         "touching": [*recording.touching.items()],
         "pointNames": [*recording.point_names.items()],
         "bodies": [[link, corners.tolist()] for link, corners in recording.outlines.items()],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -30,6 +29,7 @@ from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
+from chain_impact.recording.view import ball_of
 
 # the largest number of strong poses between start and end; these show the fastest impacts
 MOST_STRONG_POSES = 6
@@ -47,7 +47,6 @@ MOST_CLEAR_PATHS = 6
 # as covered, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line of a ball, relative to the width of the line of a link
-SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at the same wall share a ring, relative to the larger side of the view
@@ -106,23 +105,6 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m], enlarged" if flat else "y [m]")
     legend_above(axes)
-
-
-def ball_of(recording: Recording) -> int | None:
-    """Return the number of the point at the centre of a ball; None if the chain is not a ball.
-
-    A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
-    least the length of the link, so that it contains the link.
-    """
-    if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
-        return None
-    if len(recording.touching) != 1:
-        return None
-    ((end, radius),) = recording.touching.items()
-    length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
-    centre = recording.parameters.get("link[1].center_of_mass", math.nan)
-    is_centre = math.isclose(float(centre), end * length, abs_tol=SAME_LENGTH * length)
-    return end if is_centre or radius >= length * (1.0 - SAME_LENGTH) else None
 
 
 def is_covered(recording: Recording) -> bool:

@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.motion import RING_SIZE, ball_of
+from chain_impact.pictures.motion import RING_SIZE
 from chain_impact.pictures.over_time import over_all_time
 from chain_impact.pictures.room import STRAIGHT, moves, view_of
 from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import ball_of
 
 BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of the path
 # the margin beyond the ball, and the visible width of the area outside of a wall, relative to the range of

@@ -146,4 +146,4 @@ def rate_text(rate: float) -> str:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
     number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
-    return f"{number} × {word}"
+    return "real time" if number == "1" else f"{number} × {word}"

@@ -22,6 +22,7 @@ LEAST = 1e-6  # [m] the size assumed for a chain that does not move
 # than this.
 UPRIGHT = 0.5
 ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
+SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
 PIN = 0.08  # the height of the ground mark of a pinned base, relative to the size of the motion
 # the corners of the ground mark's triangle, with the base at (0, 0) and y towards the ground, relative to the
 # height of the mark
@@ -179,3 +180,20 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
             yield corners[k - 1] + before / (before - gap) * (here - corners[k - 1])
         if gap >= 0.0:
             yield here
+
+
+def ball_of(recording: Recording) -> int | None:
+    """Return the number of the point at the centre of a ball; None if the chain is not a ball.
+
+    A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
+    least the length of the link, so that it contains the link.
+    """
+    if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
+        return None
+    if len(recording.touching) != 1:
+        return None
+    ((end, radius),) = recording.touching.items()
+    length = float(np.hypot(*(recording.points[0, 1] - recording.points[0, 0])))
+    centre = float(recording.parameters.get("link[1].center_of_mass", np.nan))
+    is_centre = abs(centre - end * length) <= SAME_LENGTH * length
+    return end if is_centre or radius >= length * (1.0 - SAME_LENGTH) else None

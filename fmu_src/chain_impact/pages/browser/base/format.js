@@ -78,7 +78,7 @@ export function rateText(value) {
   if (Math.abs(value - 1) < SHARED.pacing.REAL) return "real time";
   const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
   const rounded = times < SHARED.pacing.TENS ? String(Number(times.toFixed(1))) : Number(times.toPrecision(2)).toFixed(0);
-  return `${rounded} × ${word}`;
+  return rounded === "1" ? "real time" : `${rounded} × ${word}`;
 }
 
 /** Return a speed for a menu as text, for example ½ ×. */

@@ -1,5 +1,5 @@
-// The drawing of a chain: walls, chain, trace of the tip, arrows of forces; drawn by SVG.js, with colours from the style
-// sheet.
+// The drawing of a chain: walls, chain, trace of the tip or of the centre of a ball, arrows of forces; drawn by SVG.js, with colours from
+// the style sheet.
 
 import { forceText, unitsOf } from "../base/format.js";
 import { freeRegionWithin } from "../recording/free_region.js";
@@ -93,20 +93,22 @@ export class ChainDrawing {
   }
 
   #makeChain() {
-    const { links, pointCount, touching, pointNames, radius, bodies, rail } = this.recording;
+    const { links, pointCount, touching, pointNames, radius, ball, traced, bodies, rail } = this.recording;
     const names = new Map(pointNames);
     // each link has an edge, which shows the reader which link is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
-    this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
+    const isBall = ball !== null;
+    // a ball is shown by a thin line from its centre to a mark on it, as in pictures
+    this.lines = lines.flatMap((range) => (isBall ? ["radius"] : ["link-edge", "link"]).map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];
     this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
     this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
       this.numbers.plain(names.get(point) ?? String(point)).addClass("point-number"));
     this.bodyOf = this.names.map((_, point) => this.#nearestBody(point));
-    const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
+    const shown = isBall ? [ball] : links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
-      const kind = point === links ? "tip" : "joint";
+      const kind = point === traced ? "tip" : "joint";
       return [point, this.joints.circle(kind === "tip" ? 11 : 8).addClass(kind)];
     });
     for (let point = links + 1; point < pointCount; point += 1) {
@@ -199,7 +201,7 @@ export class ChainDrawing {
     if (recording.moved.length) this.#drawWalls(frame);
     this.#drawPin(frame);
     this.#drawRanges(frame);
-    this.#drawTrace(frame, chain.at(-1));
+    this.#drawTrace(frame, all[recording.traced]);
     this.labelSpace = new LabelSpace(...this.size, STRIP);
     if (this.showTrace) this.labelSpace.avoid((box) => this.isOnTrace(box, frame));
     this.#avoidWalls(frame);

@@ -1,4 +1,4 @@
-// The trace of the tip on the screen: a smooth curve through the frames, with corners at impacts.
+// The trace of the tip, or of the centre of a ball, on the screen: a smooth curve through the frames, with corners at impacts.
 
 const APART = 1.5; // [pixels] least distance between positions of the trace
 const OFF = 0.05; // [pixels] largest distance of the trace's curve from the straight lines with which it is drawn
@@ -9,13 +9,13 @@ const MOST = 20_000; // largest number of positions of a trace
 const CELL = 6; // [pixels] size of the cells in which the trace is searched for
 
 /**
- * Return positions of the tip on the screen, each at least APART from the position before, and the frame of each position; the frame may
- * have a fraction.
+ * Return positions of the traced point on the screen, each at least APART from the position before, and the frame of each position; the
+ * frame may have a fraction.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
   const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST / count)));
-  const at = Array.from(recording.time, (_, frame) => camera.toScreen(...recording.pointAt(frame, recording.links)));
+  const at = Array.from(recording.time, (_, frame) => camera.toScreen(...recording.pointAt(frame, recording.traced)));
   const slopes = slopesOf(at, recording);
   const [frames, positions] = [[0], [at[0]]];
   for (let frame = 0; frame < count - 1; frame += 1) {

@@ -83,12 +83,12 @@ export class ComparedMotions {
   get #shown() {
     const { drawing: { camera }, clock, recording: shown } = this.player;
     const pinned = this.pinned.map(({ recording, colour }) => ({ recording, kind: `pin-${colour}`, letter: LETTERS[colour - 1] }));
-    const tips = [camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.links))];
+    const tips = [camera.toScreen(...shown.pointAt(shown.frameAt(clock.time), shown.traced))];
     const others = [{ recording: this.before, kind: "before" }, ...pinned].filter(({ recording }) => recording && recording !== shown);
     return others.map(({ recording, kind, letter }) => {
       const frame = recording.frameAt(clock.time);
       const positions = Array.from({ length: recording.links + 1 }, (_, point) => camera.toScreen(...recording.pointAt(frame, point)));
-      const at = letter ? besideOthers(positions.at(-1), tips) : positions.at(-1);
+      const at = letter ? besideOthers(positions[recording.traced], tips) : positions[recording.traced];
       if (letter) tips.push(at);
       return { recording, frame, kind, letter, positions, at };
     });

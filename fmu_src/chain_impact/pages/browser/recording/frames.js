@@ -83,6 +83,7 @@ function ofStops({ n, columns: { moment } }) {
  * @param rows.moved the displacements of moving walls along their normals: name → a value for each row; may be missing.
  * @param rows.stops the joints with stops: { joint, arc, marks }.
  * @param rows.radius the largest radius of a point that may touch; 0 if it is too small to be seen.
+ * @param rows.ball the point at the centre of a ball; null if the chain is not a ball.
  * @param rows.touching the points that may touch: [point, its radius].
  * @param rows.pointNames the points that have a name: [point, its name].
  * @param rows.bodies the links with points: [link, corners in the link's axes].
@@ -92,7 +93,7 @@ function ofStops({ n, columns: { moment } }) {
  *   the rows if the times are the array `rows.time` itself.
  */
 export function framesOf(rows, { times, frameRate }) {
-  const { name, links, pointCount, drawn, impacts, walls, stops, radius, touching, pointNames, bodies, rail } = rows;
+  const { name, links, pointCount, drawn, impacts, walls, stops, radius, ball, touching, pointNames, bodies, rail } = rows;
   const brackets = times === rows.time ? null : bracketsOf(rows.time, times);
   const at = (values, width = 1) => (brackets && values ? interpolatedColumn(values, brackets, width) : values);
   const spansAbove = (values) => spansOf(brackets ? brackets.map(([row]) => values[row]) : values);
@@ -113,7 +114,8 @@ export function framesOf(rows, { times, frameRate }) {
   return {
     name, links, pointCount, rowTime: rows.time, time: times, frameRate, x, y,
     energies: Object.fromEntries(energies), forces, drawn, stuckJoints, impacts,
-    walls, stops, radius, touching, pointNames, bodies, rail,
+    walls, stops, radius, ball, touching, pointNames, bodies, rail,
+    traced: ball ?? links, // the point with a trace: the centre of a ball, else the tip
     moved: Object.entries(rows.moved ?? {}).map(([wall, values]) => [wall, at(values)]),
     peakForce: largest(peaks),
     ...viewOf(x, y, pointCount, walls, radius, rows.pinned, rail?.carriage),

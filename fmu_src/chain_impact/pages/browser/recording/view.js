@@ -30,6 +30,17 @@ function enclosureOf(walls, [low, high], width) {
   return corners.every(isInside) ? corners : [];
 }
 
+/**
+ * Return the number of the point at the centre of a ball; null if the chain is not a ball. A ball is a free link that touches with one end
+ * only. This end is the centre of mass, or its radius is at least the length of the link; `centre` and `length` [m] are those of the link.
+ */
+export function ballOf({ links, pinned, rail, bodies, touching }, centre, length) {
+  if (links !== 1 || pinned || rail || bodies.length || touching.length !== 1) return null;
+  const [[end, radius]] = touching;
+  const isCentre = Math.abs(centre - end * length) <= VIEW.SAME_LENGTH * length;
+  return isCentre || radius >= length * (1 - VIEW.SAME_LENGTH) ? end : null;
+}
+
 /** Return the larger of width and height of a motion [m], whose points are at `x` and `y`. */
 export function sizeOf(x, y) {
   return Math.max(...[x, y].map((all) => endsOf(all)).map(([low, high]) => high - low));

@@ -5,7 +5,7 @@ import { mapped } from "../base/mapped.js";
 import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
 import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
-import { sizeOf, VIEW } from "../recording/view.js";
+import { ballOf, sizeOf, VIEW } from "../recording/view.js";
 import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
@@ -75,9 +75,17 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
   const size = sizeOf(x, y);
   const touching = scene.contactPoints.map((point) => [point, radiusOf(scene, valueOf, point)]);
   const largest = Math.max(0, ...touching.map(([, radius]) => radius));
-  return {
-    name: scene.name,
+  const shape = {
     links: scene.links,
+    pinned: scene.pinned,
+    touching,
+    bodies: bodiesOf(scene, valueOf),
+    rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
+  };
+  return {
+    ...shape,
+    ball: ballOf(shape, valueOf("link[1].center_of_mass"), valueOf("link[1].length")),
+    name: scene.name,
     pointCount: points.length,
     time,
     x,
@@ -88,11 +96,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
     moved: Object.fromEntries(moved.map(({ ownerName, word }) => [ownerName, column(word)])),
     stops: rangesOf(scene, valueOf),
     radius: largest > VIEW.ALONE * size ? largest : 0,
-    touching,
     pointNames: scene.pointNames,
-    bodies: bodiesOf(scene, valueOf),
-    rail: railOf(Array.from(time, (_, row) => [x, y].map((all) => all[row * points.length])), size, valueOf),
-    pinned: scene.pinned,
   };
 }
 
