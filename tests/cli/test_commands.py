@@ -233,7 +233,7 @@ def test_compare_prints_each_law_and_writes_the_files(run, here):
         "--csv", "laws.csv", "--plot", "laws.png",
     )  # fmt: skip
     assert (code, errors) == (0, "")
-    table, picture, *lines = said.splitlines()
+    table, *lines, picture = said.splitlines()
     assert [table, picture] == ["table    laws.csv", "picture  laws.png"]
     assert lines[1].startswith("FourLinkBox  e = 0.5, n = 1.5, K = 1e+08; first impact at 0.499446 s with ")
     assert [line.split()[0] for line in lines[3:] if line.split()[0] in CONTACT_LAWS] == list(CONTACT_LAWS)

@@ -57,6 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
-    write_picture(options.plot, options.size, comparison.plot)
+    # the table is printed first: the picture may have no room in the size that the user wants
     show(law_table(comparison))
+    write_picture(options.plot, options.size, comparison.plot)
     return 0

@@ -115,8 +115,9 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    write_picture(options.plot, options.size, result.plot)
+    # the result is printed first: the picture may have no room in the size that the user wants
     say(repr(result))
+    write_picture(options.plot, options.size, result.plot)
     return 0
 
 

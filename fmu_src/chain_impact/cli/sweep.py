@@ -126,8 +126,9 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    write_picture(options.plot, options.size, partial(result.plot, panels=panels))
+    # the result is printed first: the picture may have no room in the size that the user wants
     say(repr(result))
+    write_picture(options.plot, options.size, partial(result.plot, panels=panels))
     return 0
 
 

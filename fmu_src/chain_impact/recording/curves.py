@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,9 @@ from chain_impact.variables.prepared import PreparedScene
 WITHIN, FOLLOWED = 50, 400
 CLOSE_TIMES = 1000  # the number of times in a close view of one impact
 BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
+# Between two of these times more times are added while a curve bends there by more than BEND of its range, at
+# most ROUNDS times. Without them a peak late in a long contact would be drawn too low.
+BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # the duration that is shown of a contact that lasts to the end, relative to the run's duration
 LASTING_SHARE = 0.02
 # the duration that is shown around an impulse, which has no duration, relative to the run's duration
@@ -86,8 +89,7 @@ def curves_of(
     if rerun and prepared:
         seen = time[(time >= low) & (time <= high)]
         time = np.unique(np.concatenate([seen, between(recording, low, high, close=around is not None)]))
-        outputs = rerun(time)
-        time, moving = time[: len(outputs)], prepared.series(outputs)
+        time, moving = refined(time, lambda at: prepared.series(rerun(at)), chosen)
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
@@ -97,6 +99,46 @@ def curves_of(
         name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
     }
     return Curves(time, values, {name: units.get(name, "") for name in chosen}, onset, around or 0)
+
+
+def refined(
+    time: np.ndarray, series_at: Callable[[np.ndarray], dict[str, np.ndarray]], names: Sequence[str]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return times with more of them where the named outputs bend, and all outputs there.
+
+    Args:
+        time: increasing times [s], shape (T,).
+        series_at: function of times: name → values there, which are fewer if the run ends early.
+        names: the outputs that are drawn; those without values count as constant.
+    """
+
+    def computed(at: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        values = series_at(at)
+        return at[: min(map(len, values.values()), default=0)], values
+
+    time, moving = computed(time)
+    for _ in range(ROUNDS):
+        bent = bends(time, [moving[name] for name in names if name in moving])
+        inside = np.linspace(time[:-1][bent], time[1:][bent], PARTS + 1)[1:-1]
+        more = np.unique(np.concatenate([time, inside.ravel()]))
+        if len(more) == len(time) or len(more) > MOST_TIMES:
+            break
+        time, moving = computed(more)
+    return time, moving
+
+
+def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
+    """Return whether a curve bends at an end of each interval between two times, shape (T − 1,)."""
+    bent = np.zeros(max(0, len(time) - 1), bool)
+    for values in curves:
+        if not values.size or not np.isfinite(values).all():
+            continue
+        share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+        straight = values[:-2] + share * (values[2:] - values[:-2])
+        at = np.abs(values[1:-1] - straight) > BEND * np.ptp(values)
+        bent[:-1] |= at
+        bent[1:] |= at
+    return bent
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:

@@ -114,7 +114,7 @@ UNRESOLVED_PART = 1e-6
 # could underflow or overflow. Such small errors occur at rest, where held points have practically no speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # The turn [rad] of a sine of the base in a step above which the sine determines the size of the step.
-FAST_SINE = 0.25
+FAST_SINE = 0.35
 # number of evaluations of the right-hand side in a step, without the evaluation at the end of the step
 STEP_EVALUATIONS = END_STAGE - 1
 # number of evaluations of the right-hand side that only the dense output needs

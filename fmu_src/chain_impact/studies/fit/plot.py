@@ -1,7 +1,7 @@
 """The picture of a fit: each measured column with the model, and the residuals below.
 
 Outputs are drawn over time, with a line at each impact of the model; quantities of impacts are drawn over the
-impacts' numbers. A ranking of contact laws has a panel with a bar for each law.
+impacts' numbers. The picture of a ranking of contact laws has a bar for each law instead.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.pictures.bars import Bars, draw_bars
+from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curves import axis_unit
 from chain_impact.pictures.figures import draw_figure, settle
 from chain_impact.pictures.lines import SEPARATOR
@@ -41,7 +41,7 @@ from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import fits_equally, heading, misfit, rounded
+from chain_impact.studies.fit.report import fits_equally, heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
@@ -50,8 +50,6 @@ MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
-# [inch] the height of the panel with the ranking: the height without bars, and the height of one bar
-AROUND_LAWS, LAW_HEIGHT = 0.7, 0.17
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
 MODEL = VERMILLION  # the colour of the model's curve if there is only one data set
@@ -79,16 +77,11 @@ def plot_fit(
     fit: Estimates, path: str | os.PathLike[str] | None = None, size: Size | None = None
 ) -> Figure | None:
     """Draw the picture of a fit, as ``Fit.plot`` describes."""
+    if fit.ranking:
+        return draw_figure(partial(fill_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
     count = min(len(fit.columns), MOST_FIT_PANELS)
     width = 1.5 * PANEL_WIDTH if count == 1 else 2.0 * PANEL_WIDTH
-    is_free = count > 1 and count % 2 == 1  # the grid has a free cell, which gets the ranking
-    height = 0.7 + math.ceil(count / 2) * PANEL_HEIGHT + (0.0 if is_free else _ranking_height(fit))
-    return draw_figure(partial(fill, fit=fit), path, size, (width, height))
-
-
-def _ranking_height(fit: Estimates) -> float:
-    """Return the height of the panel with the ranking [inches]."""
-    return AROUND_LAWS + LAW_HEIGHT * len(fit.ranking) if fit.ranking else 0.0
+    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * PANEL_HEIGHT))
 
 
 @styled()
@@ -97,14 +90,14 @@ def fill(figure: Figure, fit: Estimates) -> None:
     names = list(fit.columns)[:MOST_FIT_PANELS]
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
     results = [_model(fit, k) for k in range(len(fit.data))]
-    cells, of_ranking = _cells(figure, fit, len(names), across)
-    if of_ranking is not None:
-        draw_ranking(figure.add_subplot(of_ranking), fit)
+    grid = figure.add_gridspec(math.ceil(len(names) / across), across)
+    # a panel that is alone in the last row has the whole row
+    cells = [
+        grid[k // across, :] if k + 1 == len(names) else grid[k // across, k % across]
+        for k in range(len(names))
+    ]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
-    labels = [_estimate_text(fit, label) for label in fit.values]
-    more = [f"best of {len(fit.ranking)} laws"] if fit.ranking else []
-    if len(labels) > MOST_ESTIMATES:
-        more.append(f"{len(labels) - MOST_ESTIMATES} more parameters")
+    more = []
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
@@ -113,52 +106,41 @@ def fill(figure: Figure, fit: Estimates) -> None:
     more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
     if any(has_lines):
         more.append("grey lines: impacts of the model")
-    headline(figure, heading(fit, ": "), SEPARATOR.join([*labels[:MOST_ESTIMATES], *more]))
+    headline(figure, heading(fit, ": "), SEPARATOR.join([*_estimate_texts(fit), *more]))
     settle(figure)
 
 
-def _cells(
-    figure: Figure, fit: Estimates, count: int, across: int
-) -> tuple[list[SubplotSpec], SubplotSpec | None]:
-    """Return the cells of the panels with data, and that of the ranking if there is one.
-
-    A panel that would be alone in a row beside an empty cell has the ranking there, or the whole row.
-    """
-    is_alone = count > across and count % across > 0
-    rows = count // across if is_alone else math.ceil(count / across)
-    last = PANEL_HEIGHT if is_alone else _ranking_height(fit)
-    heights = [PANEL_HEIGHT * rows, *filter(None, [last])]
-    whole = figure.add_gridspec(len(heights), 1, height_ratios=heights)
-    grid = whole[0].subgridspec(rows, across)
-    cells = [grid[k // across, k % across] for k in range(min(count, rows * across))]
-    if not is_alone:
-        return cells, whole[1] if fit.ranking else None
-    row = whole[1].subgridspec(1, 2 if fit.ranking else 1)
-    return [*cells, row[0]], row[1] if fit.ranking else None
-
-
-def draw_ranking(axes: Axes, fit: Estimates) -> None:
-    """Draw ΔAIC of each contact law as a dot at the end of a bar, the best law first.
+@styled()
+def fill_ranking(figure: Figure, fit: Estimates) -> None:
+    """Draw ΔAIC of each contact law as a bar with a dot at its end, the best law first, on an empty figure.
 
     The axis is logarithmic from HARDLY on. A law without a fit has no bar.
     """
     above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
-    told = ["–" if entry.fit is None else number(misfit(entry.fit, fit), 2) for entry in fit.ranking]
+    most = float(np.nanmax(above))
     bars = Bars(
         names=[entry.law for entry in fit.ranking],
         values=above,
-        texts=told,
-        label=f"ΔAIC; blue: as good as the best law; from {HARDLY:g} on (dashed): hardly supported",
-        heading="rms residual [σ]",
+        texts=[
+            "–" if entry.fit is None else number(value, 2)
+            for entry, value in zip(fit.ranking, above, strict=True)
+        ],
+        label="ΔAIC",
+        heading="ΔAIC",
         colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
     )
-    most = float(np.nanmax(above))
-    draw_bars(axes, bars, (0.0, most or 1.0), small=True)
+    told = [*_estimate_texts(fit), "blue: as good as the best law"]
+    if most > HARDLY:
+        told.append(f"from {HARDLY:g} on (dashed): hardly supported")
+    headline(figure, heading(fit, ": "), SEPARATOR.join(told))
+    axes = figure.subplots()
+    draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
     axes.scatter(above, range(len(above)), 12.0, bars.colours, zorder=3.0, clip_on=False)
     axes.axvline(HARDLY, color=INK, linewidth=0.8, linestyle="--")
     if most > HARDLY:
         axes.set_xscale("symlog", linthresh=HARDLY)
         axes.set_xlim(0.0, 2.0 * most)
+    settle(figure)
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -265,6 +247,13 @@ def _colours(count: int) -> list[str]:
 def _unit(fit: Estimates, name: str) -> str:
     units = PreparedScene(fit.scene).units | IMPACT_UNITS
     return str(units.get(name, "s"))
+
+
+def _estimate_texts(fit: Estimates) -> list[str]:
+    """Return texts of the first parameters with their standard errors, and the number of the others."""
+    texts = [_estimate_text(fit, label) for label in fit.values]
+    left = len(texts) - MOST_ESTIMATES
+    return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])
 
 
 def _estimate_text(fit: Estimates, label: str) -> str:
