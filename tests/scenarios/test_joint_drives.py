@@ -75,7 +75,7 @@ def test_a_servo_without_targets_holds_its_rest_angle():
     assert "link[1].joint_rest_angle" not in chain.names
     result = simulate(scene)
     assert (result.angles == 0.7).all()
-    with pytest.raises(SceneError, match="target angle takes its place"):
+    with pytest.raises(SceneError, match="start value of the target angle"):
         chain.set("link[1].joint_rest_angle", 0.1)
 
 

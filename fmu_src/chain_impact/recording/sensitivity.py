@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.recording.equality import same
 from chain_impact.recording.text import TextTable, as_html, plural
-from chain_impact.scene.names import sensitivity_name
+from chain_impact.scene.names import sensitivity_name, value_at_start
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.scene.unit_text import in_brackets, of_scene, with_unit
 from chain_impact.variables.listing import derivatives
@@ -35,6 +35,7 @@ class Sensitivities:
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
         limits: sentences: from which time on there are no derivatives, and why; and the errors of derivatives
             by friction.
+        given: the names of the inputs that are given over time.
     """
 
     __eq__ = same
@@ -47,6 +48,7 @@ class Sensitivities:
     impacts: np.ndarray
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
+    given: Collection[str] = ()
 
     @property
     def source(self) -> str:
@@ -55,9 +57,9 @@ class Sensitivities:
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """The values of the parameters: name in the FMU → value; 0 for an input."""
-        values = self.prepared.scene.values
-        return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
+        """The values of the parameters: name in the FMU → value; 0 for an input that is given over time."""
+        values, names = self.prepared.scene.values, [variable.name for variable in self.varied]
+        return {name: 0.0 if name in self.given else value_at_start(values, name) for name in names}
 
     @cached_property
     def units(self) -> dict[str, str]:

@@ -227,13 +227,24 @@ VALUE_WITHOUT_DRIVE = {
 """Input → the parameter whose value it has while nothing drives it; {n} stands for a number."""
 
 
+def without_drive(name: str) -> str | None:
+    """Return the parameter whose value an input has while nothing drives it; None if the value is 0."""
+    for template, parameter in VALUE_WITHOUT_DRIVE.items():
+        if is_like(name, template):
+            return parameter.format(n=re.sub("[^0-9]", "", name))
+    return None
+
+
+def value_at_start(values: Mapping[str, Any], name: str) -> float:
+    """Return the value of a parameter, or of an input that nothing drives, from the ``values`` of a scene."""
+    return float(values.get(name, values.get(without_drive(name) or "", 0.0)))
+
+
 def input_hint(name: str, how: str) -> str:
     """Return a hint for an input that is set like a parameter; ``how`` says how to give the input instead."""
     hint = f"it is an input: give it over time {how}"
-    for template, parameter in VALUE_WITHOUT_DRIVE.items():
-        if is_like(name, template):
-            hint += f"; without, it is {parameter.format(n=re.sub('[^0-9]', '', name))}, which can be set"
-    return hint
+    parameter = without_drive(name)
+    return f"{hint}; without, it is {parameter}, which can be set" if parameter else hint
 
 
 JOINT_ANGLES = "initial.joint_angles"

@@ -146,6 +146,7 @@ def simulate(
             impacts=sorted_impacts,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
+            given=[variable.name for variable in prepared.inputs if variable.record_path in course.paths],
         )
     result = Result(
         prepared=prepared,

@@ -36,7 +36,10 @@ LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices: contact laws, and methods of the solver."""
 HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
-HAS_TARGET = "with inputs.joint_targets the target angle takes its place, whose start value it is"
+HAS_TARGET = (
+    "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
+    "constant signal of the target instead"
+)
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
 """Steps in the template of a path: placeholders of a parameter's key, and of the index and name of an
 axis."""

@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import load_scene, simulate
+from chain_impact.scene.scene import scene_from_dict
 from chain_impact.studies.fit.parameters import parameters_of
 from tests.helpers.tools.refusal import refusal
 
@@ -46,6 +47,30 @@ def test_parameters_of_each_data_set():
     assert (shared.run, first.run, second.run) == (None, 0, 1)
     assert (first.start, second.start) == (1.5, 1.0)
     assert second.label == "initial.vx of data set 2"
+
+
+def test_the_search_for_a_target_starts_at_the_rest_angle():
+    values = {"joint_stiffness": 5.0, "joint_rest_angle": 0.7}
+    scene = scene_from_dict(
+        {
+            "name": "Servo",
+            "chain": {"base": "pinned", "links": [{"length": 0.4, "mass": 1.0} | values]},
+            "inputs": {"joint_targets": True, "joint_torques": True},
+            "initial": {"angles": [0.5]},
+        },
+        "servo",
+    )
+    target, torque = make(["joint[1].target_angle", "joint[1].torque"], scenes=(scene,))
+    assert (target.start, torque.start) == (0.7, 0.0)
+    held = simulate(scene, 0.1, sensitivities=["joint[1].target_angle"])
+    assert held.sensitivities.parameters == {"joint[1].target_angle": 0.7}
+    driven = simulate(
+        scene,
+        0.1,
+        sensitivities=["joint[1].target_angle"],
+        inputs={"joint[1].target_angle": [(0.0, 0.1), (1, 2)]},
+    )
+    assert driven.sensitivities.parameters == {"joint[1].target_angle": 0.0}
 
 
 def test_wrong_parameters_are_refused():

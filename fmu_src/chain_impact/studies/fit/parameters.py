@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import fmu_name
+from chain_impact.scene.names import fmu_name, value_at_start
 from chain_impact.scene.reading import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.similar_names import nearest
@@ -29,7 +29,7 @@ class Parameter:
     Attributes:
         name: as in the FMU.
         unit: the unit of the value.
-        start: value in the scene; 0 for an input.
+        start: value in the scene; for an input, its value while nothing drives it.
         low, high: bounds of the value; infinite if there is no bound.
         logarithmic: whether the search uses the logarithm, as for every parameter that must be > 0.
         run: index of the data set to which the number belongs; None if all data sets share the number.
@@ -125,7 +125,7 @@ def parameters_of(
 def _parameter(
     variable: Variable, scene: Scene, bounds: str | tuple[float | None, float | None] | None, run: int | None
 ) -> Parameter:
-    start = 0.0 if variable.causality == "input" else float(scene.values[variable.name])
+    start = value_at_start(scene.values, variable.name)
     logarithmic = variable.above == 0.0
     ends = [variable.above if variable.minimum is None else variable.minimum, variable.maximum]
     low, high = (sign * math.inf if end is None else end for sign, end in zip((-1, 1), ends, strict=True))
