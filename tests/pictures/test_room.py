@@ -133,6 +133,10 @@ def test_a_flat_motion_has_the_height_of_its_axes():
     reach = np.ptp(recording.points[..., 1])
     assert 0.5 * np.ptp(motion.get_ylim()) < reach < np.ptp(motion.get_ylim())
     assert "enlarged" in motion.get_ylabel()
+    (low, high), ticks = motion.get_ylim(), motion.yaxis.get_major_ticks()
+    told = [(tick.get_loc(), tick.label1.get_text().replace("−", "-")) for tick in ticks]
+    assert "[mm]" in motion.get_ylabel()
+    assert all(float(text) == pytest.approx(1e3 * at) for at, text in told if low <= at <= high)
 
 
 @pytest.mark.parametrize("model", ["clattering_rod", "double_pendulum_wall"])

@@ -24,11 +24,13 @@ from chain_impact.pictures.style import (
     TIME_COLOURS,
     force_text,
     give_ticks,
+    scale_numbers,
 )
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.stick_slip import JOINT
+from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
 
 # the largest number of strong poses between start and end; these show the fastest impacts
@@ -47,6 +49,7 @@ MOST_CLEAR_PATHS = 6
 # as covered, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line of a ball, relative to the width of the line of a link
+SHORT_LENGTH = 0.1  # [m] numbers of a flat motion that are smaller have a unit with a prefix
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at the same wall share a ring, relative to the larger side of the view
@@ -103,7 +106,12 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     flat = is_flat(recording)
     axes.set_aspect("auto" if flat else "equal")
     give_ticks(axes)
-    axes.set(xlabel="x [m]", ylabel="y [m], enlarged" if flat else "y [m]")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    if flat:
+        largest = float(np.abs(axes.get_ylim()).max())
+        factor, unit = prefixed(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
+        scale_numbers(axes.yaxis, factor)
+        axes.set_ylabel(f"y [{unit}], enlarged")
     legend_above(axes)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter
 from matplotlib.transforms import Bbox
 
 from chain_impact.kernel.forces.friction import STICKS
@@ -34,6 +33,7 @@ from chain_impact.pictures.style import (
     faint,
     give_ticks,
     is_full,
+    scale_numbers,
 )
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
@@ -105,9 +105,7 @@ def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
 def name_time(axes: Axes, end: float) -> str:
     """Return the name of an axis of time until ``end`` [s], with the unit of its numbers."""
     factor, unit = time_unit(end)
-    if factor != 1.0:
-        numbers = FuncFormatter(lambda time, _: f"{factor * time:.10g}".replace("-", "−"))
-        axes.xaxis.set_major_formatter(numbers)
+    scale_numbers(axes.xaxis, factor)
     return f"time [{unit}]"
 
 

@@ -13,12 +13,13 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
-from matplotlib.ticker import AutoLocator, EngFormatter, MaxNLocator
+from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
 
 from chain_impact.pictures.dark import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.lines import in_lines
@@ -181,6 +182,12 @@ def give_ticks(*axes: Axes) -> None:
         for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
                 axis.set_major_locator(MaxNLocator("auto", steps=list(TICK_STEPS), min_n_ticks=LEAST_TICKS))
+
+
+def scale_numbers(axis: Axis, factor: float) -> None:
+    """Write ``factor`` times their value at the ticks of an axis, whose label has the unit for that."""
+    if factor != 1.0:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
 
 def headline(figure: Figure, message: str, conditions: str = "") -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene, simulate
+from chain_impact.studies.fit.plot import MOST_DOTS
 from chain_impact.studies.fit.report import heading
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
@@ -25,6 +26,9 @@ def test_data_model_residuals_and_impacts(found):
     curve, points = values.get_lines()
     columns, _ = motion(0.7)
     np.testing.assert_array_equal(points.get_ydata(), columns[TIP[0]])
+    shown = len(points.get_xdata()[:: points.get_markevery()])
+    assert 0.5 * MOST_DOTS < shown <= MOST_DOTS  # so that the dots do not merge
+    assert f"(1 of {points.get_markevery()})" in points.get_label() or shown == len(columns["time"])
     assert len(curve.get_xdata()) > 1000
     assert np.abs(np.interp(columns["time"], *curve.get_data()) - points.get_ydata()).max() < 5 * NOISE
     (residuals,) = rest.get_lines()

@@ -87,6 +87,8 @@ def test_lines_are_the_columns():
     quantities = results_of(found).every
     assert [axes.get_ylabel() for axes in page.axes] == [quantity.label for quantity in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
+        steps = {line.get_drawstyle() == "steps-mid" for line in axes.lines[:2]}
+        assert steps == {quantity.is_count}  # there are no 1.5 impacts
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
             rows = found.table[found["contact.model"] == law][::-1]
             values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)

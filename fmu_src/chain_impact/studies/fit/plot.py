@@ -52,6 +52,7 @@ CURVE_POINTS = 1500  # number of points of the model's curve
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
 DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
+MOST_DOTS = 60  # of more measured values over time only every n-th is drawn, so that dots do not merge
 MODEL = VERMILLION  # the colour of the model's curve if there is only one data set
 HARDLY = 10.0  # data hardly support a law from this ΔAIC on (Burnham & Anderson 2004)
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
@@ -184,7 +185,9 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         else:
             look = {"color": colour} if several else {"color": MODEL, "label": "model"}
             has_lines |= _curve(axes, results[part.run], scale * results[part.run][name], part.at.max(), look)
-            mark_style |= {"label": dots_label, "alpha": DOT_OPACITY}
+            step = math.ceil(len(part.rows) / MOST_DOTS)
+            mark_style |= {"alpha": DOT_OPACITY, "markevery": step}
+            mark_style |= {"label": dots_label if step == 1 else f"{dots_label} (1 of {step})"}
             values.plot(part.at, scale * measured[part.rows], **mark_style)
         residuals.plot(
             part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3

@@ -252,6 +252,8 @@ def _curves(
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": 3.0}
+            if quantity.is_count and runs.design.samples is None:  # no sloping line, as of 1.5 impacts
+                marks["drawstyle"] = "steps-mid"
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[runs.failed]
         if len(failed):
