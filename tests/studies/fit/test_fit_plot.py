@@ -2,6 +2,8 @@
 
 # Tests: studies/fit/plot.py
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,17 @@ def test_data_model_residuals_and_impacts(found):
     assert len(lines.get_paths()) == 2  # impacts
     # quantities of impacts are drawn over the impact numbers
     assert axes[4].get_lines()[0].get_xdata().tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_panels_have_rooms_of_their_own(count):
+    columns, result = motion(0.7)
+    data = [columns, impacts(result, ["onset"])] if count > len(TIP) else [columns]
+    page = fit(scene(), [data], FREE, sigma=SIGMA if count > len(TIP) else dict.fromkeys(TIP, NOISE)).plot()
+    page.draw_without_rendering()
+    places = [axes.get_position() for axes in page.axes]
+    assert len(places) == 2 * count
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(places, 2))
 
 
 def test_the_headline_has_what_was_found(found):

@@ -93,10 +93,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = figure.add_gridspec(math.ceil(len(names) / across), across)
     # a panel that is alone in the last row has the whole row
-    cells = [
-        grid[k // across, :] if k + 1 == len(names) else grid[k // across, k % across]
-        for k in range(len(names))
-    ]
+    alone = len(names) - 1 if len(names) % across else None
+    cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
     more = []
     if len(names) < len(fit.columns):
