@@ -53,6 +53,16 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
 
 
+def test_an_angle_is_drawn_in_degrees(show, result):
+    page = show(hash_="#curves=joint[2].angle")
+    page.locator("#scrub").fill("0.9")
+    until(page, "document.getElementById('time').textContent === '0.90000 s'")
+    value, unit = page.locator("#outputs-over-time dd").inner_text().split("\u202f")
+    assert unit == page.locator("#outputs-over-time .curve-unit").inner_text() == "°"
+    known = np.degrees(np.interp(0.9, result.time, result["joint[2].angle"]))
+    assert float(value.replace("\u2212", "-")) == pytest.approx(known, rel=5e-3)
+
+
 def test_the_values_of_one_quantity_have_the_same_decimals(show):
     page = show(hash_="#curves=point[*].y,impact.count")
     page.locator("#scrub").fill("1.99")

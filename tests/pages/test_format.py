@@ -52,10 +52,11 @@ def test_round_off_of_the_largest_value_is_shown_as_zero(script):
     assert found == [[[0.5, 0], [1e-11]], [[0]]]
 
 
-def test_an_angle_is_shown_in_degrees_if_that_is_shorter_and_exact(script):
-    changed, turned, short, length = script.evaluate(ANGLES)
-    assert changed == []
-    assert (turned, short, length) == ("-25 deg", "0.5", "3.141592653589793")
+def test_an_angle_is_shown_in_degrees(script):
+    pairs, turned, half, length = script.evaluate(ANGLES)
+    given, read = zip(*pairs, strict=True)
+    assert read == pytest.approx(given, rel=1e-4)
+    assert (turned, half, length) == ("-25 deg", "28.648 deg", "3.141592653589793")
 
 
 def test_an_axis_by_decades_has_two_ticks_or_more_however_narrow_it_is(script):

@@ -9,6 +9,6 @@ export const roundOff = () => {
 
 export const angles = () => {
   const some = Array.from({ length: 200 }, (_, k) => (k - 100) * (k % 3 ? Math.PI / 180 : 0.0437));
-  return [some.filter((value) => Number(inRadians(valueText(value, "rad"), "rad")) !== value),
+  return [some.map((value) => [value, Number(inRadians(valueText(value, "rad"), "rad"))]),
     valueText(inRadians("-25 deg", "rad"), "rad"), valueText(0.5, "rad"), valueText(Math.PI, "m")];
 };

@@ -3,6 +3,7 @@
 import { make } from "../base/dom.js";
 import { unitText } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
+import { shownIn } from "../scene/angles.js";
 import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
@@ -55,8 +56,10 @@ class UnitChart extends TimeChart {
 
   show(recording, curves) {
     const [{ time }, [{ unit }]] = [this.curvesOf(recording), curves];
-    this.factor = (unit === "N" || unit === "N.m") && largestIn(curves.map(({ values }) => values)) >= KILO ? 1 / KILO : 1;
-    this.unit.textContent = `${this.factor === 1 ? "" : "k"}${unitText(unit)}`;
+    const isInKilo = (unit === "N" || unit === "N.m") && largestIn(curves.map(({ values }) => values)) >= KILO;
+    const shown = isInKilo ? { factor: 1 / KILO, text: `k${unitText(unit)}` } : shownIn({ unit });
+    this.factor = shown.factor;
+    this.unit.textContent = shown.text;
     const scaled = curves.map((curve) => ({ ...curve, values: curve.values.map((value) => this.factor * value) }));
     Object.assign(this, { recording, time, curves: withoutRoundOff(scaled, unit === "N" ? this.factor * recording.peakForce : 0) });
     Object.assign(this, { writers: writersOf(this.curves), isOfCounts: this.curves.every(isCount) });

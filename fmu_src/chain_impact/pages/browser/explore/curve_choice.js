@@ -4,6 +4,7 @@ import { find, make } from "../base/dom.js";
 import { breakable, readable, unitText } from "../base/format.js";
 import { proposed } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
+import { shownIn } from "../scene/angles.js";
 
 /** Return the names that match a text, in which `*` stands for any text. */
 function like(text, columns) {
@@ -77,7 +78,7 @@ export class CurveChoice {
       box.setAttribute("aria-label", name);
       box.addEventListener("change", () =>
         this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
-      const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: unitText(unit) })];
+      const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: shownIn({ unit }).text })];
       return { name, box, row: make("label", {}, box, ...words) };
     });
     const groups = [...new Set(this.rows.map(({ name }) => groupOf(name)))];

@@ -2,7 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { numberText, readable, unitText } from "../base/format.js";
-import { valueText } from "../scene/angles.js";
+import { shownIn, valueText } from "../scene/angles.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
   addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove,
@@ -123,7 +123,7 @@ export class Editor {
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
-      return unit ? `${label}, ${unitText(unit)}` : label;
+      return unit && shownIn({ unit }).factor === 1 ? `${label}, ${unitText(unit)}` : label; // the text of an angle has its unit
     });
   }
 
@@ -169,7 +169,7 @@ export class Editor {
     field.setAttribute("aria-label", name);
     // if the scene does not give a key, and its value follows from other keys, this value is the placeholder of the empty field
     const derived = value === undefined && this.changes.valueOf(name);
-    if (Number.isFinite(derived)) field.placeholder = numberText(Number(derived.toPrecision(4)));
+    if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
     field.addEventListener("change", () => {
       const text = field.value.trim();
       const given = text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);

@@ -2,6 +2,7 @@
 
 import { find } from "../../base/dom.js";
 import { numberText, readable, withMinus } from "../../base/format.js";
+import { shownIn } from "../../scene/angles.js";
 import { parameterText, signalText } from "../../scene/words.js";
 import { pictureOf, save } from "../export.js";
 import { presentUnit } from "../parameters/parameter_fields.js";
@@ -9,7 +10,7 @@ import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { completed, rowOrder } from "./map_rows.js";
-import { axisScale, quantityOf, scaledTo, shownIn } from "./map_scales.js";
+import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
 
 const POINTS = 41; // number of points of the map in each direction
 const COARSE = 9; // number of points of the preview in each direction

@@ -2,13 +2,7 @@
 
 import { unitText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-
-const DEGREES = 180 / Math.PI;
-
-/** Return the factor and the unit with which a value is shown; an angle is shown in degrees. */
-export function shownIn({ unit }) {
-  return unit.startsWith("rad") ? { factor: DEGREES, text: unit.replace("rad", "°") } : { factor: 1, text: unitText(unit) };
-}
+import { shownIn } from "../../scene/angles.js";
 
 /** Return a name with its unit. */
 export function titleOf(name, unit) {
