@@ -218,6 +218,12 @@ def test_radians_of_more_than_a_turn_are_pointed_at():
     assert hints_of(parse_scene, text, "arm.toml") == [f"arm.toml: {hint}"]
 
 
+def test_only_the_joint_angle_that_the_file_gives_is_pointed_at():
+    text = SCENE.replace('angles = ["-90 deg", 0.5]  # from +x', "joint_angles = [90, 0]")
+    (hint,) = hints_of(parse_scene, text, "arm.toml")
+    assert hint.startswith("arm.toml: initial.joint_angles[1] = 90 rad is 14.3 turns")
+
+
 def test_a_change_is_pointed_at_once(arm):
     hint = 'Arm: link[1].joint_rest_angle = -45 rad is 7.16 turns: if degrees are meant, write "-45 deg"'
     name = "link[1].joint_rest_angle"

@@ -207,8 +207,11 @@ def check_joint_angles(scene: Contents) -> None:
 
 def angle_hints(scene: Contents) -> list[str]:
     """Return sentences on angles of more than a turn, which may be in degrees by mistake."""
-    links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
-    suspicious = {f"initial.angle[{i}]": angle for i, angle in angles}
+    links, name, angles = enumerate(scene.chain.links, 1), "angle", scene.initial.angles
+    if scene.has_joint_angles:
+        name = "joint_angles"
+        angles = tuple(after - before for before, after in pairwise((0.0, *angles)))
+    suspicious = {f"initial.{name}[{i}]": angle for i, angle in enumerate(angles, 1)}
     suspicious |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
     suspicious |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
     if scene.chain.slider:
