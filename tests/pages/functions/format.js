@@ -2,9 +2,8 @@
 import { inRadians, valueText } from "../../../fmu_src/chain_impact/pages/browser/scene/angles.js";
 
 export const roundOff = () => {
-  const shown = (unit, all, peakForce) =>
-    withoutRoundOff(all.map((values) => ({ unit, values })), { peakForce }).map(({ values }) => values);
-  return [shown("m", [[0.5, -2e-14], [1e-11]], 1e9), shown("N", [[-1.96e-14]], 50)];
+  const shown = (all, largest) => withoutRoundOff(all.map((values) => ({ values })), largest).map(({ values }) => values);
+  return [shown([[0.5, -2e-14], [1e-11]], 0), shown([[-1.96e-14]], 50)];
 };
 
 export const angles = () => {

@@ -122,7 +122,8 @@ export class EnergyChart extends TimeChart {
     this.written = writerOf(data.slice(1));
     this.legend?.parentElement.remove();
     const letters = this.compared.map(({ letter }) => letter).join(", ");
-    this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke: "muted", dash: [6, 3] }) : undefined;
+    const stroke = this.compared.length === 1 ? this.compared[0].stroke : "muted"; // one entry stands for all pins
+    this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke, dash: [6, 3] }) : undefined;
   }
 
   compare(recordings) {
