@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.message import conditions, message
+from chain_impact.pictures.message import conditions, has_contact, message, peaks
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee
 from tests.pictures.pictures import MODELS, hit, recorded, swing
@@ -55,6 +55,40 @@ def test_the_conditions_are_the_parameters_of_the_run():
     ]
     assert "joint damping ≤ 0.02 N·m·s/rad" in conditions(recorded("pinned_arm"))
     assert "radius 0.05 m" in conditions(recorded("ramp"))
+
+
+def test_the_foot_tells_the_largest_force_and_its_impact():
+    recording = recorded("four_link_box")
+    number = int(np.argmax(recording.impacts["peak_force"])) + 1
+    force = recording.impacts["peak_force"][number - 1]
+    (told,) = peaks(recording)
+    value, prefix, of = re.fullmatch(r"peak force ([\d.]+) (k?)N \(impact (\d+)\)", told).groups()
+    assert int(of) == number
+    assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
+    texts = [text.get_text() for text in recording.plot().texts]
+    assert any(told in text.replace("\n", " ") for text in texts)
+
+
+def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
+    moment, *others = peaks(simulate(knee(), 1.0))
+    assert not others
+    assert re.fullmatch(r"peak moment [\d.]+ k?N·m \(impact \d+\)", moment)
+    rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
+    run = simulate(rigid)
+    (told,) = peaks(run)
+    value, number = re.fullmatch(r"largest impulse ([\d.]+) N·s \(impact (\d+)\)", told).groups()
+    assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
+    assert float(value) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
+    assert int(number) == int(np.argmax(run.impacts["impulse"])) + 1
+    assert peaks(swing()) == []
+
+
+@pytest.mark.parametrize(("end", "touches"), [(0.05, False), (0.6, True)])
+def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
+    recording = simulate(load_scene("rod_drop"), end)
+    assert has_contact(recording) == touches == (len(recording.impacts) > 0)
+    told = " ".join(text.get_text() for text in recording.plot().texts)
+    assert ("law " in told) == ("restitution" in told) == ("stiffness" in told) == touches
 
 
 def test_an_impulse_has_no_stiffness():

@@ -7,10 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.impact_speeds import MOST_COLOURED_POINTS, point_groups
-from chain_impact.pictures.over_time import VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
+from chain_impact.pictures.impact_speeds import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, point_groups
+from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import model_names
@@ -50,8 +51,9 @@ def test_impacts_of_two_points_with_a_common_mark_share_a_number():
     sizes = {}
     for line in speeds.lines:
         if 1.0 in line.get_xdata():
-            sizes[line.get_color()] = max(line.get_markersize(), sizes.get(line.get_color(), 0.0))
-    assert len(set(sizes.values())) == 2  # the mark below is larger
+            sizes[line.get_marker()] = max(line.get_markersize(), sizes.get(line.get_marker(), 0.0))
+    below, above = (sizes[mark["marker"]] for mark in POINT_MARKS[:2])
+    assert below > 1.3 * above  # the mark below is larger
 
 
 def test_the_hardest_impacts_are_numbered_first():
@@ -94,13 +96,26 @@ def test_the_drawn_energies_add_up_to_the_drawn_total(model):
     assert np.abs(added - drawn_curves["total"]).max() <= VISIBLE_ELASTIC * height
 
 
-def test_many_points_are_not_told_apart_by_colour():
+def test_points_have_marks_of_their_own_without_the_colours_of_energies():
+    energies = {to_hex(colour) for name, colour in ENERGIES.items()}
+    for marks in (POINT_MARKS, STOP_MARKS):
+        assert len({mark["marker"] for mark in marks}) == len(marks) >= MOST_OWN_MARKS
+        assert not energies & {to_hex(mark["color"]) for mark in marks}
+    forms = [(mark["marker"], mark.get("markerfacecolor")) for mark in (*POINT_MARKS, *STOP_MARKS)]
+    assert len({*forms}) == len(forms)  # points and joints differ, too
+    recording = recorded("thrown_brick")
+    (speeds,) = (axes for axes in drawn(recording)[0].axes if axes.get_label() == "impacts")
+    named = {line.get_label(): line.get_marker() for line in speeds.lines if line.get_label()[0] != "_"}
+    assert len({*named.values()}) == len(named) == len({row["point"] for row in recording.impacts})
+
+
+def test_many_points_are_not_told_apart():
     hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     groups = point_groups(swing(hits, {"y_min": 0.0}))
     names = [name for name, _, _ in groups]
-    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_COLOURED_POINTS + 1, 15))]
-    assert groups[0][1] == GREY
-    assert len({colour for _, colour, _ in groups}) == len(groups)
+    assert names == ["others", *(f"point {k}" for k in range(15 - MOST_OWN_MARKS + 1, 15))]
+    assert groups[0][1]["color"] == GREY
+    assert len({(mark["marker"], mark["color"]) for _, mark, _ in groups}) == len(groups)
     assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))
     few = point_groups(swing(hits[:3], {"y_min": 0.0}))
     assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]

@@ -12,40 +12,54 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.labels import Ink, Label, listed, place_labels
+from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, by_speed, numbers_text
 from chain_impact.pictures.names import short_names
 from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
-from chain_impact.pictures.style import GREY, INK, PALETTE
+from chain_impact.pictures.style import GREY, INK
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-# the largest number of points with a colour of their own, so that the legend has room
-MOST_COLOURED_POINTS = 5
+# the largest number of points with a mark of their own, so that the legend has room
+MOST_OWN_MARKS = 5
 # impacts have equal distances if there are more than REGULAR of them, and the largest and the smallest
 # distance differ at most by EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of impacts that get numbers
 # the height of the panel of impact speeds, relative to the largest speed; the excess is room for numbers
 HEADROOM = 1.3
-# [points] the size of the mark of an impact, and the increase of a mark for each colour that covers it
-IMPACT_DOT, COVERED_RIM = 4.0, 3.0
+# [points] the size of the mark of an impact, and the increase of a mark for each mark that covers it
+IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # The size of a cell in which all marks of impacts count as one mark, relative to the duration and to the
 # largest height.
 ONE_MARK = 0.005
-# [points] the width of the line that shows a contact, and the height of a row of these lines
-CONTACT, ROW = 2.5, 3.5
+# [points] the widths of the line at an impact and of the line that shows a contact, the size of the mark at
+# its start, and the height of a row of these lines
+STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
+SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
+HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
+# Marks of points, and of joints at their stops. Their forms differ and they have one colour, because colours
+# stand for energies and for time; each second one is hollow, so that one is seen before another.
+POINT_MARKS = tuple(
+    look | {"marker": form} for form, look in zip("os^vD", (SOLID, HOLLOW) * 2 + (SOLID,), strict=True)
+)
+STOP_MARKS = tuple(
+    look | {"marker": form} for form, look in zip("DdXPh", (HOLLOW, SOLID) * 2 + (HOLLOW,), strict=True)
+)
+OTHERS_MARK: dict[str, Any] = SOLID | {"marker": "o", "color": GREY}
+MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P": 1.1}
+"""Form of a mark → factor on its size, so that all forms look equally large."""
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """Draw the impact speed of each impact over time, with a colour for each point.
+    """Draw the impact speed of each impact over time, with a mark for each point.
 
-    At most MOST_COLOURED_POINTS points have a colour of their own: those with the fastest impacts. The
+    At most MOST_OWN_MARKS points have a mark of their own: those with the fastest impacts. The
     others are grey.
 
-    Thick, pale lines below the speeds, a row for each colour, show the contacts that are long enough to be
+    Thick, pale lines below the speeds, a row for each mark, show the contacts that are long enough to be
     seen; the axis of time is below them.
     If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
     """
@@ -53,17 +67,18 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording), 0
     sizes = mark_sizes(recording, [hits for *_, hits in groups])
-    for name, colour, hits in groups:
-        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=1.0)
-        marker = "D" if stopped[hits[0]] else "o"
-        look: dict[str, Any] = {"marker": marker, "linestyle": "", "color": colour, "clip_on": False}
-        axes.plot(times[hits], tops[hits], **look, markersize=IMPACT_DOT, label=name)
+    for name, mark, hits in groups:
+        colour = mark["color"]
+        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=STEM)
+        look = mark | {"linestyle": "", "clip_on": False}
+        scale = MARK_SCALES.get(mark["marker"], 1.0)
+        axes.plot(times[hits], tops[hits], **look, markersize=scale * IMPACT_DOT, label=name)
         for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
             wide = hits[sizes[hits] == size]
-            axes.plot(times[wide], tops[wide], **look, markersize=size, label="_", zorder=1.9)
+            axes.plot(times[wide], tops[wide], **look, markersize=scale * size, label="_", zorder=1.9)
         goes_on = hits[ends[hits] - times[hits] > SEEN_CONTACT * span]
         if len(goes_on):
-            draw_contacts(axes, times[goes_on], ends[goes_on], lane=lanes, color=colour)
+            draw_contacts(axes, times[goes_on], ends[goes_on], lanes, mark)
             lanes += 1
     axes.spines["bottom"].set_position(("outward", lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all()
@@ -85,20 +100,23 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     over_all_time(axes, recording)
 
 
-def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, *, lane: int, **look: Any) -> None:
+def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
     """Draw contacts from their starts to their ends [s] as lines in a row below axes.
 
-    ``lane`` is the number of the row, from 0 at the axes.
+    ``lane`` is the number of the row, from 0 at the axes. The ``mark`` of the point is at the first start.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
     depth = (0.5 + lane) * ROW / 72.0  # [inch] the height of the row above the axis
     lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
-    look |= {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
-    lines = axes.hlines(np.zeros(len(starts)), starts, ends, **look)
-    # only the left and right sides of the axes clip the lines
-    lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
-    lines.set_in_layout(False)
+    look: dict[str, Any] = {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
+    lines = axes.hlines(np.zeros(len(starts)), starts, ends, color=mark["color"], **look)
+    mark |= {"linestyle": "", "markersize": CONTACT_MARK, "transform": lowered, "label": "_"}
+    (first,) = axes.plot(starts[:1], [0.0], **mark)
+    sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)  # only the left and right sides clip
+    for artist in (lines, first):
+        artist.set_clip_path(sides)
+        artist.set_in_layout(False)
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -146,20 +164,20 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
 
     A covered mark is larger, so that it is seen as a rim.
 
-    ``groups`` are the impacts of each colour, in the order of drawing.
+    ``groups`` are the impacts with each look, in the order of drawing.
     """
-    sizes, colours = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
-    for colour, hits in enumerate(groups):
-        colours[hits] = colour
+    sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
+    for look, hits in enumerate(groups):
+        looks[hits] = look
     for rows in common_marks(recording).values():
-        present = np.unique(colours[rows])
-        covering = len(present) - np.searchsorted(present, colours[rows], side="right")
+        present = np.unique(looks[rows])
+        covering = len(present) - np.searchsorted(present, looks[rows], side="right")
         sizes[rows] += COVERED_RIM * covering
     return sizes
 
 
-def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
-    """Return groups of impacts: name, colour, and indices of the impacts.
+def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.ndarray]]:
+    """Return groups of impacts: name, look of the mark in matplotlib's names, and indices of the impacts.
 
     The points, and the joints at their stops, with the fastest impacts have a group each; all others share a
     grey group.
@@ -168,14 +186,15 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, np.ndarray]]:
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
-    coloured = sorted(hit if len(hit) <= MOST_COLOURED_POINTS else hit[: MOST_COLOURED_POINTS - 1])
+    marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
+    marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
     groups = [
-        (member[-1], colour, np.array([other == member for other in members]))
-        for member, colour in zip(coloured, PALETTE, strict=False)
+        (member[-1], next(marks[member[0]]), np.array([other == member for other in members]))
+        for member in marked
     ]
-    others = np.array([member not in coloured for member in members], bool)
-    groups = [("others", GREY, others), *groups] if others.any() else groups
-    return [(name, colour, np.flatnonzero(hits)) for name, colour, hits in groups]
+    others = np.array([member not in marked for member in members], bool)
+    groups = [("others", OTHERS_MARK, others), *groups] if others.any() else groups
+    return [(name, dict(mark), np.flatnonzero(hits)) for name, mark, hits in groups]
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
@@ -199,7 +218,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     if step > 1 and not left:
         return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
     named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
-    return listed(number for number in range(1, len(tops) + 1) if number not in named)
+    missing = [number for number in range(1, len(tops) + 1) if number not in named]
+    return listed_or_counted(missing, len(tops))
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

@@ -45,6 +45,7 @@ LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "sh
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
+MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
 
 
 class Label(NamedTuple):
@@ -359,3 +360,12 @@ def listed(numbers: Iterable[int]) -> str:
     for run in runs:
         parts += [f"{run[0]}–{run[-1]}"] if len(run) >= LEAST_RUN else map(str, run)
     return ", ".join(parts)
+
+
+def listed_or_counted(numbers: Sequence[int], count: int) -> str:
+    """Return some of ``count`` numbers as text, or how many they are if the text would be long.
+
+    For example "3, 7–9" or "31 of 81".
+    """
+    text = listed(numbers)
+    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"

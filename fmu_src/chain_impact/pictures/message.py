@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.style import headline, is_narrow, raised
+from chain_impact.pictures.style import force_text, headline, is_narrow, raised
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
+from chain_impact.variables.impact_units import unit_at
 
 # a dissipated energy up to this, relative to the largest energy, is round-off, and not a loss
 NO_LOSS = 1e-12
@@ -59,13 +60,46 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
     """
     short = is_narrow(figure)
     losses = [dissipated(recording)] if short and not title else []
-    headline(figure, title or message(recording, short=short), conditions(recording, *first, *losses))
+    results = [*first, *peaks(recording), *losses]
+    known = conditions(recording, *results, touches=has_contact(recording))
+    headline(figure, title or message(recording, short=short), known)
 
 
-def conditions(recording: Recording, *first: str) -> str:
+def peaks(recording: Recording) -> list[str]:
+    """Return words for the largest peak force and its impact: "peak force 12.6 kN (impact 1)".
+
+    Impacts at stops of joints have a moment, and a text of their own. If impacts have no force, as under an
+    impulsive law, the text tells the largest impulse.
+    """
+    impacts, texts = recording.impacts, []
+    for is_stop, of_force in ((False, "force"), (True, "moment")):
+        forces, impulses = (
+            np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
+            for quantity in ("peak_force", "impulse")
+        )
+        # a rod that rests after bounces without a force has one, which would be no measure of the bounces
+        is_impulsive = bool(((forces == 0.0) & (impulses > 0.0)).any())
+        values, quantity = (impulses, "impulse") if is_impulsive else (forces, "peak_force")
+        if values.max(initial=0.0) > 0.0:
+            words = (
+                f"largest impulse{' at a stop' if is_stop else ''}" if is_impulsive else f"peak {of_force}"
+            )
+            most = force_text(float(values.max()), unit_at(quantity, stop=is_stop))
+            texts.append(f"{words} {most} (impact {int(values.argmax()) + 1})")
+    return texts
+
+
+def has_contact(recording: Recording) -> bool:
+    """Return whether something touches a wall or a stop during the run."""
+    forces = (touch.force for touch in recording.touches)
+    return recording.impact_count > 0 or any(force is not None and np.any(force) for force in forces)
+
+
+def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     """Return the known conditions of the recording in one text.
 
-    The texts ``first`` come before the conditions.
+    The texts ``first`` come before the conditions. The text has the law of contacts and its values if
+    something ``touches``.
     """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
@@ -75,7 +109,23 @@ def conditions(recording: Recording, *first: str) -> str:
             default=0.0,
         ):
             parts.append(f"joint {key} ≤ {most:g} {unit}")
-    law, of_stops = known.get("contact.model", ""), recording.stop_law
+    parts += of_contacts(recording) if touches else []
+    if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
+        parts.append(f"friction µ = {', '.join(rubbing)}")
+    if touches and "stop.restitution" in known:
+        of_stops = recording.stop_law
+        parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")
+    if known.get("contact.radius"):
+        parts.append(f"radius {known['contact.radius']:g} m")
+    if "solver.tolerance" in known:
+        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
+    return SEPARATOR.join(parts)
+
+
+def of_contacts(recording: Recording) -> list[str]:
+    """Return words for the law, the restitution and the stiffness of contacts, as far as they are known."""
+    known, parts = recording.parameters, []
+    law = known.get("contact.model", "")
     if law:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
@@ -84,15 +134,7 @@ def conditions(recording: Recording, *first: str) -> str:
         if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
-    if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
-        parts.append(f"friction µ = {', '.join(rubbing)}")
-    if "stop.restitution" in known:
-        parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")
-    if known.get("contact.radius"):
-        parts.append(f"radius {known['contact.radius']:g} m")
-    if "solver.tolerance" in known:
-        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
-    return SEPARATOR.join(parts)
+    return parts
 
 
 def friction(name: str, value: Any) -> str:

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
-from chain_impact.pictures.labels import Ink, Label, listed, place_labels
+from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
@@ -280,7 +280,7 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts beside their rings, beyond the walls, the fastest impacts first.
 
-    Returns the numbers that have no room, as text; "" if all have room.
+    Returns the numbers that have no room, or their count, as text; "" if all have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
@@ -290,7 +290,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
         labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
     left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
     missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
-    return listed(hit + 1 for hits in missing for hit in hits)
+    return listed_or_counted([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
 
 
 def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
