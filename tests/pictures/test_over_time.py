@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
@@ -28,7 +29,7 @@ def test_every_impact_is_in_the_picture(model):
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
     expected = sorted(recording.impacts[["onset", "impact_speed"]].tolist())
     assert sorted(tuple(stem[1]) for stem in stems) == expected
-    (lines,) = energy.collections
+    (lines,) = (item for item in energy.collections if isinstance(item, LineCollection))
     assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
 
 
