@@ -5,6 +5,7 @@ import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwa
 import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
+const CURVE_APART = 0.3; // [pixels of the screen] least distance between positions of a curve
 
 /** A chart of quantities over the whole time, with their names and their values at the present time. */
 export class TimeChart extends Chart {
@@ -38,7 +39,7 @@ export class TimeChart extends Chart {
       width: WIDTHS[name] ?? 1.6,
       dash,
       points: { show: false },
-      ...(isStepped && { paths: uPlot.paths.stepped({ align: 1 }) }),
+      paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : pathOf,
     }));
     this.make(
       {
@@ -105,7 +106,7 @@ export class EnergyChart extends TimeChart {
   }
 
   get comparedCurves() {
-    return this.compared.map(({ recording: { time, energies }, ...line }) =>
+    return this.compared.map(({ recording: { rowTime: time, energies }, ...line }) =>
       ({ points: [time, movedBy(energies, this.offset).total ?? []], ...line }));
   }
 
@@ -114,7 +115,7 @@ export class EnergyChart extends TimeChart {
     const { offset: before } = this;
     this.offset = energyOffset(recording.energies);
     this.energies = movedBy(recording.energies, this.offset);
-    const data = [recording.time, ...Object.values(this.energies)];
+    const data = [recording.rowTime, ...Object.values(this.energies)];
     this.recording = recording;
     const isSame = names.join() === this.names.join() && this.offset === before;
     if (isSame) this.plot.setData(data);
@@ -134,9 +135,26 @@ export class EnergyChart extends TimeChart {
   draw(frame) {
     this.mark(this.recording.timeAt(frame));
     this.values.forEach(([name, value]) => {
-      value.textContent = this.written(this.recording.between(this.energies[name], frame));
+      value.textContent = this.written(this.recording.betweenRows(this.energies[name], frame));
     });
   }
+}
+
+/**
+ * Return the path of a curve through all rows that the eye can tell apart. The paths of uPlot have steps of a pixel if the rows are much
+ * denser than the pixels.
+ */
+function pathOf(plot, series, first, last) {
+  const [times, values] = [plot.data[0], plot.data[series]];
+  const stroke = new Path2D();
+  let [x, y] = [-Infinity, -Infinity];
+  for (let row = first; row <= last; row += 1) {
+    const [left, top] = [plot.valToPos(times[row], "x", true), plot.valToPos(values[row], "y", true)];
+    if (row < last && Math.abs(left - x) < CURVE_APART && Math.abs(top - y) < CURVE_APART) continue;
+    stroke[x === -Infinity ? "moveTo" : "lineTo"](left, top);
+    [x, y] = [left, top];
+  }
+  return { stroke };
 }
 
 /** Return a line as a background for the style sheet; `dash` are lengths [pixels] that are alternately drawn and left out. */

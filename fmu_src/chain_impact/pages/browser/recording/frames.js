@@ -67,8 +67,8 @@ function ofStops({ n, columns: { moment } }) {
 }
 
 /**
- * Return the parts of a `Recording`. Positions, energies and displacements of walls are at the frames, interpolated between
- * rows; forces and other drawn quantities are at the rows; sticking is spans of frames.
+ * Return the parts of a `Recording`. Positions and displacements of walls are at the frames, interpolated between rows;
+ * forces, energies and other drawn quantities are at the rows; sticking is spans of frames.
  *
  * @param rows the recording at its rows:
  * @param rows.name the name of the scene.
@@ -104,7 +104,6 @@ export function framesOf(rows, { times, frameRate }) {
     .map(({ sticking, ...course }) => ({ ...course, spans: sticking ? spansAbove(sticking) : [] }));
   const stuckJoints = drawn.joints.map(({ n, columns: { sticking } }) => ({ joint: n, spans: spansAbove(sticking) }));
   const energies = Object.entries(drawn.energies[0]?.columns ?? {}).filter(([, values]) => values.some((value) => value !== 0))
-    .map(([key, values]) => [key, at(values)])
     .sort(([a], [b]) => (a === "total") - (b === "total")); // the total energy is drawn last, above the other curves
   const peaks = [
     ...impacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),

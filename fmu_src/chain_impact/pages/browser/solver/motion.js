@@ -1,5 +1,5 @@
-// A motion for the player, from two runs of the kernel, and a third run if outputs are chosen. The first run finds the impacts. The second
-// run has rows at the frames, which are dense where the motion is shown slowly; the rows do not change the solution.
+// A motion for the player, from two runs of the kernel. The first run finds the impacts. The second run has rows at the frames, which are
+// dense where the motion is shown slowly, and further rows for smooth curves; the rows do not change the solution.
 
 import { mapped } from "../base/mapped.js";
 import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
@@ -13,9 +13,9 @@ import { bodiesOf, railOf } from "./bodies.js";
 const PARTS = 100; // number of parts of the first run; between two parts the run can be stopped
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
-// largest number of impacts that get additional rows for chosen outputs, and number of these rows in an impact
+const EVEN_ROWS = 1000; // number of rows at equal distances: about two for each pixel of a chart
+// largest number of impacts that get additional rows, and number of these rows in an impact
 const { FOLLOWED, WITHIN } = SHARED.curves;
-const FEW_FRAMES = 20; // with fewer frames in an impact than this, additional rows show the course of its force
 
 /** Return the impacts of a run in the form of a recording. */
 function impactsOf(impacts, scene, valueOf) {
@@ -128,9 +128,8 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const began = performance.now();
   const steps = stepsForKernel(kernel, inputSteps);
   const chosen = scene.columns.filter(({ name }) => curves.includes(name));
-  const runs = chosen.length ? 3 : 2;
   const run = (number, times, outputs, timesPerCall) =>
-    withProgress(kernel.run(values, times, outputs, { timesPerCall, inputSteps: steps }), number, runs);
+    withProgress(kernel.run(values, times, outputs, { timesPerCall, inputSteps: steps }), number, 2);
 
   const firstTimes = scene.driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
   const first = yield* run(0, firstTimes, scene.driven, Math.ceil(firstTimes.length / PARTS));
@@ -142,22 +141,15 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
 
   const shown = impactsUntil(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
   const { times, frameRate } = timesOf(shown, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stop));
-  const sparse = shown.filter(({ onset, impactEnd }) => lastBefore(times, impactEnd) - lastBefore(times, onset) < FEW_FRAMES);
-  const dense = sparse.length ? withImpacts(times, sparse) : times;
   const words = drawnWords(scene);
-  const { time, columns } = yield* run(1, dense, words.map((word) => ({ word })));
+  const { time, columns } = yield* run(1, withFurther(times, shown), [...words.map((word) => ({ word })), ...chosen]);
   if (time.length < 2) return { ...ending, parts: null };
   const column = (word) => columns[words.indexOf(word)];
   const rows = rowsOf(scene, valueOf, { time, impacts: shown, column });
   const inputs = inputCurves(kernel, first, inputSteps, valueOf);
-
-  const frames = dense === times ? time : times.slice(0, lastBefore(times, time.at(-1)) + 1);
-  const outputs = { time: frames, curves: [] };
-  if (chosen.length) {
-    const result = yield* run(2, withImpacts(frames, shown), chosen);
-    outputs.time = result.time;
-    outputs.curves = chosen.map(({ name, unit, integer }, k) => ({ name, unit, isStepped: integer, values: result.columns[k] }));
-  }
+  const outputs = { time, curves: chosen.map(({ name, unit, integer }, k) =>
+    ({ name, unit, isStepped: integer, values: columns[words.length + k] })) };
+  const frames = times.slice(0, lastBefore(times, time.at(-1)) + 1);
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
@@ -168,12 +160,14 @@ export function stepsForKernel(kernel, inputSteps) {
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return times, with additional times within impacts, because a whole impact may lie between two times. */
-function withImpacts(times, impacts) {
+/** Return times, with additional times for curves: at equal distances, and within impacts, which may lie between two frames. */
+function withFurther(times, impacts) {
+  const [start, stop] = [times[0], times.at(-1)];
+  const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);
   const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
       Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
-  const all = Float64Array.from([...times, ...inside.filter((time) => time < times.at(-1))]).sort();
+  const all = Float64Array.from([...times, ...even, ...inside.filter((time) => time < stop)]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
