@@ -21,9 +21,9 @@ def point_name(number: int) -> str:
 
 
 class Contacts:
-    """The shapes of a model and their possible contacts.
+    """The shapes of a MuJoCo model and their possible contacts.
 
-    ``differences`` describes the contacts that no scene has, or that a scene has in another form.
+    ``differences`` describes the contacts that a scene cannot have, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:

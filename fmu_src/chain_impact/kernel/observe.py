@@ -231,7 +231,10 @@ def combine_forces(d):
 
 
 def combine_impulses(d):
-    """Convert impulses of joints' stops to angular impulses [N·m·s], in the entry of a joint's first stop."""
+    """Convert impulses [N·s] of joints' stops to angular impulses [N·m·s].
+
+    The sum of both stops stands in the entry of the joint's first stop; those at joint_max are negative.
+    """
     out = d.output
     for c in range(d.candidates):
         if at_joint_stop(d, c):

@@ -45,7 +45,7 @@ SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and leg
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
 # the largest difference of two limits of an axis that counts as round-off, relative to the axis' length
 LIMIT_ROUND_OFF = 1e-9
-# If a figure is too low, greater heights are tried: STEP [inch] times the numbers below HIGHER.
+# If a figure is too low, the next HIGHER − 1 multiples of STEP [inch] above its height are tried.
 STEP, HIGHER = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten

@@ -136,10 +136,7 @@ class Contents:
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """The position x, y [m] and radius [m] of each point at the start, by its number.
-
-        A point of a link without a radius of its own has the radius 0.
-        """
+        """The position x, y [m] and radius [m] of each point at the start, by its number."""
         x, y = self.base_at_start
         points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []

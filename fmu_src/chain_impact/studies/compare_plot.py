@@ -187,7 +187,10 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
 
 def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Return whether two loops are equal; impulses have no loop, and so never count as equal."""
+    """Return whether two loops are equal.
+
+    An empty loop, of an impulse, and None, for an impact that has not ended, never count as equal.
+    """
     return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
 
 

@@ -147,7 +147,7 @@ def renew_modes(d, jumped):
 
 
 def recompute_active_set(d):
-    """Update the active set of the contacts that rigid walls held at the end of the last step."""
+    """End the held contacts that changed laws or inputs end, update the active set, and reset the step."""
     if not any_point_held(d):
         return
     end_changed_contacts(d)

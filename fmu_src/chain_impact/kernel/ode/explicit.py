@@ -218,9 +218,10 @@ def size_toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the result of ``size_toward_end`` for a step with time as its variable.
+    """Return the size [s] of the next step, given the size h that the error control allows.
 
-    The end that counts is the first end of a contact with a force law.
+    Near the first end of a contact with a force law, the step passes this end or covers at most half of the
+    time until then.
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf

@@ -134,7 +134,7 @@ def extend_start(d):
 
 
 def clearance_rates(d, z, rate):
-    """Set the entries ġ and g̈ of the rate ż, in ``rate``, for the accelerated points."""
+    """Set the entries ġ and g̈ of the rate ż in ``rate``; the accelerations of points must be known."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])

@@ -111,7 +111,7 @@ def stops_dtype() -> np.dtype:
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: the law of the walls
-        ("given_exponent", REAL),  # exponent of the law of stops; DERIVED: the exponent of `contact`
+        ("given_exponent", REAL),  # exponent of the stops' law; DERIVED: not given, `contact` has it
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops
         # ---- derived at initialization
         ("exponent", POSITIVE),
@@ -227,10 +227,10 @@ def given_dtype(links: int) -> np.dtype:
         # coefficient of static friction of walls; 0: equal to the coefficient of sliding friction
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent, stiffness of stops
-        ("stop_restitution", REAL),  # restitution of stops; DERIVED: the restitution of the walls
-        # N·m·s/rad, damping of each joint's drive; of the slider N·s/m
+        ("stop_restitution", REAL),  # restitution of stops; DERIVED: not given, that of walls is used
+        # N·m·s/rad, damping of each joint's drive; the last one is the slider's, N·s/m
         ("drive_damping", NOT_NEGATIVE, (links + 1,)),
-        # N·m/rad, stiffness of each joint's drive; of the slider N/m
+        # N·m/rad, stiffness of each joint's drive; the last one is the slider's, N/m
         ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),
         *input_fields(links, target=FINITE),
         ("piece", piece_dtype(links)),
@@ -241,9 +241,9 @@ def given_dtype(links: int) -> np.dtype:
 def inputs_dtype(links: int) -> np.dtype:
     """Return the layout of the values in use: the inputs, and the damping and stiffness of drives."""
     return record(
-        # N·m·s/rad, damping of each joint's drive; of the slider N·s/m
+        # N·m·s/rad, damping of each joint's drive; the last one is the slider's, N·s/m
         ("drive_damping", REAL, (links + 1,)),
-        # N·m/rad, stiffness of each joint's drive; of the slider N/m
+        # N·m/rad, stiffness of each joint's drive; the last one is the slider's, N/m
         ("drive_stiffness", REAL, (links + 1,)),
         *input_fields(links),
         ("piece", piece_dtype(links)),
@@ -315,7 +315,7 @@ def site_dtype(links: int, sites: int) -> np.dtype:
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (sites,)),  # m, position of the site beside the link's line, to the left
-        ("given_radius", REAL, (sites,)),  # m, given radius of the site; DERIVED: the radius of `contact`
+        ("given_radius", REAL, (sites,)),  # m, given radius; DERIVED: not given, `contact` has it
         # ---- derived at initialization
         ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site in use
         ("along", REAL, (sites,)),  # position x of the site divided by the link's length

@@ -31,11 +31,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # shape of a ramp: a value of chain/signals.py, such as SMOOTH
         ("shape", bounded(SMOOTH, TRAPEZOID), (signals,)),
         ("source", bounded(0, signals - 1), (signals,)),
-        (
-            "input",
-            bounded(0, CHANNEL),
-            (signals,),
-        ),  # number of the driven input, see chain/input_fields.py
+        # number of the driven input (chain/input_fields.py), or CHANNEL for a prescribed motion
+        ("input", bounded(0, CHANNEL), (signals,)),
         ("index", INTEGER, (signals,)),  # index of the driven value in the input's array, or of the channel
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
         ("order", bounded(0, 2), (signals,)),

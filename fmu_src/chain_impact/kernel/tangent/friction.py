@@ -231,7 +231,7 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative, in one direction, of any component of the vectors of all places."""
+    """Return the largest derivative, number ``direction``, of any component of the vectors of all points."""
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -239,7 +239,7 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative of a position in one direction, divided by a link length."""
+    """Return the largest derivative, number ``direction``, of points' coordinates over the longest link."""
     return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 

@@ -126,7 +126,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
 
 
 def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Sequence[str]) -> list[str]:
-    """Return the columns of the table that have a panel; in ``panels``, ``*`` stands for any text.
+    """Return the columns in ``available`` that the names in ``panels`` select; ``*`` stands for any text.
 
     Raises:
         UnknownNameError: when there is no such column.

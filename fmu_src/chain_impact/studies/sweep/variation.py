@@ -145,7 +145,13 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
-    """Return a value as a number; the value of a choice may be its name."""
+    """Return a value as a number in the variable's unit.
+
+    Text in degrees becomes radians, and the name of a choice its number, from 1.
+
+    Raises:
+        SceneError: when the value is another text.
+    """
     names = [item.name for item in variable.items]
     if value in names:
         return float(names.index(str(value)) + 1)

@@ -108,7 +108,7 @@ export class Editor {
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
-  /** Return the keys of a table that the reader can change: those with a label. */
+  /** Return the keys that the reader can change in a table of the scene file, such as `link`: those with a label. */
   #keysIn(table) {
     return Object.keys(this.tables[table]).filter((key) => this.tables[table][key].label);
   }

@@ -64,7 +64,10 @@ export class Changes {
     return name in this.values || name in this.inputSteps;
   }
 
-  /** Return the number for a text or for the name of a choice; an error names the allowed values. */
+  /**
+   * Return the number for a value of a parameter: a number, a text, in which degrees become radians, or the name of a choice. An error
+   * names the allowed values.
+   */
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
     if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
