@@ -37,6 +37,6 @@ export const motionInPage = async ({ module, file, kit, curves }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const { parts: { outputs, time } } = runThrough(motion(kernel, {}, { curves }));
   return { frames: time.length, rows: outputs.time.length,
-    gap: Math.max(...outputs.time.slice(1).map((time, k) => time - outputs.time[k])), names: outputs.curves.map(({ name }) => name),
+    gap: Math.max(...outputs.time.slice(1).map((later, k) => later - outputs.time[k])), names: outputs.curves.map(({ name }) => name),
     most: outputs.curves.map(({ values }) => values.reduce((a, b) => Math.max(a, b))) };
 };
