@@ -158,6 +158,10 @@ def test_a_motion_is_that_of_the_independent_model(name):
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
     for output in (one for one in result.motion if not one.endswith("sticking")):
         found, kind = result[output][rows], output.split(".")[-1]
+        if output not in right.values:  # the friction of a coefficient 0, which the model does not have
+            assert kind.startswith("friction")
+            assert not found.any()
+            continue
         # an acceleration or a force has the speed's error over the duration of a contact
         largest = max(np.abs(right.values[output]).max(), 1.0)
         fast = kind in ("ax", "ay", "force", "friction_force", "friction_moment", "angular_acceleration")

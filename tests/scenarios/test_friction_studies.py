@@ -73,7 +73,7 @@ def test_a_coefficient_is_fitted_to_a_measured_motion(start):
 
 @pytest.mark.parametrize("name", ["contact.friction", "contact.static_friction", "link[2].joint_friction"])
 def test_the_friction_of_a_scene_that_has_none_is_no_parameter_yet(name):
-    scene = thrown(**{"wall.y_min.friction": None, "link[2].joint_friction": 0.0})
+    scene = thrown(**{"wall.y_min.friction": None, "link[2].joint_friction": None})
     refused = [
         refusal(sweep, scene, {name: [0.1, 0.2]}),
         refusal(fit, scene, measured(), [name]),

@@ -291,18 +291,21 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def thin_ticks(axes: Axes) -> None:
-    """Give axes fewer numbers along x while these would overlap."""
-    for most in (LEAST_TICKS, LEAST_TICKS - 1):
-        numbers = [text.get_window_extent() for text in numbers_in_view(axes.xaxis)]
-        if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not any(
-            map(meet, numbers, numbers[1:])
-        ):
-            return
-        axes.locator_params(axis="x", nbins=most, min_n_ticks=most, steps=COARSE_STEPS)
-    texts = numbers_in_view(axes.xaxis)
-    boxes = [text.get_window_extent() for text in texts]
-    if any(map(meet, boxes, boxes[1:])):
-        axes.set_xticks([float(texts[end].get_position()[0]) for end in (0, -1)])
+    """Give axes fewer numbers along x while these would overlap; at last, only the end ticks have numbers."""
+    if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not numbers_meet(axes.xaxis):
+        return
+    axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
+    if numbers_meet(axes.xaxis):
+        texts = numbers_in_view(axes.xaxis)
+        first, *between, last = (text.get_text() for text in texts)
+        ticks = [float(text.get_position()[0]) for text in texts]
+        axes.set_xticks(ticks, [first, *[""] * len(between), last])
+
+
+def numbers_meet(axis: Axis) -> bool:
+    """Return whether two neighbouring numbers at an axis nearly touch."""
+    boxes = [text.get_window_extent() for text in numbers_in_view(axis)]
+    return any(map(meet, boxes, boxes[1:]))
 
 
 def labels_of(figure: Figure) -> list[str]:

@@ -86,6 +86,15 @@ def test_a_fit_of_impacts_alone_converges():
     assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.02)
 
 
+def test_data_that_differ_from_the_start_on_are_searched_once_through():
+    _, result = motion(0.3, count=30)
+    off = {"time": result.time, **{name: result[name] + 1.0 for name in (*TIP, "link[1].angle")}}
+    assert off["time"][0] == 0.0
+    found = search(problem(off, scene(), free=["contact.restitution"]))
+    assert np.all(np.diff(found.horizons) > 0.0)
+    assert found.horizons[-1] == pytest.approx(0.3)
+
+
 def test_wrong_horizons_are_refused():
     columns, _ = motion(0.6, count=10)
     one = {"impact": [1], "peak_force": [2e4]}
