@@ -210,15 +210,15 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
     """Return the next horizon [s]: the time up to which the model follows the data, or GROWTH × ``horizon``.
 
-    The later of both times is returned, at least the next time of the data, and infinity if no data are
-    later. The model follows the data as long as its outputs or, if no outputs were measured, its times of
-    impacts differ by at most ``far`` × size.
+    The later of both times is returned, and infinity if no data are later. From time 0, where neither is
+    later, the next time of the data is returned. The model follows the data as long as its outputs or, if no
+    outputs were measured, its times of impacts differ by at most ``far`` × size.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order
     last = float(np.nanmax(order))
     reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
-    # data at the time 0 may be all that a horizon contains: no factor makes it later
-    after = float(np.min(order, initial=math.inf, where=order > horizon))
-    next_horizon = max(GROWTH * horizon, reached, after)
+    next_horizon = max(GROWTH * horizon, reached)
+    if next_horizon == horizon:  # time 0, which no factor makes later
+        next_horizon = float(np.min(order, initial=math.inf, where=order > horizon))
     return next_horizon if next_horizon < last else math.inf
