@@ -121,8 +121,8 @@ class _Merger:
     def _leave_out_inputs(self, data: dict[str, Any]) -> None:
         """Remove inputs, signals and derivatives that need a wall or a motor which the file does not have."""
         inputs, walls = data["inputs"], {*data["box"], *(wall["name"] for wall in data["walls"])}
-        gone = [name for name in inputs.get("wall_motion", ()) if name not in ("*", *walls)]
-        inputs["wall_motion"] = [name for name in inputs.get("wall_motion", ()) if name not in gone]
+        gone = [name for name in inputs["wall_motion"] if name not in ("*", *walls)]
+        inputs["wall_motion"] = [name for name in inputs["wall_motion"] if name not in gone]
 
         def exists(name: str) -> bool:
             key, wall = input_key(name), name.split(".")[1] if name.startswith("wall.") else ""
@@ -132,8 +132,7 @@ class _Merger:
         self.missing += [f"inputs.wall_motion {name}" for name in gone]
         signals = data.get("signals", {})
         for name, signal in list(signals.items()):
-            driven = [signal["input"]] if isinstance(signal["input"], str) else list(signal["input"])
-            signal["input"] = [one for one in driven if exists(one)]
+            driven, signal["input"] = signal["input"], list(filter(exists, signal["input"]))
             if signal["input"] != driven:
                 self.missing.append(f"signals.{name}")
             if not signal["input"]:

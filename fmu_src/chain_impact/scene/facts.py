@@ -212,11 +212,11 @@ def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
 
 def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
     names, found = facts.scene.wall_names, list[dict[str, Any]]()
+    stops = [STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL) for wall in range(len(names))]
     for n, wall in candidates(facts.scene):
-        stop = STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL)
-        at_joint = stop != AT_WALL and n > 0
+        at_joint = stops[wall] != AT_WALL and n > 0
         label = {} if at_joint else {"name": names[wall]}
-        found.append({"n": n, "wall": wall, "stop": stop, "at_joint": at_joint, **label})
+        found.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": at_joint, **label})
     return found
 
 

@@ -128,33 +128,6 @@ def largest_frequency(d, j):
     return TAU * max(abs(begin), abs(end))
 
 
-def rate_of_signals(d):
-    """Return the largest angular frequency [rad/s] of all sines in the last step; 0 if there are none."""
-    most = 0.0
-    for j in range(d.signals):
-        if is_sine(d, j):
-            most = max(most, largest_frequency(d, j))
-    return most
-
-
-def rate_in_limited_drives(d):
-    """Return the largest angular frequency [rad/s] of the sines that act in drives with limits."""
-    most = 0.0
-    for j in range(d.signals):
-        if is_sine(d, j) and acts_in_limited_drive(d, j):
-            most = max(most, largest_frequency(d, j))
-    return most
-
-
-def rate_of_base(d):
-    """Return the result of ``rate_of_signals`` for the sines that move the base."""
-    most = 0.0
-    for j in range(d.signals):
-        if is_sine(d, j) and moves_base(d, j):
-            most = max(most, largest_frequency(d, j))
-    return most
-
-
 def moves_base(d, j):
     """Return whether signal j moves the base."""
     return d.chain.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
@@ -163,6 +136,28 @@ def moves_base(d, j):
 def acts_in_limited_drive(d, j):
     """Return whether signal j acts in a drive with a limit, as a motor's torque or force, or as a target."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
+
+
+def largest_rate(acts):
+    """Return a function for the largest angular frequency [rad/s] of the sines for which ``acts`` holds.
+
+    The function takes an instance and looks at the last step. ``acts`` takes the instance and the number of a
+    signal. Without such a sine, the frequency is 0.
+    """
+
+    def rate(d):
+        most = 0.0
+        for j in range(d.signals):
+            if is_sine(d, j) and acts(d, j):
+                most = max(most, largest_frequency(d, j))
+        return most
+
+    return rate
+
+
+rate_of_signals = largest_rate(is_sine)
+rate_in_limited_drives = largest_rate(acts_in_limited_drive)
+rate_of_base = largest_rate(moves_base)
 
 
 def travel_of_sines(d):

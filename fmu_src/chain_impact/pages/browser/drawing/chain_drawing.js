@@ -329,7 +329,7 @@ export class ChainDrawing {
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.labelSpace.reserveAround([x, y], STOP_DOT / 2);
-        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, [forceText(force, 3, unitsOf({ atStop: true }).force)], "force"]);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
         return;
       }
       if (sticks) {
@@ -338,7 +338,7 @@ export class ChainDrawing {
       // the text says if the force includes friction, because the list of impacts has the force without friction
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", [rubs ? `${whole} with friction` : whole]));
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
@@ -354,15 +354,15 @@ export class ChainDrawing {
     const most = Math.max(...sized.map(({ size }) => size));
     return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ n, x, y, size }) => {
       const position = camera.toScreen(...recording.pointAt(frame, n - 1));
-      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? [forceText(size)] : []);
+      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? forceText(size) : "");
     });
   }
 
   /**
-   * Draw the arrow of a force [N] from a position in a direction; return a list with its texts for `#label`, empty without a text or
+   * Draw the arrow of a force [N] from a position in a direction; return a list with its text for `#label`, empty without a text or
    * for a short arrow.
    */
-  #arrow([x, y], [dx, dy], force, kind, texts) {
+  #arrow([x, y], [dx, dy], force, kind, text) {
     const length = this.arrowScale.lengthOf(force);
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
@@ -370,22 +370,14 @@ export class ChainDrawing {
     this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
       .addClass(`arrow-head ${kind}`);
     this.labelSpace.reserveLine([at(0, 0), at(length, 0)]);
-    return texts.length && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, texts, kind]] : [];
+    return text && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, text, kind]] : [];
   }
 
-  /**
-   * Write the first of some texts, from long to short, that has a free position around a given position. The positions are tried from a
-   * direction on. If no text has a free position, write nothing.
-   */
-  #label(position, direction, distance, texts, kind) {
-    const candidates = positionsAround(position, direction, distance, FORCE_MULTIPLES);
-    for (const text of texts) {
-      const label = this.labelSpace.findPosition(text, FORCE_TEXT, candidates);
-      if (label) {
-        const [x, y] = label.at;
-        this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
-        return;
-      }
-    }
+  /** Write a text at the first free position around a given position, from a direction on; without a free position, write nothing. */
+  #label(position, direction, distance, text, kind) {
+    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance, FORCE_MULTIPLES));
+    if (!label) return;
+    const [x, y] = label.at;
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);
   }
 }
