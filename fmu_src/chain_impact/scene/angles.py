@@ -1,4 +1,8 @@
-"""Angles: text in degrees in a file, and hints for angles that may be in degrees, or wrong by whole turns."""
+"""Angles in scene files: text in degrees, and hints for an angle that is probably wrong.
+
+A hint tells that an angle may be in degrees in place of radians, or may differ from the intended angle by
+whole turns.
+"""
 
 from __future__ import annotations
 
@@ -35,9 +39,9 @@ def or_degrees(unit: str) -> str:
 
 
 def radians_hint(name: str, value: float, unit: str) -> str | None:
-    """Return a hint that an angle of more than one turn may be in degrees by mistake.
+    """Return a hint that an angle of more than one turn, in [rad], may be in degrees by mistake.
 
-    The result is None for a smaller angle, and for a value in another unit.
+    The result is None for an angle of at most one turn, and for a value in another unit than [rad].
     """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None
@@ -46,10 +50,10 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
 
 
 def turns_hint(joint: float, low: float, high: float) -> str:
-    """Return a hint for a joint's angle beyond its stops ``low`` and ``high``, all in [rad].
+    """Return a hint for the angle of a joint that lies beyond its stops ``low`` and ``high``, all in [rad].
 
-    The hint names the angle between the stops that differs by whole turns; it is "" if there is no such
-    angle.
+    The hint names the angle between the stops that differs from ``joint`` by whole turns. The hint is "" if
+    there is no such angle.
     """
     turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
     same = joint + turns * math.tau

@@ -1,4 +1,4 @@
-"""The inputs that a scene asks for, and a table file that drives them."""
+"""The inputs that a scene asks for in [inputs], and a table file that drives inputs."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
-    """Yield the names of the inputs that the scene asks for, with or without a signal that drives them.
+    """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by a signal or not.
 
-    With ``asked = False``, yield all inputs that the scene could ask for.
+    With ``asked = False``, yield the names of all inputs that some key of [inputs] could add to this scene.
     """
     templates = [
         name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names
@@ -41,7 +41,7 @@ def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
 
 
 def how_asked(scene: Contents, name: str) -> str:
-    """Return words for an error on a missing input: how to get it, or which inputs the scene has."""
+    """Return advice for an error on an input that the scene lacks: how to add it, or which inputs exist."""
     key, there = input_key(name), list(inputs_of(scene))
     possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
     if key == "wall_motion" and (wall := name.split(".")[1]) not in scene.half_planes:
@@ -58,7 +58,7 @@ def how_asked(scene: Contents, name: str) -> str:
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
-    """Return the scene with one more signal: a table that drives each input with a column in a file.
+    """Return the scene with one more signal: a table file, each column of which drives an input.
 
     Args:
         scene: the scene, which must have these inputs.

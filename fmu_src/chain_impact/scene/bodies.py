@@ -15,16 +15,18 @@ from chain_impact.scene.chain_tables import CORNERS
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SLIDER_STOPS
 
-CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for a circle
-# half the length of a stop's mark and of the carriage, relative to ``Rail.size``
+CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for each circle
+# half the length of the mark of a slider's stop, and of the drawn carriage, relative to ``Rail.size``
 STOP_MARK = 0.06
-# how far an end of the line without a stop is drawn beyond the positions of the base, relative to
+# length of the drawn line beyond the outermost positions of the base, on a side without a stop, relative to
 # ``Rail.size``
 FREE_END = 0.12
-# corners of the carriage: coordinates along the line and to the line's left, relative to ``Rail.half``
+# [1] corners of the drawn carriage: coordinates along the slider's line and to its left, relative to
+# ``Rail.half``
 CARRIAGE = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
 Disc = tuple[float, float, float]
-"""A disc: the coordinates of its centre along a link and to the left of the link, and its radius [m]."""
+"""A disc as three numbers [m]: its centre's coordinates along a link and to the link's left, and its
+radius."""
 
 
 def outline(discs: Iterable[Disc]) -> np.ndarray:
@@ -56,9 +58,10 @@ def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return number of a link → its points other than its ends, as discs, for each link with such points.
+    """Return number of a link → the discs of its points other than its ends, for each link with such points.
 
-    The discs are in the link's axes, in the order of the points' numbers: the corners of a box come first.
+    The centres of the discs are in the link's axes. The discs have the order of the points' numbers, so the
+    corners of a box come first.
     """
     discs_of: dict[int, list[Disc]] = {}
     for link in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
@@ -81,7 +84,8 @@ def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[i
 
     Args:
         values: name of a parameter → value.
-        touching: the numbers of the points that can touch; the other ends of links have the radius 0.
+        touching: the numbers of the points that can touch a wall; an end of a link has the radius
+            ``contact.radius`` if it is one of these points, else 0.
     """
     radius, outlines = values.get("contact.radius", 0.0), {}
     for n, discs in discs_of_links(values).items():
@@ -103,7 +107,7 @@ def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarra
 
 
 def size_of_motion(points: np.ndarray) -> float:
-    """Return the larger of width and height [m] of the rectangle around positions, shape (T, P, 2) [m]."""
+    """Return the longer side [m] of the smallest upright rectangle around positions, shape (T, P, 2) [m]."""
     return float(np.ptp(points, axis=(0, 1)).max())
 
 
@@ -116,7 +120,8 @@ class Rail:
         angle: direction of the line, from +x [rad].
         low: the least position [m]; −∞ without a stop.
         high: the largest position [m]; ∞ without a stop.
-        size: width or height of the motion of all points, the larger one [m]; the carriage is scaled to it.
+        size: the longer side of the rectangle around the motion of all points [m]; the drawn carriage and
+            marks of stops are in proportion to ``size``.
     """
 
     origin: np.ndarray
@@ -129,7 +134,7 @@ class Rail:
     def between(
         cls, origin: np.ndarray, angle: float, low: float | None, high: float | None, size: float
     ) -> Rail:
-        """Return the line between the stops ``low`` and ``high``; a stop that is None is missing."""
+        """Return the line that ends at ``low`` and ``high`` [m], or has no stop where one of them is None."""
         ends = (-math.inf if low is None else low, math.inf if high is None else high)
         return cls(origin, angle, *ends, size)
 
@@ -145,9 +150,10 @@ class Rail:
 
     @property
     def stops(self) -> dict[str, HalfPlane]:
-        """The half-planes in which the existing stops keep the drawn carriage, by the stops' names.
+        """The half-plane of each existing stop, by the stop's name; the drawn carriage always lies in it.
 
-        The edge of each half-plane is half a carriage beyond ``low`` or ``high``, the limit for the base.
+        The edge of a half-plane is half a carriage beyond ``low`` or ``high``, which limit the middle of the
+        carriage.
         """
         (x, y), start = self.direction, float(self.origin @ self.direction)
         low, high = start + self.low - self.half, start + self.high + self.half
@@ -156,10 +162,13 @@ class Rail:
         return {name: plane for name, plane in stops if math.isfinite(plane.offset)}
 
     def lines(self, bases: np.ndarray) -> list[np.ndarray]:
-        """Return the part of the line that is drawn, and the marks of the stops, each of shape (2, 2) [m].
+        """Return the line segments to draw: the slider's line, then a mark across it for each existing stop.
+
+        Each segment is an array of its two ends, shape (2, 2) [m].
 
         Args:
-            bases: the positions of the base, shape (T, 2) [m].
+            bases: the positions of the base, shape (T, 2) [m]; without stops, they tell how long the drawn
+                line is.
         """
         along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
         reached = (bases - self.origin) @ along
@@ -180,18 +189,15 @@ class Rail:
 
 
 def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
-    """Return the line of a slider; None if ``values`` has no ``slider.angle`` and ``positions`` is None.
+    """Return the line of a slider; None if the chain has no slider or nothing tells the line's direction.
 
-    Args:
-        points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
-        positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
-        values: name of a parameter → value.
+    That is the case if ``values`` has no ``slider.angle`` and ``positions`` is None.
     """
     bases = points[:, 0]
     if "slider.angle" in values:
         angle = float(values["slider.angle"])
-    # without the parameter, the line points from the base at its least position to the base at its largest
-    # position
+    # without slider.angle, two positions of the base tell the direction: from the least to the largest
+    # ``slider.position``
     elif positions is not None:
         x, y = bases[positions.argmax()] - bases[positions.argmin()]
         angle = math.atan2(y, x)

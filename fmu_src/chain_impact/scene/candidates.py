@@ -9,10 +9,10 @@ from chain_impact.scene.contents import Contents
 
 
 def candidates(scene: Contents) -> list[tuple[int, int]]:
-    """Return the pairs (point, index in ``scene.wall_names``) that can touch.
+    """Return the candidates as pairs: the number of a point or joint, and the index in ``scene.wall_names``.
 
-    The pairs of a point and an existing wall come first. The stops of joints follow, with the number of the
-    joint's link in place of the number of a point. The stops of a slider come last, with point 0.
+    First come the pairs of a point and an existing wall that can touch. The stops of joints follow, with the
+    number of the joint in place of the number of a point. The stops of a slider come last, with the number 0.
     """
     pairs, names = point_wall_pairs(scene), scene.wall_names
     joints = stop_pairs(scene)
@@ -20,12 +20,11 @@ def candidates(scene: Contents) -> list[tuple[int, int]]:
 
 
 def parts_in_words(scene: Contents) -> list[str]:
-    """Return words for each part of a scene that can be the reason for a fault.
+    """Return words for each part of a scene that can be the reason for a fault of a run.
 
-    The parts are numbered as in ``fault.part``.
-
-    These parts are the candidates, then the links, the joints and the slider, then the base at the wall of
-    each pair of a point and a wall.
+    The index in the list is the number that the record's field ``fault.part`` has for the part. The list has
+    the candidates, then the links, the joints and the slider, then for each pair of a point and a wall the
+    base at this wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
@@ -48,7 +47,7 @@ def stop_pairs(scene: Contents) -> list[tuple[int, int]]:
 
 
 def point_wall_pairs(scene: Contents) -> list[tuple[int, int]]:
-    """Return the pairs of a point and a wall that can touch."""
+    """Return the pairs of a point and a wall that can touch: number of the point, index in ``wall_names``."""
     numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
     pairs = product(scene.touching_points, scene.half_planes.items())
     return [(k, numbers[name]) for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]

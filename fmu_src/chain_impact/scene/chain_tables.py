@@ -9,7 +9,7 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS
 from chain_impact.scene.reading import refusal
 
 MAX_LINKS = 1000
-CORNERS = 4  # number of corners of a box
+CORNERS = 4  # number of corners of a link with the shape of a box
 OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 
 
@@ -24,13 +24,13 @@ class Site:
 
     @property
     def is_at_joint(self) -> bool:
-        """Whether the point lies at the proximal joint of its link."""
+        """Whether the point lies at its link's proximal joint, so that the link does not turn it away."""
         return self.x == self.y == 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint to its other end; with a ``count``, that many equal links."""
+    """One rigid link, from its proximal joint to its far end; with a ``count``, that many equal links."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
@@ -84,7 +84,10 @@ class Link:
 
     @property
     def corners(self) -> int:
-        """The number of corners of the link's shape, which are its first points; 0 without a shape."""
+        """The number of corners of a box, which come first among the link's points.
+
+        The result is 0 for a link that is no box.
+        """
         return CORNERS if self.shape else 0
 
 
@@ -112,13 +115,13 @@ class Slider:
 
     @property
     def stops(self) -> tuple[str, ...]:
-        """The names, among the walls, of the existing stops of the slider."""
+        """The names of the slider's existing stops, as in ``wall_names``."""
         return tuple(stop for stop in SLIDER_STOPS if getattr(self, stop.removeprefix("slider_")) is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChainTable:
-    """The links from base to tip, the kind of base, and its slider."""
+    """The table [chain]: the kind of base, its slider, and the links from base to tip."""
 
     base: str = quantity(
         "",
@@ -130,7 +133,10 @@ class ChainTable:
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
     def __post_init__(self) -> None:
-        """Replace a link that has a `count` by this number of equal links; refuse too many links."""
+        """Replace each link that has a `count` by this number of equal links.
+
+        Refuse more than MAX_LINKS links.
+        """
         if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise refusal(("chain", "links"), "links", count=total, most=MAX_LINKS)
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
@@ -138,7 +144,7 @@ class ChainTable:
 
     @property
     def movable_points(self) -> range:
-        """The numbers of the joints and ends that can move: all points except a pinned base."""
+        """The numbers of the joints and link ends that can move: 0 to N, without 0 if the base is pinned."""
         return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
 
     @property
@@ -148,7 +154,10 @@ class ChainTable:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """Pairs (index of a link, point on it), in the order of the points' numbers, which begin at N + 1."""
+        """Each point of a link that is not an end, as a pair (index of the link, point), in order of number.
+
+        The numbers of these points begin at N + 1.
+        """
         return tuple((i, site) for i, link in enumerate(self.links) for site in link.points)
 
     @property
@@ -159,7 +168,7 @@ class ChainTable:
 
     @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
-        """The joints with a stop → joint_min and joint_max [rad]; infinite for a missing stop."""
+        """Number of a joint with a stop → joint_min and joint_max [rad]; −∞ or ∞ for a missing stop."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
         none = (-math.inf, math.inf)
         return {

@@ -24,16 +24,17 @@ from chain_impact.scene.signal_checks import check_signals
 from chain_impact.scene.table_file import gap_hints
 from chain_impact.scene.tables import Contact, Material, Stops
 
-# A link longer than LONG [m] with less mass per length than LIGHT [kg/m] is probably given in mm: only a long
-# rope is so light.
+# LONG [m], LIGHT [kg/m]: A link that is longer than LONG with less mass per length than LIGHT probably has
+# its length in mm: only a long rope is so light.
 LONG, LIGHT = 20.0, 0.2
-IN_MM = (9e3, 1.05e4)  # [m/s²] a gravity in this range is probably the earth's gravity in mm/s²
+IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
 
 
 def check(scene: Contents) -> None:
     """Refuse a scene that fails any check of this module or of signal_checks.py.
 
-    The error also has the sentences of ``angle_hints``.
+    The error also has the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
+    cause.
     """
     try:
         check_together(scene)
@@ -45,9 +46,10 @@ def check(scene: Contents) -> None:
 
 
 def check_masses(chain: ChainTable) -> None:
-    """Refuse links without inertia that can turn without moving any mass: see kernel/chain/inertia.py.
+    """Refuse links without inertia that can turn without moving any mass.
 
-    Nothing would determine their angular acceleration.
+    Nothing would determine the angular acceleration of such links. ``loose_links`` in kernel/chain/inertia.py
+    finds them.
     """
     (first, last), other = loose_links(chain_view(chain), False), ""
     if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
@@ -69,7 +71,7 @@ def check_masses(chain: ChainTable) -> None:
 
 
 def check_together(scene: Contents) -> None:
-    """Refuse masses, points, walls and values of contact that are valid alone, but not together."""
+    """Refuse values of the chain, the walls and the contacts that are valid alone, but not together."""
     check_masses(scene.chain)
     contact, movable = scene.contact, scene.chain.movable_points
     for point in contact.points:
@@ -114,7 +116,7 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return a table from path to values, with the values of the law, for each table of a contact law."""
+    """Return for each table of a contact law: its path → the values for rules, with the law's properties."""
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
@@ -137,9 +139,10 @@ def _of_law(
 
 
 def check_reach(scene: Contents) -> None:
-    """Refuse a wall of ``walls`` that no point can reach, if the record has no room for it.
+    """Refuse a wall of ``walls`` that no point can reach, if the kernel's record has no room for the wall.
 
-    The record has room for as many of these walls as there are pairs of a point and a wall that can touch.
+    The record has as many places for these walls as there are pairs of a point and a wall that can touch.
+    Only a scene with a slider can have a wall that no point reaches: a wall parallel to the slider's line.
     """
     if scene.chain.slider is None or not scene.may_touch:
         return
@@ -154,7 +157,7 @@ def check_reach(scene: Contents) -> None:
 
 
 def check_moved_walls(scene: Contents) -> None:
-    """Refuse a motion of a wall that does not exist."""
+    """Refuse a name in inputs.wall_motion that is no name of a wall."""
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
@@ -162,14 +165,17 @@ def check_moved_walls(scene: Contents) -> None:
 
 
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:
-    """Return the coefficients of sliding and static friction at a wall, by the kernel's rule for defaults."""
+    """Return the coefficients of sliding and of static friction at a wall.
+
+    Missing values of ``material`` follow from ``contact`` by the rule of the kernel.
+    """
     own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
     sliding, static = wall_friction(contact.friction, contact.static_friction, *own)
     return sliding, static
 
 
 def check_start(scene: Contents) -> None:
-    """Refuse a start in which a point that may touch is already inside a wall."""
+    """Refuse a start in which a point that may touch a wall already penetrates it."""
     walls, start, links = scene.walls_at_start, scene.start, len(scene.chain.links)
     candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}
     for point, (x, y, radius) in candidates.items():
@@ -206,7 +212,7 @@ def check_joint_angles(scene: Contents) -> None:
 
 
 def angle_hints(scene: Contents) -> list[str]:
-    """Return sentences on angles of more than a turn, which may be in degrees by mistake."""
+    """Return a sentence for each angle of more than one turn [rad]: it may be in degrees by mistake."""
     links, name, angles = enumerate(scene.chain.links, 1), "angle", scene.initial.angles
     if scene.has_joint_angles:
         name = "joint_angles"
@@ -221,7 +227,7 @@ def angle_hints(scene: Contents) -> list[str]:
 
 
 def hints(scene: Contents) -> list[str]:
-    """Return sentences on values that are allowed, but are probably mistakes of the user."""
+    """Return sentences on values of a scene that are allowed, but are probably mistakes of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
@@ -253,9 +259,9 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each coordinate of initial.position that a signal of the base contradicts.
+    """Return a sentence for each coordinate of initial.position from which a signal moves a pinned base away.
 
-    The base is pinned.
+    The signal's value at t = 0 then is the start of the base, and the key initial.position has no effect.
     """
     if scene.chain.base != "pinned":
         return []
@@ -264,17 +270,17 @@ def start_hints(scene: Contents) -> list[str]:
 
 
 def start_hint(axis: str, start: float, given: float) -> str:
-    """Return the sentence of ``start_hints`` on one coordinate.
+    """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
 
-    The base is at ``start`` [m], although the file says ``given`` [m].
+    The base starts at ``start`` [m], although the file says ``given`` [m].
     """
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
 
 
 def base_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each wall beyond which a pinned base is at the start.
+    """Return a sentence for each wall that a pinned base penetrates at the start.
 
-    Such a start is allowed, because a pinned base does not touch walls.
+    Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
     """
     if scene.chain.base != "pinned":
         return []
@@ -289,10 +295,10 @@ def base_hints(scene: Contents) -> list[str]:
 
 
 def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
-    """Return a sentence, in a list, if changes set the absolute angle of a link, but not of the next link.
+    """Return a sentence, in a list, if ``changes`` turn a link but leave the next link's absolute angle.
 
-    Only a scene that gives ``initial.joint_angles`` has such a sentence: the user may not expect that all
-    further links keep their absolute angles.
+    The list is empty unless the file of the scene gives ``initial.joint_angles``: then the user may expect
+    that all further links turn as well.
     """
     if not scene.has_joint_angles:
         return []
@@ -303,7 +309,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
 
 
 def law_hints(scene: Contents) -> list[str]:
-    """Return a sentence, in a list, on a user's own law that the scene names but does not use."""
+    """Return a sentence, in a list, if the scene names a user's law file, but no contact uses this law."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model

@@ -1,4 +1,4 @@
-"""The completion of a scene: values that follow from other keys, and the contents of other files."""
+"""The completion of a scene that has been read: values that follow from others, contents of other files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ANGLES = ("initial", "angles")
 
 
 def completed(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the values that follow from other keys, and with the contents of table files.
+    """Return the scene with all values that follow from other keys, and with the contents of table files.
 
     Relative paths of files begin at ``folder``.
     """
@@ -26,7 +26,7 @@ def completed(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
-    """Return the scene with the full path of the user's law file; refuse a file that holds no law."""
+    """Return the scene with the full path of the user's law file; refuse a file that does not hold a law."""
     file = scene.contact.law_file
     if not file:
         return scene
@@ -90,9 +90,10 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_materials(scene: AnyScene) -> AnyScene:
-    """Return the scene with a material for each existing wall.
+    """Return the scene with a material, a table of [contact.wall], for each existing wall.
 
-    A value that is not given is None in the material. A material of a wall that does not exist is refused.
+    A key that the file does not give is None in the material: the value of [contact] then applies. A material
+    for a wall that does not exist is refused.
     """
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}

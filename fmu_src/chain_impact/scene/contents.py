@@ -33,8 +33,8 @@ from chain_impact.scene.tables import (
     Wall,
 )
 
-# a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
-# normal is smaller than this value, which is round-off
+# [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
+# normal is smaller than this value, which allows for round-off
 PARALLEL = 1e-12
 
 
@@ -61,14 +61,15 @@ class Contents:
     solver: Solver
     simulation: Simulation
     derived_paths: tuple[DataPath, ...] = field(default=(), metadata=NO_KEY)
-    # whether the file gave joint angles; the scene itself always has absolute angles
+    # whether the file gave joint angles; ``initial.angles`` always has absolute angles, from +x
     has_joint_angles: bool = field(default=False, compare=False, metadata=NO_KEY)
 
     @property
     def wall_names(self) -> tuple[str, ...]:
-        """The names of the walls in the order of their numbers: first the walls of the box, then ``walls``.
+        """The names of the walls in the order of their numbers: all four walls of the box, then ``walls``.
 
-        In a scene with stops in joints, ``joint_min`` and ``joint_max`` follow; the stops of a slider come
+        Missing walls of the box count as well, so that each has the same number in all scenes. In a scene
+        with stops in joints, ``joint_min`` and ``joint_max`` follow; the existing stops of a slider come
         last. If no point may touch any wall, ``walls`` are left out.
         """
         walls = self.walls if self.may_touch else ()
@@ -81,7 +82,7 @@ class Contents:
 
     @property
     def has_joint_stops(self) -> bool:
-        """Whether a joint has a stop; only with a stop, the keys of [stops] have values."""
+        """Whether any joint has a stop; without one, all keys of [stops] are None."""
         return self.stops.exponent is not None
 
     @property
@@ -91,9 +92,10 @@ class Contents:
 
     @property
     def may_touch(self) -> bool:
-        """Whether any point may touch walls.
+        """Whether any point may touch a wall, as ``contact.points`` and the points of links say.
 
-        In a scene with walls, only points that can reach a wall count: see ``keeps_distance``.
+        If the scene has walls, at least one of these points must be able to reach a wall: see
+        ``keeps_distance``.
         """
         if self.chain.slider is None and not any(link.points for link in self.chain.links):
             return bool(self.contact.points)
@@ -107,17 +109,17 @@ class Contents:
 
     @property
     def touching_points(self) -> tuple[int, ...]:
-        """The numbers of the points that may touch walls: ``contact.points``, and movable points of links."""
+        """The numbers of the points that may touch walls: those of ``contact.points``, and points of links.
+
+        A point of link 1 at a pinned base is left out, because it cannot move.
+        """
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
         moving = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point never reaches a wall.
-
-        Such a point is at a base that slides parallel to the wall.
-        """
+        """Return whether a point at a base that slides parallel to a wall never reaches this wall."""
         slider = self.chain.slider
         if slider is None:
             return False
@@ -136,7 +138,7 @@ class Contents:
 
     @property
     def start(self) -> dict[int, tuple[float, float, float]]:
-        """The position x, y [m] and radius [m] of each point at the start, by its number."""
+        """Number of a point → its position x, y [m] and its radius [m] at the start."""
         x, y = self.base_at_start
         points, radius = {0: (x, y, self.contact.radius)}, self.contact.radius
         sites = []
@@ -150,23 +152,20 @@ class Contents:
 
     @property
     def base_at_start(self) -> tuple[float, float]:
-        """The position x, y [m] of the base at the start; a signal that drives a coordinate determines it."""
+        """The position x, y [m] of the base at t = 0: initial.position, or the value of a signal."""
         x, y = self.initial.position
         return self._at_start("base.x", x), self._at_start("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
-        """The free side of each existing wall at the start, by name; a signal may displace the wall."""
+        """Name of each existing wall → its free side at the start, with the displacement by a signal."""
         return {
             name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()
         }
 
     def _at_start(self, name: str, otherwise: float) -> float:
-        """Return the value of an input at the start.
-
-        Returns ``otherwise`` if no signal drives the input.
-        """
+        """Return the value of an input at t = 0; ``otherwise`` if no signal drives the input."""
         for signal in self.signals.values():
             if name in signal.input:
                 return value_at_start(signal, name, self.simulation.stop_time)
@@ -174,7 +173,7 @@ class Contents:
 
     @property
     def point_names(self) -> dict[int, str]:
-        """The names of points that have names, by the numbers of the points."""
+        """Number of a point → its name, for the points that have names."""
         sites = enumerate(self.chain.sites, len(self.chain.links) + 1)
         return {number: site.name for number, (_, site) in sites if site.name}
 
@@ -183,16 +182,16 @@ class Contents:
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of a stop, by its number among the walls; "" if the wall is not a stop.
+        """Return the name of the stop with the number ``wall`` among ``wall_names``.
 
-        A stop belongs to joints or to a slider.
+        The result is "" if the wall with this number is no stop. A stop belongs to joints or to a slider.
         """
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""
 
     @property
     def half_planes(self) -> dict[str, HalfPlane]:
-        """The free side of each existing wall, by its name."""
+        """Name of each existing wall → its free side, without the displacement that a signal may give."""
         box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 
@@ -201,7 +200,7 @@ def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str 
     """Return a hint for a name that contains a point's name in place of the point's number.
 
     For example "toe is the name of a point: point[4].x" for ``toe.x`` or ``point[toe].x``. The result is None
-    if the right name is not in ``known``.
+    if the name with the point's number is not in ``known`` either.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):

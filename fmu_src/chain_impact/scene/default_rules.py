@@ -10,11 +10,10 @@ from chain_impact.scene.key_rules import Derived
 
 
 def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived | None = None) -> Derived:
-    """Return the rule for a default that is a sum of products of a table's values, divided by ``divisor``.
+    """Return the rule for a default that is a sum of products of values, divided by ``divisor``.
 
-    ``terms`` has the factors of each product.
-
-    For a link that is a box, the rule ``of_box`` applies, if there is one.
+    Each of the ``terms`` has the keys whose values form one product; the keys belong to the same table as the
+    default. For a link that is a box, the rule ``of_box`` applies, if there is one.
     """
 
     def value(table: Mapping[str, Any]) -> float:
@@ -40,7 +39,10 @@ ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), const
 
 
 def as_in_contact(key: str) -> Derived:
-    """Return the rule for a default equal to a key of [contact]; None in a scene without stops of joints."""
+    """Return the rule for a default of [stops] that equals a key of [contact].
+
+    The default is None in a scene without stops of joints.
+    """
     return Derived(
         "as in [contact]",
         lambda tables: getattr(tables["contact"], key) if tables["chain"].stops else None,
@@ -49,7 +51,10 @@ def as_in_contact(key: str) -> Derived:
 
 
 def with_stops(value: float) -> Derived:
-    """Return the rule for a default that is ``value``, or None in a scene without stops of joints."""
+    """Return the rule for a default of [stops] that is ``value``.
+
+    It is None in a scene without joint stops.
+    """
     return Derived(
         f"{value:g}",
         lambda tables: value if tables["chain"].stops else None,
@@ -58,7 +63,7 @@ def with_stops(value: float) -> Derived:
     )
 
 
-# This rule returns no value, because contact.radius is read later; ``completion.py`` fills in the value when
-# the whole file has been read.
+# This rule gives None, because the table [contact] is read after the links; ``with_radii`` in completion.py
+# fills in contact.radius when the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
 SLIDER_TABLE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)

@@ -1,8 +1,8 @@
 """Derived values of a scene: defaults that follow from other values.
 
-A value stays derived until a user gives it; then it no longer follows other values. Only given values are
-written to files. ``Scene.derived_paths`` has the paths of the derived values. The kernel derives
-parameters of a record in the same way: kernel/chain/inertia.py.
+A value is derived as long as the user does not give it; a given value does not follow other values. Only
+given values are written to files. ``Scene.derived_paths`` has the paths of the derived values. The kernel
+derives parameters of a record in the same way: kernel/chain/inertia.py.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from chain_impact.scene.names import DataPath
 
 
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
-    """Yield the paths in the scene for ``paths`` in the data of a file.
+    """Yield, for ``paths`` in the data of a file, the paths of the same values in the scene.
 
-    An entry of links with a count stands for several links; in the scene each link has its own entry.
+    An entry of links with a count stands for several links in the file. In the scene each link has an entry.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -34,7 +34,10 @@ def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterat
 
 
 def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
-    """Return the path in the data of a file for a path in the scene, in which each link has its own entry."""
+    """Return the path in the data of a file for a path in the scene.
+
+    An entry of links with a count stands for several links in the file. In the scene each link has an entry.
+    """
     match path:
         case "chain", "links", int(i), *following:
             counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
@@ -43,8 +46,9 @@ def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
 
 
 def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:
-    """Remove the derived values from the data of a scene, except values at the paths ``kept``."""
-    for path in sorted(derived, key=len, reverse=True):  # a table after the values in it
+    """Remove from the plain data of a scene all derived values, except values at the paths ``kept``."""
+    # long paths come first: a derived table is removed after the derived values in it
+    for path in sorted(derived, key=len, reverse=True):
         if path not in kept:
             *parents, key = path
             del functools.reduce(operator.getitem, parents, data)[key]
@@ -53,7 +57,7 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[Data
 def above(paths: Iterable[Any]) -> set[DataPath]:
     """Return the paths of all tables and lists that contain a value at one of the ``paths``.
 
-    An entry of ``paths`` that is no path, such as a name, is ignored.
+    An entry that is no path, such as the name of a value, is ignored.
     """
     proper = [
         path
@@ -64,9 +68,9 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 
 
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
-    """Return the rule that derives the value at a path.
+    """Return the rule that derives the value at ``path``.
 
-    The rule is ``rule`` or, for a link that is a box, ``rule.of_box``.
+    It is ``rule`` or, if this rule has another one for boxes and the link is a box, ``rule.of_box``.
     """
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:
@@ -75,9 +79,9 @@ def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
 
 
 def rule_of(path: DataPath, rules: Mapping[str, Any]) -> Derived:
-    """Return the rule that derives the value at a path.
+    """Return the rule that the metadata of the key at ``path`` have for its default.
 
-    ``rules`` maps a key of ``scene_keys`` to its dataclass field.
+    ``rules`` maps a key of ``scene_keys``, such as "chain.links[].inertia", to its dataclass field.
     """
     key = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
     rule: Derived = rules[key].metadata["default"]

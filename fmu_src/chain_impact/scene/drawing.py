@@ -11,11 +11,12 @@ from chain_impact.scene.bodies import outlines_from, placed, rail_from
 from chain_impact.scene.contents import Contents
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# MARGIN: the width of the free border around the drawing; NEAR: the distance from the chain beyond which no
-# wall is drawn; both relative to the size of the chain
+# both relative to the size of the chain, the longer side of the rectangle around its points: MARGIN is the
+# width of the free border around the drawing; a wall at a larger distance from all points than NEAR is not
+# drawn
 MARGIN, NEAR = 0.15, 1.0
-# LINE, THIN: widths of links and of other lines; POINT: radius of a point; all relative to the longer side of
-# the drawing
+# all relative to the longer side of the drawing: LINE is the width of links, THIN of other lines; POINT is
+# the radius of points
 LINE, THIN, POINT = 0.012, 0.004, 0.02
 
 

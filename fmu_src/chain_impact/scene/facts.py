@@ -1,8 +1,9 @@
-"""The table of the facts and lists of a scene, such as whether it has friction, each by one rule.
+"""Facts and lists of a scene, such as whether it has friction: each is found by one rule.
 
-A page evaluates the same table (pages/browser/scene/owners.js); rules.py has the language of the rules.
-Python and JavaScript each find some LISTS without a rule. Example: a link with ``joint_friction`` is a member
-of "links" with ``has_friction``, which makes the facts "joint_friction" and "friction" hold.
+The tables FACTS and LISTS have the rules; rules.py has their language. A page evaluates the same rules
+(pages/browser/scene/owners.js). Lists without a rule are found by code, in Python by FOUND. Example: a link
+with ``joint_friction`` is a member of "links" with ``has_friction``, which makes the facts "joint_friction"
+and "friction" true.
 """
 
 from __future__ import annotations
@@ -25,24 +26,25 @@ from chain_impact.scene.signals import driven_by
 from chain_impact.scene.tables import Contact
 
 ALWAYS = "always"
-"""The fact that holds for all scenes."""
+"""The name of the fact that is true for all scenes."""
 _OFF_KEYS = {
     entry.name
     for table in (Link, Slider, Contact)
     for entry in keys(table)
     if entry.metadata["default"] is OFF
 }
-"""The keys whose values are missing in rules if the file does not give them."""
+"""Keys whose value in rules is missing, not the default 0, if the file does not give the key."""
 
 
 class Members(NamedTuple):
-    """A list of parts of a scene: the meaning of its members, and the rule by which parts are members.
+    """One of LISTS: what the members of a list are, and the rules for membership and for members' values.
 
     Attributes:
         meaning: what the members are, and the values that each member has.
-        over: the list whose members can be members; "" for a list that each language finds by itself.
-        has: the rule by which one of them is a member.
-        values: name → rule for each value of a member.
+        over: the list whose members can be members of this one; "" for a list that FOUND and the page's code
+            find without a rule.
+        has: the rule by which a member of ``over`` is a member of this list.
+        values: name of a member's value → the rule for this value.
     """
 
     meaning: str
@@ -79,11 +81,12 @@ LISTS = {
         values={"name": "name", "number": "order"},
     ),
 }
-"""Name → list of a scene. In a rule, a name without a dot is a list, a member's value, a fact or a count."""
+"""Name → list of parts of a scene. In rules, a name without a dot is a list, a fact, a count or a member's
+value."""
 
 
 class Fact(NamedTuple):
-    """A fact of a scene: its meaning, and the rule by which it holds or has a number."""
+    """A fact of a scene: the rule that makes it true or gives its number, and its meaning in words."""
 
     rule: str
     meaning: str
@@ -130,14 +133,14 @@ FACTS = {
     ),
     "knots": Fact("sum(signals, knot_count)", "the number of knots of all signals"),
 }
-"""Name → fact of a scene, after the facts that its rule names. The keys of [inputs] and [outputs] are facts,
-too, as ``inputs.tip_force``."""
+"""Name → fact of a scene. A fact comes after the facts that its rule names. The keys of [inputs] and
+[outputs], such as ``inputs.tip_force``, are facts, too."""
 
 
 class SceneFacts(dict[str, Any]):
-    """The facts and lists of a scene by name, each found when it is first asked for.
+    """Name → fact or list of a scene; each is computed when it is first asked for.
 
-    The mapping also has the flags of [inputs] and [outputs], such as ``inputs.tip_force``.
+    The keys of [inputs] and [outputs] are facts, too, such as ``inputs.tip_force``.
     """
 
     def __init__(self, scene: Contents) -> None:
@@ -145,7 +148,10 @@ class SceneFacts(dict[str, Any]):
         self.scene = scene
 
     def __missing__(self, name: str) -> Any:
-        """Find a fact as a number, a list as its members, and a flag as a number."""
+        """Compute and store a fact as a number, a list as its members, or a flag as a number.
+
+        A flag is a key of [inputs] or [outputs]; its number is 0 or 1, or the number of entries of a list.
+        """
         value: Any
         if name in FACTS:
             value = int(number_in(FACTS[name].rule, self.value_of))
@@ -160,9 +166,10 @@ class SceneFacts(dict[str, Any]):
         return value
 
     def value_of(self, name: str) -> Any:
-        """Return the value for a name in a rule; a name with a dot is a key of the scene's file.
+        """Return the value that a name has in a rule; a name with a dot is a key of the scene's file.
 
-        A value that is not given is missing if its default is ``OFF``.
+        None means a missing value. A key whose default is the rule ``OFF`` is missing if the file does not
+        give it.
         """
         if "." not in name:
             return self[name]
@@ -176,7 +183,7 @@ class SceneFacts(dict[str, Any]):
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links, with None for values that are missing in rules."""
+        """The links, with None in place of each default that counts as missing in rules: ``_OFF_KEYS``."""
         missing: dict[int, dict[str, Any]] = {}
         for path in self._off:
             match path:
@@ -186,7 +193,7 @@ class SceneFacts(dict[str, Any]):
         return tuple(replace(link, **missing.get(i, {})) for i, link in enumerate(links))
 
     def _members(self, row: Members) -> list[dict[str, Any]]:
-        """Return the members of a list that follows from another list."""
+        """Return the members of ``row.over`` for which the rule of the list ``row`` is true."""
         found = list[dict[str, Any]]()
         for order, of_member in enumerate(of_members(members_in(row.over, self.value_of), self.value_of)):
             if holds(row.has, of_member):
@@ -198,7 +205,7 @@ class SceneFacts(dict[str, Any]):
 
 
 def friction_joints(scene: Contents) -> tuple[int, ...]:
-    """Return the numbers of the joints with dry friction."""
+    """Return the numbers of the joints that may have dry friction: ``joint_friction`` is given."""
     return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
 
 
@@ -256,4 +263,4 @@ FOUND: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
     "signals": _signals,
     "steps": _steps,
 }
-"""Name → function that finds a list that follows from no other list."""
+"""Name of a list without a rule → the function that finds its members."""

@@ -1,6 +1,7 @@
-"""The fast path of ``with_values``: numbers on which few other values depend change without a full check.
+"""The fast path of ``with_values``: it changes numbers on which few other values depend.
 
-Reading a whole scene again takes longer than a short simulation.
+It makes only the checks that these numbers need: reading and checking the whole scene again would take longer
+than a short simulation.
 """
 
 from __future__ import annotations
@@ -23,25 +24,23 @@ from chain_impact.scene.tables import Contact, Initial, Simulation, Solver
 
 SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max
-LINKS = 64  # number of links up to which the fast path applies; a longer chain is read as a whole
+# number of links up to which the fast path applies; ``with_values`` reads a longer chain as a whole
+LINKS = 64
 _TABLES: dict[DataPath, Any] = {
     ("contact",): Contact,
     ("solver",): Solver,
     ("simulation",): Simulation,
     **{("chain", "links", i): Link for i in range(LINKS)},
 }
-"""Path → table in which the keys with the rule ``alone`` have one number or choice each.
+"""Path → dataclass of each table in which keys with the rule ``alone`` hold one number or choice.
 
-``Initial`` is left out, because its keys have lists of numbers.
+``Initial`` is left out, because its keys hold lists of numbers.
 """
 
 
 @functools.cache
 def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
-    """Return a table of the values that may change alone.
-
-    It leads from a value's path or name to its path and the metadata of its key.
-    """
+    """Return a table of the values that may change alone: path or name → (path, metadata of the key)."""
     rule_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
         rule_of |= {(*path, name): rule for name, rule in _alone(table).items()}
@@ -53,15 +52,16 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 
 
 def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
-    """Return the keys of a table whose rule is ``alone``, as a table from key to metadata."""
+    """Return key → metadata for the keys of a table that have the rule ``alone``."""
     return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
-    """Return the scene with some numbers changed, as ``with_values`` makes it.
+    """Return the scene with some numbers changed, equal to the result of ``with_values``.
 
-    Returns None if ``with_values`` must read the whole scene: to change other values, to check for faults and
-    hints, or because a user's law file must be read again.
+    The result is None if the fast path does not apply: a change is not of a number in ``_numbers``, other
+    values depend on it, a start or a duration needs a hint or an error, or a user's law file must be read
+    again.
     """
     start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():
@@ -75,13 +75,13 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
 def _with_number(scene: AnyScene, path: DataPath, rule: Mapping[str, Any], given: Any) -> AnyScene | None:
     """Return the scene with one number or choice changed.
 
-    Returns None if ``with_values`` must read the whole scene: if the path does not exist, the value is not
-    allowed, the present value is derived, or other values must be checked, too.
+    The result is None if ``with_values`` must read the whole scene: if the path does not exist, the value is
+    not allowed, the present value is derived, or other values must be checked, too.
     """
     value = _value(given, rule) if path else None
     if value is None or not keeps(value, rule):
         return None
-    # a change of one entry of a derived list makes all entries given, so ``with_values`` must read the scene
+    # a change of one entry of a derived list makes all its entries given, which only ``with_values`` does
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths
     return None if is_derived else _changed(scene, path, value)
 
@@ -96,7 +96,10 @@ def _value(given: Any, rule: Mapping[str, Any]) -> Any:
 
 
 def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
-    """Return the scene with another number or choice at a path; None if the whole scene must be read."""
+    """Return the scene with another number or choice at a path.
+
+    The result is None if ``with_values`` must read the whole scene.
+    """
     match path:
         case "chain", "links", int(i), str(key):
             return _with_link(scene, i, key, value)
@@ -115,7 +118,8 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
     """Return whether other values of the scene depend on a number, or must be checked together with it."""
-    # the last piece of a signal's table may depend on the stop time of the simulation
+    # a table's motion ends at rest if the table ends before the stop time, so its last polynomial depends on
+    # this time
     if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)
@@ -142,7 +146,10 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
 
 
 def _with(table: SceneTable, **changes: Any) -> SceneTable:
-    """Return a table with some values changed; ``dataclasses.replace`` would take twice the time."""
+    """Return a copy of a table with some values changed.
+
+    ``dataclasses.replace`` would take twice the time.
+    """
     kind: Any = type(table)
     fresh: SceneTable = object.__new__(kind)
     for name, read, write in _slots(kind):
@@ -152,7 +159,7 @@ def _with(table: SceneTable, **changes: Any) -> SceneTable:
 
 @functools.cache
 def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., None]]]:
-    """Return for each value of a table its name, and the functions that read and write the value."""
+    """Return for each field of a table its name, and the functions that read and write the field."""
     slots = [(entry.name, getattr(table, entry.name)) for entry in fields(table)]
     return [(name, slot.__get__, slot.__set__) for name, slot in slots]
 
@@ -163,7 +170,7 @@ def _rules_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _starts(scene: Contents) -> bool:
-    """Return whether a scene with another position or angle passes the checks of its start without a hint."""
+    """Return whether the start of the scene passes its checks, and no sentence warns of it."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False
     try:

@@ -17,8 +17,9 @@ class HalfPlane:
     """The free side of a wall: the points p with n·p ≥ offset.
 
     Attributes:
-        normal: the unit vector n.
-        offset: n·p of the wall's points [m], the distance from the origin along n.
+        normal: n, the unit vector across the wall into the free side.
+        offset: n·p for points p on the wall [m]: the wall's distance from the origin, negative if the origin
+            is on the free side.
     """
 
     normal: tuple[float, float]
@@ -36,7 +37,8 @@ def half_planes(
 
     Args:
         box: the existing walls of the box: name → position [m].
-        slopes: the walls at any angle: name → x [m] and y [m] of one of its points, and its angle [rad].
+        slopes: the walls at any angle: name → x [m] and y [m] of a point on the wall, and the wall's angle
+            [rad].
     """
     planes = {}
     for name, (nx, ny) in zip(WALLS, NORMALS, strict=True):
@@ -49,8 +51,9 @@ def half_planes(
 
 
 def direction(normal: tuple[float, float]) -> float:
-    """Return the angle [rad] of a wall from its normal, which may have any length.
+    """Return the angle [rad] from +x of a wall's direction, from its normal, which may have any length.
 
-    For someone who looks along the wall in the direction of this angle, the normal points to the left.
+    The normal points to the left of this direction.
     """
-    return math.atan2(-normal[0], normal[1]) + 0.0  # adding 0.0 turns −0 into 0
+    # adding 0.0 turns the angle −0 into 0, so that it is written without a sign
+    return math.atan2(-normal[0], normal[1]) + 0.0

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
-"""The fields of links that ``loose_links`` reads."""
+"""The fields of links that ``loose_links`` in kernel/chain/inertia.py reads."""
 
 
 def chain_view(chain: Any) -> SimpleNamespace:
@@ -19,7 +19,7 @@ def chain_view(chain: Any) -> SimpleNamespace:
 
 
 def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
-    """Return the parts ``signal`` and ``knot`` of a record as the argument of kernel/chain/signals.py."""
+    """Return the parts ``signal`` and ``knot`` of a record as the argument ``d`` of chain/signals.py."""
     parts = {"signal": signals, "knot": knots}
     views = {
         name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})

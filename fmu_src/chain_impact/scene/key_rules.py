@@ -1,4 +1,4 @@
-"""The rules of the keys of a scene file: metadata of the fields of its dataclasses."""
+"""The rules of the keys of a scene file, such as a key's range: the metadata of dataclass fields."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, TypedDict, Unpack, get_args
 
 from chain_impact.scene.unit_text import in_brackets
 
-# table from a rule's name to the test whether a value keeps the rule
+# name of a rule → function of a value and the rule's content: whether the value keeps the rule
 _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
     "minimum": operator.ge,
     "above": operator.gt,
@@ -24,28 +24,30 @@ _KEEPS: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class KeyRules(TypedDict, total=False):
-    """The rules of a key's value, or of each value of a list."""
+    """The rules of a key's value or, if the value is a list, of each of its entries."""
 
-    minimum: float  # least allowed value
-    above: float  # lower limit; the value must be larger
-    maximum: float  # largest allowed value
+    minimum: float  # least allowed number
+    above: float  # lower limit: a number must be larger
+    maximum: float  # largest allowed number
     choices: tuple[str, ...]
-    # regular expression for the whole text, and the meaning of this expression in words
+    # a regular expression that the whole text must match, and the words for the texts that match it
     pattern: tuple[str, str]
-    per_link: bool  # whether the list has one value for each link
-    entries: tuple[int, int]  # least and largest number of entries of the list
-    # whether `true` is allowed for a list of names: it stands for all names, and is read as the name "*"
+    per_link: bool  # whether the list must have one entry for each link
+    entries: tuple[int, int]  # least and largest allowed number of entries of the list
+    # whether `true` may replace a list of names: it means all names, and is stored as the name "*"
     or_true: bool
-    # whether `with_values` may change the key without reading the scene again, see fast_values.py
+    # whether `with_values` may change the key without reading the whole scene again (fast_values.py)
     alone: bool
-    or_one: bool  # whether a single value may stand for a list with this value
-    label: str  # the head of the key's column in the editor of a page, which changes only keys with a label
-    # whether the key is a short form of other keys, which replace the key when a file is read
+    or_one: bool  # whether one value may be given in place of a list with this value alone
+    # the head of the key's column in the page's editor of the scene; the editor has no column for a key
+    # without label
+    label: str
+    # whether the key is a short form in files only: other keys replace it when the file is read
     file_only: bool
-    # name of another key, in the same table or as "table.key"; if that key names a file, the name of the file
-    # without its suffix is one more choice, as for the law of a user
+    # name of a key, in the same table or as "table.key", that names a user's file: the name of this file
+    # without its suffix is one more choice of the value, as for the law of a user
     extended_by: str
-    # function that returns the unit, from the values of the keys read before, where these keys decide the
+    # function from the values of the keys read before to the unit of this value, if other keys decide the
     # unit
     unit_by: Callable[[Mapping[str, Any]], str]
 
@@ -56,8 +58,8 @@ class Derived:
 
     Attributes:
         text: the rule in words.
-        value: function that returns the default from the values read before; None for no default, ``MISSING``
-            if the key must be given.
+        value: function from the values read before to the default; the default is None if the value does not
+            exist, and ``MISSING`` if the file must give the key.
         terms: for a parameter of the FMU: each term is a product of these keys, and the default is the sum of
             the terms, divided by the divisor. A key without a dot belongs to the same table.
         divisor: divides the sum of the terms.
@@ -82,7 +84,7 @@ class Derived:
 
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
-"""The rule ``pattern`` for names."""
+"""The rule ``pattern`` for names, such as those of walls and signals."""
 NO_KEY = {"key": False}
 """The metadata of a field that is not a key of the scene file."""
 
@@ -108,7 +110,10 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
 
 
 def simple_default(rule: Mapping[str, Any]) -> Any:
-    """Return the default in the metadata ``rule``; a `Derived` only if no number stands for it."""
+    """Return the default that the metadata ``rule`` have.
+
+    A `Derived` with ``off`` is replaced by this number.
+    """
     default = rule["default"]
     return default if not isinstance(default, Derived) or default.off is None else default.off
 
@@ -129,13 +134,9 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 
 def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the metadata `rule` of a key, completed with the values of other keys.
+    """Return the metadata `rule` of a key, completed with what the values of other keys decide.
 
-    The name of a user's law becomes a choice, and a unit may depend on another key.
-
-    Args:
-        rule: the metadata.
-        tables: key → value or table, as far as they have been read.
+    The name of a user's law becomes a choice of a key, and the unit of a key may depend on another key.
     """
     if unit_by := rule.get("unit_by"):
         return {**rule, "unit": unit_by(tables)}

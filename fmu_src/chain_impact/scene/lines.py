@@ -1,4 +1,4 @@
-"""Lines of a scene file: the line of a key, and hints for a line that is not valid TOML."""
+"""Lines of a scene file: the number of the line with a key, and hints for a line that is not valid TOML."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from chain_impact.scene.text_file import comma_in
 from chain_impact.scene.unit_text import number_hint
 
 LISTS_OF_TABLES = ("chain.links", "walls")
-"""The tables that a file may have several times, each headed by ``[[…]]``."""
+"""The tables that a file may have several times, each under the head ``[[…]]``."""
 _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
@@ -22,18 +22,19 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 def line_of(text: str, path: DataPath) -> int | None:
     """Return the number, from 1, of the line with a key.
 
-    If the text does not have the key, return the number of the line with the nearest table around the key;
-    None if there is no such table.
+    If the text does not have the key, the result is the line of the innermost table around the key that the
+    text has; None if it has none.
 
     Args:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the best line so far: the number of steps of the path that it matches, and the line's number
+    # the best line so far, as two numbers: how many steps of the path it matches, and the line's number
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
-    inside = ""  # the quotes with which a text over several lines has begun; "" outside of such a text
+    # the quotes that began a text over several lines, in which no keys are sought; "" outside of such a text
+    inside = ""
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
             table = _within(counts, _steps(head[2]))
@@ -54,9 +55,9 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of a table from the ``steps`` of its head, in which a list of tables has no index.
+    """Return the path of the table whose head has the keys ``steps``, with the indices of lists of tables.
 
-    A table in a list belongs to the list's last entry so far, whose index is in ``counts``.
+    A head has no indices: it belongs to the last entry so far of each list, whose index is in ``counts``.
     """
     path: DataPath = ()
     for step in steps[:-1]:
@@ -66,12 +67,12 @@ def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
 
 
 def _steps(dotted: str) -> DataPath:
-    """Return the parts of a dotted key, without quotes."""
+    """Return the keys in a dotted key, without quotes: ("a", "b") for ``a."b"``."""
     return tuple(step.strip("\"'") for step in re.findall(_KEY_NAME, dotted))
 
 
 def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
-    """Return the keys in the lines of a TOML file that follow the last head of a table."""
+    """Return the keys, each as a path, in those lines of a TOML file that follow the last head of a table."""
     keys: set[DataPath] = set()
     for line in lines:
         if _HEAD.match(line):
@@ -82,9 +83,9 @@ def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
 
 
 def fault_hint(text: str, fault: str) -> str:
-    """Return a hint how to write the line of a TOML file at which the parser found a fault.
+    """Return a hint how to correct the line of a TOML file at which the parser found the ``fault``.
 
-    Returns "" if no hint is known.
+    The result is "" if no hint is known.
     """
     named = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()

@@ -1,4 +1,4 @@
-"""The models that come with the package, and their scene files."""
+"""The models (example scenes) that come with the package, and the paths of their scene files."""
 
 import os
 from pathlib import Path
@@ -14,12 +14,12 @@ def models_folder() -> Path:
 
 
 def model_names() -> list[str]:
-    """Return the sorted names of the models: the folders in `models_folder()` that contain a scene."""
+    """Return the sorted names of the models: of all folders in `models_folder()` with a scene file."""
     return sorted(file.parent.name for file in models_folder().glob(f"*/{SCENE_FILE}"))
 
 
 def scene_path(source: str | os.PathLike[str]) -> Path:
-    """Return the path of the scene file that `load_scene` reads for a source; the file need not exist."""
+    """Return the path of the scene file that `load_scene` reads for ``source``; the file need not exist."""
     path = Path(source)
     if path.is_dir() and (path / SCENE_FILE).exists():
         return path / SCENE_FILE

@@ -1,8 +1,8 @@
-"""The names of the values of a scene, which are the same everywhere for users.
+"""The names of the values of a scene: each value has one name in all commands, functions and outputs.
 
-A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Other
-values have the dotted key of the file as their name: ``simulation.stop_time``, ``contact.points``. Links
-count from 1, at the base.
+A parameter has the name of the FMU's variable: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. Another
+value has the dotted key of the file as its name: ``simulation.stop_time``, ``contact.points``. Links count
+from 1, at the base.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ DataPath = tuple[str | int, ...]
 AT = "{at}"
 """The placeholder of an index in the template of a path: ("chain", "links", "{at}", "mass").
 
-The template of the name has {n} in this place, link[{n}].mass, or for a wall {name}.
+The template of the name has {n} in its place: link[{n}].mass. For a wall the name has {name}.
 """
 LINK_AT, ENTRY_AT = "{link}", "{entry}"
-"""The placeholders of two indices in the template of a path: of a link, and of a point on this link.
+"""The placeholders of two indices in the template of a path: LINK_AT of a link, ENTRY_AT of a point on it.
 
-The template of the name has {of} and {n} in these places: link[{of}].point[{n}].x.
+The template of the name has {of} and {n} in their places: link[{of}].point[{n}].x.
 """
 AXES = ("x", "y")
 STOPS = ("joint_min", "joint_max")
-"""The stops of a joint: keys of a link in the file, and names among the walls."""
+"""The stops of a joint: the keys of a link in the file, and the names in ``wall_names``."""
 SLIDER_STOPS = ("slider_min", "slider_max")
-"""The names of a slider's stops among the walls."""
+"""The names of a slider's stops in ``wall_names``."""
 
 
 def point_label(number: int, names: Mapping[int, str]) -> str:
-    """Return the words for a point: its number, and its name if it has one, "point 5 (heel)"."""
+    """Return the words for a point: "point 5", or "point 5 (heel)" for a point with a name."""
     return f"point {number} ({names[number]})" if number in names else f"point {number}"
 
 
 def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene; ``walls`` are the names of the walls at any angle.
 
-    For the template of a path, the result is the template of a name.
+    For the template of a path, which has placeholders (AT) for indices, the result is the template of a name.
     """
     match path:
         case "gravity", int(j):
@@ -69,11 +69,12 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
 
 
 def _of_signal(path: DataPath) -> DataPath:
-    """Return the path of a signal's key with the words of a name in place of the keys.
+    """Return the path of a signal's key as the steps of its name.
 
-    ("signals", "a", "times", 0) becomes ("signal", "a", "time", 0).
+    An entry of a list has a word in the singular: ("signals", "a", "times", 0) becomes ("signal", "a",
+    "time", 0).
 
-    A path that does not lead to a key of a signal is returned unchanged.
+    Any other path is returned unchanged.
     """
     if path[:1] != ("signals",) or len(path) < 3:  # noqa: PLR2004
         return path
@@ -82,36 +83,36 @@ def _of_signal(path: DataPath) -> DataPath:
 
 
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
-    """Return the name of a wall at any angle; None if ``walls`` has no text for it.
+    """Return the name of the wall with an index in ``walls``; None if this entry of ``walls`` is no text.
 
-    For the template of a wall, the result is the template of a name.
+    For the placeholder AT the result is "{name}", the placeholder in names.
     """
     name = "{name}" if number == AT else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
 def fmu_name(name: str) -> str:
-    """Return the FMU's name of a value for a name that a user typed, such as the key in the file.
+    """Return the FMU's name of a value for another of its names, such as the key in the file.
 
     For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``.
     """
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    # the list has no entry with this number, or the number has too many digits
+    # a list of the scene has no entry with this number, or the number has too many digits
     except (IndexError, ValueError):
         return name
 
 
 def other_names(name: str) -> set[str]:
-    """Return the other names of a value: its name in the FMU and its key in the file, except ``name``."""
+    """Return the FMU's name and the file's key of the value that ``name`` names, without ``name`` itself."""
     of_fmu = fmu_name(name)
     in_file = f"stops.{of_fmu.removeprefix('stop.')}" if of_fmu.startswith("stop.") else of_fmu
     return {of_fmu, in_file} - {name}
 
 
 def path_text(path: DataPath) -> str:
-    """Return a path in a scene file as text, with numbers from 1: "chain.links[1].mass", "gravity[2]"."""
+    """Return a path in a file as text, with indices from 1: "chain.links[1].mass", "gravity[2]"."""
     return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(
         "."
     )
@@ -139,10 +140,7 @@ _PARTS = re.compile(
 
 
 def name_parts(name: str) -> NameParts:
-    """Return the parts of a variable's name.
-
-    If the name has another form, all of it is the quantity.
-    """
+    """Return the parts of a variable's name; a name of another form becomes the part ``quantity``."""
     at = _PARTS.fullmatch(name)
     if not at:
         return NameParts("", 0, "", name)
@@ -151,9 +149,9 @@ def name_parts(name: str) -> NameParts:
 
 
 def by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
-    """Return a table of values by owner, number and name (see ``NameParts``), and then by quantity.
+    """Return a table from (owner, number, name), as in ``NameParts``, to the table of the owner's quantities.
 
-    The argument has the values by the whole names.
+    ``values`` has the values by the whole names of variables.
     """
     owned: dict[tuple[str, int, str], dict[str, Any]] = {}
     for whole, value in values.items():
@@ -180,11 +178,12 @@ INPUTS_OF: dict[str, dict[str, str]] = {
         **{"wall.{name}.acceleration": "m/s2", "wall.{name}.belt_speed": "m/s"},
     },
 }
-"""Key of `[inputs]` → its inputs: template of the name → unit; {n} stands for a number, {name} for a wall."""
+"""Key of `[inputs]` → the inputs that it adds: template of the name → unit; {n} is a number, {name} a
+wall."""
 
 
 def is_like(name: str, template: str) -> bool:
-    """Return whether a name matches a template, with any number for {n} and any word for {name}."""
+    """Return whether a name matches a template: {n} in the template matches any number, {name} any word."""
     steps, forms = name.split("."), template.split(".")
     return len(steps) == len(forms) and all(map(_fits, steps, forms))
 
@@ -212,7 +211,7 @@ def input_asked(name: str) -> str | None:
 
 
 SENSITIVITY = "sensitivity."
-"""The text with which the names of derivatives begin."""
+"""The text with which the name of the derivative of an output begins."""
 
 
 def sensitivity_name(output: str, parameter: str) -> str:
@@ -224,11 +223,11 @@ VALUE_WITHOUT_DRIVE = {
     "joint[{n}].target_angle": "link[{n}].joint_rest_angle",
     "slider.target_position": "slider.rest_position",
 }
-"""Input → the parameter whose value it has while nothing drives it; {n} stands for a number."""
+"""Input → the parameter whose value the input has while nothing drives it; {n} stands for a number."""
 
 
 def without_drive(name: str) -> str | None:
-    """Return the parameter whose value an input has while nothing drives it; None if the value is 0."""
+    """Return the parameter whose value an input has while nothing drives it; None if the input then is 0."""
     for template, parameter in VALUE_WITHOUT_DRIVE.items():
         if is_like(name, template):
             return parameter.format(n=re.sub("[^0-9]", "", name))
@@ -236,12 +235,15 @@ def without_drive(name: str) -> str | None:
 
 
 def value_at_start(values: Mapping[str, Any], name: str) -> float:
-    """Return the value of a parameter, or of an input that nothing drives, from the ``values`` of a scene."""
+    """Return the value with the name, from the ``values`` of a scene by name.
+
+    For an input that nothing drives, this is the value of its parameter in VALUE_WITHOUT_DRIVE, or 0.
+    """
     return float(values.get(name, values.get(without_drive(name) or "", 0.0)))
 
 
 def input_hint(name: str, how: str) -> str:
-    """Return a hint for an input that is set like a parameter; ``how`` says how to give the input instead."""
+    """Return a hint for an input that the user sets like a parameter; ``how`` says how to give the input."""
     hint = f"it is an input: give it over time {how}"
     parameter = without_drive(name)
     return f"{hint}; without, it is {parameter}, which can be set" if parameter else hint
@@ -251,10 +253,12 @@ JOINT_ANGLES = "initial.joint_angles"
 
 
 def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint for a name that cannot be set: what to do instead; None if no hint is known.
+    """Return a hint for a name that cannot be set as a parameter: what to do instead.
+
+    The result is None if no hint is known.
 
     Args:
-        name: the name.
+        name: the name that the user typed.
         links: the number of links.
         signals: the names of the scene's signals.
     """
@@ -271,7 +275,10 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint for a name ``signal.<name>.<key>`` if no signal has this name; else None."""
+    """Return a hint for a name ``signal.<name>.<key>`` of which no signal exists: how to make one.
+
+    Else None.
+    """
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]
     if table not in ("signal", "signals") or not signal or signal in signals:

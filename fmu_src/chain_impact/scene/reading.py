@@ -1,4 +1,4 @@
-"""Reads plain data, such as the content of a TOML file, into a dataclass by the metadata of its fields."""
+"""Reads plain data, such as the content of a TOML file, into a dataclass, by the metadata of its fields."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, proposed
 from chain_impact.scene.unit_text import number_hint
 
-# the least similarity, from 0 to 1, of a key that the message on an unknown key proposes; less similar keys
-# would be useless
+# the least similarity, from 0 to 1, of the key that is proposed for an unknown key; proposals of less similar
+# keys would mislead
 ALIKE = 0.7
-SHOWN = 60  # largest number of characters of a value that a message shows
+SHOWN = 60  # largest number of characters that a message shows of a value
 
 
 class SceneError(ValueError):
@@ -45,12 +45,15 @@ class SceneError(ValueError):
 
 
 def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
-    """Return the error for the key at ``path``: the path, then the sentence of a fault (refusals.py)."""
+    """Return the error for the key at ``path``: this path and the sentence of ``fault`` (refusals.py)."""
     return SceneError(f"{path_text(path)} {sentence(fault, **words)}", path)
 
 
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
-    """Return the error for a key that names no existing wall; the sentence starts with ``value``."""
+    """Return the error for a key at ``path`` that names no existing wall.
+
+    Its sentence starts with ``value``.
+    """
     if not walls:
         return refusal(path, "no_walls")
     return refusal(path, "no_wall", value=value, walls=", ".join(walls))
@@ -58,9 +61,10 @@ def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneErr
 
 @contextmanager
 def as_typed(names: Iterable[Any]) -> Iterator[None]:
-    """Replace a value's other name by the typed name in the message of a SceneError in the ``with`` block.
+    """Make the message of a SceneError in the ``with`` block name values as the user typed them.
 
-    ``names`` are the names that the user typed; entries that are not texts are ignored.
+    A value has up to three names: its key in the file, its name in the FMU, and the typed name. ``names`` are
+    the typed names; entries that are not texts are ignored.
     """
     try:
         yield
@@ -75,13 +79,14 @@ def as_typed(names: Iterable[Any]) -> Iterator[None]:
 
 
 class SceneWarning(UserWarning):
-    """The warning of a value or motion of a scene that is valid, but probably a mistake; it is one line."""
+    """The warning, one line, of a value or motion that is valid, but probably a mistake of the user."""
 
 
 class UnknownNameError(SceneError, KeyError):
     """Raised for a name that does not exist; the message gives a hint, or the most similar name."""
 
-    __str__ = Exception.__str__  # The message is shown as it is; the method of KeyError would add quotes.
+    # UnknownNameError shows its message as it is; the method of KeyError would add quotes.
+    __str__ = Exception.__str__
 
     def __init__(
         self,
@@ -93,9 +98,9 @@ class UnknownNameError(SceneError, KeyError):
         *,
         otherwise: str = "`chain-impact info` lists the names",
     ) -> None:
-        """Make the message that ``name`` is ``what``, for example "not a parameter", with the ``hint``.
+        """Make the message: ``name`` is ``what``, for example "not a parameter"; then follows the ``hint``.
 
-        Without a hint, the message gives the most similar of the ``names``, or ``otherwise`` if no name is
+        Without a hint, the message names the most similar of ``names``, or ends with ``otherwise`` if none is
         similar.
         """
         if hint is None:
@@ -112,13 +117,10 @@ def names_matching(
     what: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
-    """Return the names that equal ``name``, or that match it; a ``*`` in ``name`` stands for any text.
+    """Return the names that equal ``name``, or that match it, where ``*`` in ``name`` stands for any text.
 
-    If no name matches, the error ends with the text that ``hint`` returns for ``name``; if ``hint`` returns
-    None, with the most similar name.
-
-    Raises:
-        UnknownNameError: when no name matches.
+    If no name matches, the error ends with the text that the function ``hint`` returns for ``name``. If this
+    text is None, the error ends with the most similar name.
     """
     is_text = isinstance(name, str)
     matched = find_names(name, names) if is_text else []
@@ -128,15 +130,15 @@ def names_matching(
 
 
 def find_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return the names that equal ``name``, or that match it; a ``*`` in ``name`` stands for any text."""
+    """Return the names that equal ``name``, or that match it, where ``*`` in ``name`` stands for any text."""
     for spelling in (name, fmu_name(name)):
         if spelling in names:
             return [spelling]
     if "*" not in name:
         return []
     first, *parts, last = map(re.escape, name.split("*"))
-    # Each part matches at the first position where it occurs, so that the time does not grow with the number
-    # of possible matches.
+    # Each part of the text between two ``*`` is fixed at the first position where it occurs (an atomic
+    # group), so that the time of a search does not grow with the number of possible matches.
     like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
     return [spelling for spelling in names if like.fullmatch(spelling)]
 
@@ -161,10 +163,11 @@ def entry_type(kind: Any) -> Any:
 class Reader:
     """Reads data into the dataclass ``root``, whose fields may be dataclasses, too.
 
-    ``label`` returns the text of a path for errors.
+    ``label`` is a function that returns the text for a path in an error.
 
     Attributes:
-        derived: the paths, in the data, of the values that defaults have derived.
+        derived: the paths, in the data, of the values that the data do not have and a rule `Derived` has
+            given.
     """
 
     def __init__(self, root: Any, label: Callable[[DataPath], str]) -> None:
@@ -176,7 +179,10 @@ class Reader:
         return self._table(self.root, data, (), {})
 
     def _table(self, table: Any, data: Any, path: DataPath, tables: Mapping[str, Any]) -> Any:
-        """Return `data` as a dataclass `table`; refuse other data. `tables` are the values read before."""
+        """Return `data` as an object of the dataclass `table`; refuse other data.
+
+        `tables` has the keys and tables that have been read before, for rules that depend on them.
+        """
         if not isinstance(data, Mapping):
             raise self._refusal(path, "no_table", value=value_text(data))
         entries = {entry.name: entry for entry in keys(table)}
@@ -190,7 +196,8 @@ class Reader:
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
-                value = rule.get("default", {})  # a table has no default, only its keys have defaults
+                # a missing table is read as an empty one: only its keys have defaults
+                value = rule.get("default", {})
             if isinstance(value, Derived):
                 value = value.value(scope)
                 if value not in (None, MISSING):
@@ -198,7 +205,7 @@ class Reader:
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
                 raise self._refusal(where, "missing", meaning=meaning)
-            # a value that is still None does not exist, for example a wall
+            # None is a value that does not exist in this scene, for example the position of a missing wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
         return table(**values)
@@ -253,7 +260,10 @@ class Reader:
         return tuple(self._value(item, rule, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of one kind as a dict, by name; refuse other values."""
+        """Return the entries of a table whose keys are names given by users, such as [signals].
+
+        Refuse other values.
+        """
         if not isinstance(value, Mapping):
             raise self._refusal(path, "no_tables", value=value_text(value))
         return {
@@ -279,9 +289,9 @@ class Reader:
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on a table that stands in place of a list: where the keys of the table belong.
+        """Return advice on a table that stands in place of a list of tables: where its keys belong.
 
-        These are the keys that ``item`` does not have.
+        Keys that the tables of the list, ``item``, could have are left out.
         """
         moved = [
             self._keys()[key]
@@ -303,9 +313,9 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """Return the origin of a type, such as tuple for ``tuple[int, ...]``.
+    """Return the origin of a type, such as tuple for ``tuple[int, ...]``, from a cache.
 
-    The function of the module typing is slower.
+    Without the cache the function of the module typing is slower.
     """
     return get_origin(kind)
 
@@ -324,7 +334,7 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write a number that is a text with a unit or a decimal comma.
+    """Return a hint how to write a number that is given as text with a unit or a decimal comma.
 
     The hint is "" for any other text.
     """
@@ -332,7 +342,7 @@ def meant_number(value: Any, unit: str) -> str:
 
 
 def decimal_comma(value: Any) -> str:
-    """Return a hint how to write a number whose text has a decimal comma; "" for other values."""
+    """Return a hint how to write a number that is given as text with a decimal comma; "" for other values."""
     match = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 

@@ -1,7 +1,7 @@
-"""The sentences and rules with which Python and the page that simulates refuse the same contents of a file.
+"""Sentences and rules for the faults of scene files that Python and the page that simulates both refuse.
 
-A sentence follows the path of the key. Words in braces stand for texts of the scene; what follows "; " is
-advice, in which Python may say more than the page. The conditions are in the language of rules.py.
+A sentence follows the path of the key. Words in braces stand for texts of the scene. The text after "; " is
+advice, in which Python may say more than the page. The rules' conditions are in the language of rules.py.
 """
 
 from __future__ import annotations
@@ -71,21 +71,24 @@ SENTENCES = {
     "sine_jumps": "= {value}: the velocity of {input} would jump, which would be an impact of unknown "
     "strength; give it a rise, a phase at which the sine is at rest, as pi/2, or start = 0",
 }
-"""Fault → sentence."""
+"""Name of a fault → its sentence, with words in braces."""
 
 
 class Rule(NamedTuple):
-    """A rule that refuses a value which does not go together with others.
+    """A rule that refuses a value which does not go together with other values.
 
-    Attributes: fault: the fault of such a value, a key of SENTENCES.
-        key: the refused key; its value is the word ``value`` of the sentence.
-        condition: the rule (rules.py) by which the value is refused; its names are keys and facts.
-        least: the number whose value is the word ``least`` of the sentence; its text is the word ``bound``.
+    Attributes:
+        fault: the name of the fault, a key of SENTENCES.
+        key: the refused key; its value becomes the word ``value`` of the sentence.
+        condition: the rule (rules.py) that is true for a refused value; its names are keys and facts.
+        least: a rule for the least allowed number; the number becomes the word ``least`` of the sentence, the
+            rule's text the word ``bound``.
         of: the tables to which the key belongs: "" the whole file, "link" each link, "law" [contact], each
-            table in [contact.wall], and [stops]. A missing coefficient of friction or value of a stop is that
-            of [contact]. ``law`` is the contact law of the table; a law of the user has no properties here.
-        in_kernel: whether the kernel also has the rule: a page then leaves the rule to the kernel when its
-            reader changes a value, because the reader may change the other value next.
+            table in [contact.wall], and [stops]. For a missing coefficient of friction or value of [stops],
+            the rule uses the value of [contact]. ``law`` in a rule is the contact law of the table; a user's
+            law has no properties in rules.
+        in_kernel: whether the kernel checks the same rule at the start of a run. A page then does not check
+            it when its user changes one value, because the next change may be of the other value.
     """
 
     fault: str
@@ -152,7 +155,7 @@ RULES = (
 )
 """Rules of a file, in the order in which they are checked."""
 LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
-"""The properties of a contact law that rules name."""
+"""The properties of a contact law that rules may name."""
 SIGNAL_RULES = (
     Rule(
         "no_frequency", "frequency", "form == 'sine' and order > 0 and not frequency and not frequency_rate"
@@ -165,11 +168,14 @@ SIGNAL_RULES = (
         "moves and form == 'sine' and order == 0 and start > 0 and not rise and starts_fast",
     ),
 )
-"""Rules of a signal and an input that it drives. Facts: ``moves``: the input is a motion; ``order``: how many
-times it is integrated; ``steps_differ``: not all values of the steps are equal; ``starts_fast``: a sine has a
-speed at its start."""
+"""Rules for a signal together with an input that it drives.
+
+The rules may name these facts. ``moves``: the input moves the base or a wall; ``order``: how many times the
+input is integrated; ``steps_differ``: not all values of the steps are equal; ``starts_fast``: the speed of a
+sine is not 0 at its start.
+"""
 
 
 def sentence(fault: str, **words: object) -> str:
-    """Return the sentence of a fault with its words filled in."""
+    """Return the sentence of a fault with ``words`` in place of its words in braces."""
     return SENTENCES[fault].format_map(words)

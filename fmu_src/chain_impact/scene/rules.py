@@ -30,7 +30,7 @@ Tree: TypeAlias = dict[str, Any]
 """A part of a rule: ``{"constant": 2}``, ``{"name": "chain.base"}``, or an operator with its parts:
 ``{"operator": "<", "parts": [...]}``."""
 ValueOf: TypeAlias = Callable[[str], Any]
-"""A function that returns the value of a name; None for a missing value."""
+"""A function from the name of a value in a rule to the value; None for a missing value."""
 _SIGNS: dict[type, str] = {
     ast.And: "and",
     ast.Or: "or",
@@ -45,9 +45,9 @@ _SIGNS: dict[type, str] = {
     ast.GtE: ">=",
     ast.In: "in",
 }
-"""Operator of Python's syntax → its sign in a rule. Rules have no other operators."""
+"""Operator of Python's syntax → its sign in a rule; a rule has no other operators."""
 _FUNCTIONS = {"given": 1, "any": 2, "sum": 2}
-"""Name of a function → its number of arguments."""
+"""Name of a function in rules → its number of arguments."""
 _OF_ALL: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
 _OF_ONE: dict[str, Callable[[Any], bool]] = {
     "not": lambda value: not _is_so(value),
@@ -64,15 +64,16 @@ _OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
     "in": lambda value, entries: value in entries,
 }
-"""Sign → function of the values of all, one or two parts; those of two parts are given values only."""
+"""``_OF_ALL``, ``_OF_ONE``, ``_OF_TWO``: sign → function of the values of all parts, of one part, or of two
+parts. A function of two parts never gets a missing value."""
 
 
 @cache
 def tree(rule: str) -> Tree:
-    """Return the tree of a rule, which nothing may change.
+    """Return the tree of a rule; the tree is shared by all callers, and nothing may change it.
 
     Raises:
-        ValueError: for a wrong rule, with the rule.
+        ValueError: for text that is not a rule; the message has the text.
     """
     try:
         return _tree(ast.parse(rule, mode="eval").body)
@@ -97,7 +98,10 @@ def _tree(node: ast.AST) -> Tree:
 
 
 def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
-    """Return the sign and the parts of an operation, or the name and the arguments of a function."""
+    """Return the sign and the parts of an operation, or the name and the arguments of a function.
+
+    The sign or name is None for anything that rules do not have.
+    """
     match node:
         case ast.BoolOp(op=of, values=parts):
             return _SIGNS.get(type(of)), parts
@@ -113,7 +117,7 @@ def _operation(node: ast.AST) -> tuple[str | None, Sequence[ast.AST]]:
 
 
 def names_in(part: Tree) -> Iterator[str]:
-    """Yield the names in a tree, without ``order`` for a member of a list in it."""
+    """Yield the names in a tree, without the name ``order`` in a rule for members of a list."""
     if "name" in part:
         yield part["name"]
     has_members = part.get("operator") in ("any", "sum")
@@ -122,26 +126,29 @@ def names_in(part: Tree) -> Iterator[str]:
 
 
 def holds(rule: str, value_of: ValueOf) -> bool:
-    """Return whether a rule holds; the function ``value_of`` returns the value for a name."""
+    """Return whether a rule is true; ``value_of`` is a function from a name in the rule to its value."""
     return _is_so(_function(rule)(value_of))
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
-    """Return the number, or a text, that a rule stands for; None if a value is missing."""
+    """Return the value of a rule that is a number or a text; None if a value in the rule is missing.
+
+    A condition gives 0 or 1.
+    """
     value = _counted(_function(rule)(value_of))
     return int(value) if value is True or value is False else value
 
 
 def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any]:
-    """Return the number of a rule for each member of a list."""
+    """Return the value of a rule for each member of a list."""
     number = partial(number_in, rule)
     return _for_members(number, tuple(names_in(tree(rule))), members, value_of)
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
-    """Return the members of the list that a rule stands for.
+    """Return the members of the list that a rule names.
 
-    If the rule stands for a number, the result has as many members without values.
+    If the rule gives a number, the result has this number of members, none of which has values.
     """
     value = _function(rule)(value_of)
     return [{}] * value if isinstance(value, int) else _members(value)
@@ -153,7 +160,7 @@ def _function(rule: str) -> Callable[[ValueOf], Any]:
 
 
 def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
-    """Return the function that computes the value of a part of a rule; the value None means missing."""
+    """Return the function that computes a part of a rule from ``value_of``; its result None means missing."""
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
@@ -176,9 +183,10 @@ def _of_members(
     names: Sequence[str],
     value_of: ValueOf,
 ) -> Any:
-    """Return the value of any(…) or sum(…).
+    """Return the value of ``any(list, rule)`` or ``sum(list, rule)``, as ``sign`` says.
 
-    It is whether a rule holds for any member, or the sum of a number over all members.
+    This is whether the rule is true for any member of the list, or the sum of the rule's number over all
+    members.
     """
     values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":
@@ -189,9 +197,9 @@ def _of_members(
 def _for_members(
     of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
 ) -> list[Any]:
-    """Return the value of a part of a rule for each member.
+    """Return the value of a part of a rule, the function ``of``, for each member.
 
-    Members whose names have equal values share one evaluation.
+    Members with equal values of the ``names`` in the part share one evaluation.
     """
     found, values = dict[tuple[Any, ...], Any](), []
     for order, member in enumerate(members):
@@ -213,12 +221,15 @@ def _of_two(
 
 
 def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
-    """Return for each member of a list the function from a name to its value (``value_within``)."""
+    """Return for each member of a list a function from a name in a rule to its value for the member."""
     return [partial(value_within, member, order, value_of) for order, member in enumerate(members)]
 
 
 def value_within(member: Any, order: int, value_of: ValueOf, name: str) -> Any:
-    """Return the value of a name for a member of a list: a table, or a mapping of values."""
+    """Return the value of a name in a rule for a member of a list; ``order`` is the member's index.
+
+    A name that is no value of the member has its value in the whole scene, from ``value_of``.
+    """
     if name == "order":
         return order
     if isinstance(member, dict):
@@ -239,7 +250,7 @@ def _is_so(value: Any) -> bool:
 
 
 def value_at(table: Any, key: str) -> Any:
-    """Return the value of a dotted key in a table, or None if a table on the way is missing."""
+    """Return the value of a dotted key in a table; None if a table on the path is missing."""
     for name in key.split("."):
         table = None if table is None else getattr(table, name)
     return table

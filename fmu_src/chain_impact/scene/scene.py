@@ -2,7 +2,7 @@
 
 The dataclass fields, here, in tables.py and in chain_tables.py, define all keys of a scene. The metadata of a
 field have unit, description, range and default; the validation, the scene reference in the docs and the
-parameters of the FMU use these metadata. All values are in SI units, angles in radians from +x.
+parameters of the FMU follow from these metadata. All values are in SI units, angles in radians from +x.
 """
 
 import functools
@@ -45,16 +45,16 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Scene(Contents):
-    """All values that a simulation needs.
+    """All values that a simulation needs: the checked contents of a scene file.
 
-    ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return a checked scene.
+    ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return a scene.
     """
 
     @property
     def derived(self) -> dict[str, str]:
         """The derived values, as a table from the name of a value to its rule, such as "length / 2".
 
-        Defaults that are always the same number are left out.
+        A derived value whose rule always gives the same number is left out.
         """
         rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
         rules_of_paths = ((path, self._rule(path, rules)) for path in self.derived_paths)
@@ -65,7 +65,7 @@ class Scene(Contents):
 
     @property
     def values(self) -> dict[str, Any]:
-        """Every single value by its name, for ``with_values``.
+        """Name → value for each single value of the scene; these are the names that ``with_values`` takes.
 
         A value is None if the scene does not have it, such as the position of a missing wall.
         """
@@ -98,9 +98,9 @@ class Scene(Contents):
         return bool(SceneFacts(self)["friction"])
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> "Scene":
-        """Return the scene with some values changed, `{"contact.restitution": 0.5}`.
+        """Return the scene with some values changed, for example `{"contact.restitution": 0.5}`.
 
-        See the function `with_values`.
+        The function `with_values` of this module has the details.
         """
         return with_values(self, changes)
 
@@ -119,9 +119,9 @@ def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
 
 
 def load_scene(source: str | os.PathLike[str]) -> Scene:
-    """Load a scene file, the scene file of a folder, or a model by its name, in this order of search.
+    """Load a scene file, the scene file in a folder, or a model by its name; the first that exists is loaded.
 
-    Raises SceneError when there is no such file, it cannot be read, or it does not hold a valid scene.
+    Raises SceneError when there is no such file, or when the file cannot be read or is not a valid scene.
     """
     try:
         path = scene_path(source)
@@ -158,24 +158,24 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene of the data of a scene file; a SceneError names the data as `source`."""
+    """Return the checked scene from the data of a scene file; a SceneError names the data as `source`."""
     scene = _validated(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
-    """Return the checked scene for data.
+    """Return the checked scene from the data of a scene file.
 
-    An error has the path of the key in the file or, without ``in_file``, the name of the value, unless links
-    have counts.
+    An error names the refused value by its path in the file if ``in_file`` is true or links have counts, else
+    by its name, such as ``link[1].mass``.
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
 
-    # where an entry of the links stands for several links, links and entries have different numbers
+    # if an entry of the links stands for several links, names such as link[2].mass would not tell the entry
     by_path = in_file or _has_counts(data)
 
     def label(path: DataPath) -> str:
@@ -199,7 +199,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
 
 def _has_counts(data: Any) -> bool:
-    """Return whether an entry of the links has a count."""
+    """Return whether an entry of the links in the data of a file has the key ``count``."""
     chain = data.get("chain") if isinstance(data, Mapping) else None
     links = chain.get("links") if isinstance(chain, Mapping) else None
     tables = links if isinstance(links, list | tuple) else []
@@ -212,10 +212,10 @@ def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
 
 
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
-    """Return the scene as plain dicts, lists and values that TOML can hold, without missing keys.
+    """Return the scene as plain dicts, lists and values that TOML can hold.
 
-    With ``derived`` the data also contain the derived values; a scene that is read from these data has them
-    as given values.
+    Keys without a value are left out. With ``derived`` the data also contain the derived values; in a scene
+    that is read from these data, they are given values.
     """
     data = _plain(scene)
     if not derived:
@@ -225,9 +225,10 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as plain dicts, lists and values, without missing keys, but with empty tables.
+    """Return a value as plain dicts, lists and values.
 
-    dataclasses.asdict is slower because it copies each number.
+    Keys without a value are left out, empty tables are not. dataclasses.asdict is slower, because it copies
+    each number.
     """
     if is_dataclass(value):
         parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
@@ -238,7 +239,7 @@ def _plain(value: Any) -> Any:
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene; leave out [stops], [signals], materials and lists of points if empty."""
+    """Return the data of a scene without [stops], [signals], materials and lists of points that are empty."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
@@ -259,17 +260,20 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return whether a table has a value other than None; true for anything that is not a table."""
+    """Return whether a table has a value other than None.
+
+    The result is true for anything that is no table.
+    """
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 
 
 def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> Scene:
     """Return the validated scene with some values changed.
 
-    A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is the
-    FMU's name of the parameter, or the dotted key, which also names a whole list: `"initial.angles"`. A
-    contact law and a solver method may be given by their number in the FMU. A path can replace a name:
-    `("chain", "links", 0, "mass")`.
+    ``changes`` has names and new values: `{"link[1].mass": 2.0, "contact.model": "flores"}`. A name is the
+    FMU's name of the parameter, or the dotted key of the file, which can also be the key of a whole list:
+    `"initial.angles"`. A contact law and a solver method may be given by their number in the FMU. A path can
+    replace a name: `("chain", "links", 0, "mass")`.
 
     None removes the key, so that the default applies. All other given values stay, and derived values follow
     the given values, as after an edit of the scene file.
@@ -281,7 +285,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     with as_typed(changes):
-        # making these names takes longer than most changes, so they are made only once
+        # The table of all names takes longer to make than most changes: it is made once, and only if needed.
         names = functools.cache(lambda: _paths_by_name(scene))
         changed = _with_any(scene, [_path_and_value(scene, names, *change) for change in changes.items()])
     hints_before = checks.hints(scene)
@@ -290,11 +294,11 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
-    """Return the scene with any values changed; all of the scene's data are read again."""
+    """Return the scene with any values changed, by reading and checking all data of the scene again."""
     data, paths = _plain(scene), [path for path, _ in values]
     if JOINT_ANGLES_PATH in paths and completion.ANGLES not in above(paths):
         del data["initial"]["angles"]
-    # if one value of a derived list is given, the whole list becomes given
+    # if one entry of a derived list is given, all entries of the list become given values
     without_derived(data, scene.derived_paths, kept=above(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
@@ -312,15 +316,16 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 
 JOINT_ANGLES_PATH = ("initial", "joint_angles")
-"""The key for joint angles, which can replace the key for absolute angles."""
+"""The path of the key for joint angles, which a file may have in place of ``initial.angles``."""
 
 
 def _path_and_value(
     scene: Scene, every: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
 ) -> tuple[DataPath, Any]:
-    """Return the path and the value of a change by path or by name; refuse an unknown name.
+    """Return the path and the value of a change that names its value by path or by name.
 
-    ``every`` returns the table from name to path for all names of the scene.
+    Refuse an unknown name. ``every`` is a function that returns the table from name to path for all names of
+    the scene; it is called only if needed.
     """
     given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
@@ -336,16 +341,19 @@ def _path_and_value(
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
-    """Return a hint how to change a value that is not a parameter; None if the scene has no such value."""
+    """Return a hint how to change a value that cannot change in a run.
+
+    The result is None if the scene has no such value.
+    """
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
 
 
 @functools.cache
 def _keys() -> dict[str, DataPath]:
-    """Return a table from dotted key to path.
+    """Return a table from dotted key to path, for keys that are not in lists of tables or in named tables.
 
-    Keys in lists of tables, and in tables that users name, are left out.
+    A named table is one to which the user gives a name, such as a signal.
     """
     return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
 
@@ -361,8 +369,8 @@ def _leaves(
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield the path and the value of every single value.
 
-    Each entry of a list of quantities is a single value. If ``value`` is a list, its first ``apart`` entries
-    are left out: these are the corners of a box, which follow from length and height.
+    Each entry of a list of quantities with a unit is a single value. If ``value`` is a list, its first
+    ``apart`` entries are left out: these are the corners of a box, which follow from length and height.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
@@ -380,7 +388,10 @@ def _leaves(
 
 
 def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return the value; if it is the number of a choice in the FMU, counted from 1, return the choice."""
+    """Return ``value``; for an integer, return the choice with this number in the FMU, counted from 1.
+
+    Only a contact law and the solver's method have numbers; any other ``value`` is returned unchanged.
+    """
     if isinstance(value, bool) or not isinstance(value, Integral):
         return value
     laws = dict.fromkeys(("contact.model", "stops.model"), scene.law_names)

@@ -11,12 +11,12 @@ from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.tables import Material
 from chain_impact.scene.unit_text import of_power
 
-SHOWN_ENTRIES = 6  # largest number of entries of a list that the text shows
-WIDTH = 100  # largest number of characters in a line of the text
+SHOWN_ENTRIES = 6  # largest number of entries of a list that the text of a scene shows
+WIDTH = 100  # largest number of characters in a line of the text of a scene
 
 
 def text(scene: Contents) -> str:
-    """Return the scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
+    """Return a scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
@@ -54,7 +54,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """Return words for the differences between a wall's material and ``contact``; "" if there are none."""
+    """Return the values in which a wall's material differs from [contact], as text; "" if there are none."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)

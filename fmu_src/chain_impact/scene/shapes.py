@@ -1,7 +1,7 @@
-"""Links that are boxes: their first points are the corners, which follow from length and height.
+"""Links that are boxes: their first four points are the corners, which follow from length and height.
 
-The scene contains the corners. A file and the plain data of a scene do not contain the corners, so that a
-change of length or height moves them. The kernel treats the parameters of a record in the same way.
+A scene contains these points. A scene file and the plain data of a scene do not contain them, so that a
+change of length or height moves the corners. The kernel, too, derives the corners from the parameters.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal
 
 _APART = object()
-"""The mark in place of a box's corner in plain data: the corner is not given, but follows from the box."""
+"""Stands in plain data in place of a box's corner: the user has not given the corner, the box has it."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
@@ -40,9 +40,10 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, given: bool = False) -> None:
-    """Replace the corners of boxes, in the plain data of a scene, by the mark ``_APART``.
+    """Replace the corners of boxes in the plain data of a scene by the mark ``_APART``.
 
-    With ``given``, the corners stay as ordinary points, and the link is no longer a box.
+    With ``given = True``, the corners stay as ordinary points, and the keys of the box are removed in place
+    of the corners.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:
@@ -54,7 +55,7 @@ def set_corners_apart(data: Any, *, given: bool = False) -> None:
 
 
 def without_corners(data: Any) -> Any:
-    """Return the plain data of a scene without the marked corners."""
+    """Return the plain data of a scene without the points that are the mark ``_APART``."""
     chain = data["chain"]
     links = chain.get("links") if isinstance(chain, Mapping) else None
     for link in links if isinstance(links, list) else ():
@@ -64,9 +65,10 @@ def without_corners(data: Any) -> Any:
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
-    """Return the path in the scene for a path in its plain data.
+    """Return the path in the scene for a path in the scene's plain data.
 
-    In the plain data, a box has no corners, so its other points have smaller indices there.
+    The plain data have no corners of a box, so the indices of the box's other points are smaller there by
+    CORNERS.
     """
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:

@@ -1,4 +1,4 @@
-"""The table of the scene file for a signal: a dataclass whose fields are its keys, as in tables.py."""
+"""The table [signals.<name>] of the scene file: a dataclass whose fields are its keys, as in tables.py."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,16 +10,17 @@ from chain_impact.scene.names import INPUTS_OF, is_like
 from chain_impact.scene.similar_names import nearest
 
 SHAPES = ("smooth", "linear", "trapezoid")
-"""The shapes of ramps, in the order of their numbers in the kernel."""
+"""The shapes of a ramp, in the order of their numbers in the kernel."""
 
 
 class Form(NamedTuple):
-    """A form of signals.
+    """A form of signals, such as a ramp or a sine: the keys and the polynomials of a signal with this form.
 
     Attributes:
-        required: the keys that must be given.
-        optional: the keys that may be missing, with their defaults.
-        knots: the number of polynomials, or None if it depends on the given values.
+        required: the keys that the file must give.
+        optional: the keys that the file may leave out → their defaults.
+        knots: the number of polynomials that describe the signal, or None if the given values decide the
+            number.
     """
 
     required: tuple[str, ...]
@@ -28,7 +29,7 @@ class Form(NamedTuple):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The names of all keys of a signal of this form."""
+        """The names of all keys that a signal of this form may have."""
         return (*self.required, *self.optional)
 
 
@@ -43,9 +44,9 @@ FORMS = {
     "steps": Form(("times", "values"), {}, None),
     "table": Form(("file",), {"interpolation": None, "period": None}, None),
 }
-"""Form → its keys and its number of polynomials, in the order of the kernel's numbers of forms.
+"""Name of a form → the form, in the order of the kernel's numbers of forms.
 
-A ramp with the shape of a trapezoid has a number of its own (scene/signal_values.py).
+A ramp with the shape "trapezoid" needs another number of polynomials: TRAPEZOID_KNOTS in signal_values.py.
 """
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
@@ -63,7 +64,7 @@ def unit_of(name: str) -> str:
 
 
 def _unit_of_values(tables: Mapping[str, Any]) -> str:
-    """Return the unit of a signal's values: the unit of the first input that the signal drives."""
+    """Return the unit of a signal's values: the unit of the first input in the signal's list ``input``."""
     return unit_of(tables["input"][0]) if tables["input"] else "1"
 
 
@@ -86,7 +87,7 @@ class Samples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A signal, which drives inputs over time; a key that does not exist in its form is None."""
+    """A signal, which drives inputs over time; a key that the signal's form does not have is None."""
 
     input: tuple[str, ...] = quantity(
         "", "the input that it drives, or a list of them", pattern=INPUT, or_one=True

@@ -16,13 +16,13 @@ from chain_impact.scene.signal_values import CLOSED, is_closed, is_motion, joine
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.scene.unit_text import unit_text
 
-# the smallest speed that counts as motion, relative to the largest speed of a sine; a smaller speed is
-# round-off
+# [1] the smallest speed, relative to the largest speed of a sine, at which the sine counts as moving at its
+# start; a smaller speed is round-off
 AT_REST = 1e-12
 
 
 def check_signals(scene: Contents) -> None:
-    """Refuse signals that cannot drive their inputs."""
+    """Refuse signals that cannot drive their inputs; each check below has its own reason."""
     owners: dict[str, str] = {}
     for name, signal in scene.signals.items():
         _check_inputs(scene, name, signal)
@@ -42,7 +42,10 @@ def _input(name: str) -> DataPath:
 
 
 def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
-    """Refuse a signal without inputs, with unknown inputs or, if it is not a table, with several units."""
+    """Refuse a signal without inputs, with unknown inputs, or with inputs in several units.
+
+    Only a table may drive inputs in several units, because it has a column for each.
+    """
     there = list(inputs_of(scene))
     if not signal.input:
         raise refusal(_input(name), "no_input")
@@ -76,10 +79,10 @@ def _check_numbers(name: str, signal: Signal) -> None:
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
-    """Refuse a periodic table that is longer than its period, or that does not close.
+    """Refuse a periodic table that is longer than its period, or whose end does not fit its beginning.
 
-    It does not close if its last row is one period after the first row, with other values; with the
-    interpolation ``hold`` these values may differ.
+    The end does not fit if the last row is one period after the first row and has other values. With the
+    interpolation ``hold``, these values may differ.
     """
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
@@ -99,10 +102,10 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
 
 
 def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
-    """Refuse an interpolation that lets the velocity of base or wall jump, and a period of accelerations.
+    """Refuse an interpolation at which a velocity of base or wall would jump; refuse periodic accelerations.
 
-    With a period of accelerations, the velocity could grow with each period. ``order`` says how many times
-    the input is integrated.
+    A jump would be an impact of unknown strength. If accelerations were periodic, the velocity could grow
+    with each period. ``order`` is the number of times that the input is integrated to give a position.
     """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
@@ -125,9 +128,10 @@ def _quoted(text: str) -> str:
 
 
 def _check_motion(name: str, signal: Signal, driven: str) -> None:
-    """Refuse a signal that makes the position or velocity of base or wall jump.
+    """Refuse a signal at which the position or the velocity of base or wall would jump.
 
-    The function also refuses a sine of frequency 0 for an input that is integrated.
+    The function also refuses a sine of frequency 0 for an input that is integrated, which would divide by
+    zero.
     """
     order, moves = family(driven).index(driven), is_motion(driven)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))

@@ -1,6 +1,6 @@
-"""The rows of signals in the record, and the values of signals at the start; the kernel's functions are used.
+"""The data of signals that the kernel's record has, and the values of signals at the start of a run.
 
-kernel/chain/signals.py evaluates the rows.
+kernel/chain/signals.py evaluates the data; its functions also give the values here.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ NUMBERS = (
     *("value", "mean", "amplitude", "frequency", "frequency_rate", "phase"),
     *("start", "rise", "initial", "final", "duration"),
 )
-"""The keys of signals that are numbers. The record has 0 for a key that the form does not use."""
-# The largest time, relative to the period, between the last row of a table and the end of the period that
-# counts as zero.
+"""The keys of signals whose values are numbers. The record has 0 for a key that the signal's form does not
+use."""
+# [1] largest distance in time between the last row of a periodic table and the end of the period, relative to
+# the period, that counts as zero
 CLOSED = 1e-9
 
 
@@ -36,16 +37,10 @@ def value_at_start(signal: Signal, driven: str, stop: float) -> float:
 
 
 def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> None:
-    """Write a signal to row j of a record.
+    """Write a signal to row j of the record's part ``signal``, and its polynomials to the part ``knot``.
 
-    The record must be 0, except for the order and the first knot of the row, which must be set already.
-
-    Args:
-        d: the parts ``signal`` and ``knot`` of the record.
-        j: the row.
-        signal: the signal.
-        driven: the input that the row drives.
-        stop: the end of the run [s].
+    All fields of the row must be 0, except its ``order`` and ``first``, the first of its knots, which the
+    caller has set.
     """
     fields = d["signal"]
     first, order = int(fields["first"][j]), int(fields["order"][j])
@@ -64,7 +59,7 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
 
 
 def knots_of(signal: Signal, driven: str) -> int:
-    """Return the number of polynomials that a signal needs for an input that it drives."""
+    """Return the number of polynomials that describe a signal for an input that it drives."""
     if signal.samples is not None:
         count = len(signal.samples.times)
         if signal.period:
@@ -76,18 +71,18 @@ def knots_of(signal: Signal, driven: str) -> int:
 
 
 def joined_by(signal: Signal, driven: str) -> str:
-    """Return how the rows of a table for an input are interpolated: ``hold``, ``linear`` or ``spline``.
+    """Return how the rows of a table are interpolated for an input: ``hold``, ``linear`` or ``spline``.
 
-    The default is ``spline`` for motions of base and walls, which must not jump, and ``hold`` for others, as
-    for samples in Python.
+    The default is ``spline`` for a motion of base or wall, which must not jump, and ``hold`` for any other
+    input, which is also the default for samples that Python gives.
     """
     return signal.interpolation or ("spline" if is_motion(driven) else "hold")
 
 
 def is_closed(signal: Signal) -> bool:
-    """Return whether the last row of a periodic table lies one period after the first row.
+    """Return whether the last row of a periodic table lies one period after its first row.
 
-    Both rows then stand for the same time in the period, and must have the same values.
+    Both rows then stand for the same time in the period, so they must have the same values.
     """
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
@@ -105,7 +100,7 @@ def is_motion(name: str) -> bool:
 
 
 def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return the polynomials of a table for one input, integrated ``order`` times.
+    """Return the polynomials of a table for one input, after ``order`` integrations over time.
 
     Args:
         signal: the signal with the table.
@@ -115,7 +110,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 
     Returns:
         The start of each polynomial, shape (R,) [s]; the coefficients of the powers of the time since this
-        start, shape (R, P); and the growth of the last integral in a period, 0 without a period.
+            start, shape (R, P); and the growth of the last integral over one period, 0 without a period.
     """
     assert signal.samples
     at, values = np.array(signal.samples.times), np.array(signal.samples.values(driven))
@@ -124,14 +119,14 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
     at, powers = _interpolated(signal, driven, at, values, stop)
     if not period:
-        # the first value also acts before its time, and the last value acts from its time until the end
+        # the input has the first value before the table begins, and the last value from the table's end on
         constants = np.zeros((2, powers.shape[1]))
         constants[:, 0] = values[[0, -1]]
         at, powers = np.append(at[0], at), np.concatenate([constants[:1], powers, constants[1:]])
     ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
-        # t = 0 is `periods` periods after the time `begin`, which is in the table
+        # the table has the time ``begin``; the time t = 0 of the run is `periods` periods later
         periods = math.floor(-at[0] / period)
         begin = -periods * period
     for _ in range(order):
@@ -146,10 +141,10 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
 def _interpolated(
     signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the starts of polynomials and the end, shape (R + 1,) [s], and the coefficients, shape (R, P).
+    """Return the interpolation of a table: the starts of its polynomials and the end, shape (R + 1,) [s].
 
-    The coefficients are for powers of the time since the start of the polynomial. A table with a single row
-    gives no polynomial.
+    The second array has the coefficients for powers of the time since the start of each polynomial, shape (R,
+    P). A table with a single row gives no polynomial.
     """
     kind = joined_by(signal, driven)
     if kind == "hold" or len(at) == 1:
@@ -166,31 +161,25 @@ def _interpolated(
 
 
 def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return a cubic spline that moves a base or a wall: starts and end, and coefficients of its polynomials.
+    """Return a cubic spline through the rows of a table that moves a base or a wall.
 
-    The spline is at rest at an end of the table that lies within the run, where the motion begins or ends.
-    Its acceleration does not jump within the table. The last interval has two polynomials.
-
-    Args:
-        at: the times of the rows, increasing, shape (T,) [s], T ≥ 2.
-        values: the positions, shape (T,) [m].
-        stop: the end of the run [s].
-
-    Returns:
-        The starts of the T polynomials, and the end, shape (T + 1,) [s]; and the coefficients of the powers
-        of the time since the start, shape (T, 4).
+    The velocity of the spline is 0 at the first row if the table begins after t = 0, and at the last row if
+    the table ends before the run. The acceleration does not jump within the table. The interval before the
+    last row has two polynomials, any other interval one.
     """
     from scipy.interpolate import CubicSpline
 
     begin = "clamped" if at[0] > 0.0 else "not-a-knot"
     powers = CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T
     h = 0.5 * (at[-1] - at[-2])
-    # a, b, c, d: the coefficients of the powers 0 to 3 of the time since the start of the interval h
+    # a, b, c, d [m]: the coefficients of 1, u, u², u³ in the first half of the last interval, where u is the
+    # time since the start of the interval divided by h, half its duration
     a, b, c, d = powers[-1] * h ** np.arange(4.0)
     last = d
     if at[-1] < stop:
-        # only the last interval may depend on the end of the run: d and ``last``, the cubic terms of its two
-        # halves, give the position of the last row and the velocity 0 there
+        # The spline before the last interval does not depend on the end of the run. So only the coefficients
+        # of u³ in its halves, d and ``last``, are free to give the position of the last row and the velocity
+        # 0 there.
         way = values[-1] - a
         d = (3.0 * way - 5.0 * b - 8.0 * c) / 12.0
         last = way - 2.0 * b - 4.0 * c - 7.0 * d
@@ -199,16 +188,16 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
 
 
 def values_of(at: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right") -> np.ndarray:
-    """Return the values of a piecewise polynomial at some ``times``; its pieces begin at the times ``at``.
+    """Return the values of a piecewise polynomial at ``times``; its polynomials begin at the times ``at``.
 
-    At a jump, ``side`` says whether the value of the left or of the right piece is returned.
+    At a jump, ``side`` ("left" or "right") says which of the two polynomials gives the value.
     """
     k = np.maximum(np.searchsorted(at, times, side=side) - 1, 0)
     return _at(powers[k], times - at[k])
 
 
 def _at(powers: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the value of each polynomial, a row of ``powers``, at its own argument in ``x``."""
+    """Return the value of each polynomial at its own argument; row k of ``powers`` belongs to ``x[k]``."""
     total = np.zeros(len(x))
     for column in powers.T[::-1]:
         total = total * x + column

@@ -19,7 +19,8 @@ from chain_impact.scene.table_file import read_table, samples_of
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
-"""The end of the names of target velocities, which come last, because they replace the rates of targets."""
+"""The end of the names of target velocities. Their signals come last: their values replace the derivatives of
+target angles."""
 
 
 class Driven(NamedTuple):
@@ -28,8 +29,8 @@ class Driven(NamedTuple):
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of the driven quantities in order: the integrals of the input, the input, and the
-            derivatives of the input.
+        outputs: the names of the quantities that the signal determines: the integrals of the input over time,
+            the input, and the derivatives of the input, in this order.
         knots: the number of polynomials that the signal needs.
         is_steps: whether the signal has lists of times and values.
     """
@@ -42,12 +43,12 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """The number of integrations of the input over time that give the first of the ``outputs``."""
+        """The number of integrations of the input over time that lead to the first of the ``outputs``."""
         return self.outputs.index(self.input)
 
 
 def driven_by(scene: Contents) -> tuple[Driven, ...]:
-    """Return the inputs that signals drive; target velocities come last."""
+    """Return all inputs that signals drive, in the order of the record; target velocities come last."""
     if not scene.signals:
         return ()
     driven = [
@@ -59,9 +60,9 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
 
 
 def family(name: str) -> tuple[str, ...]:
-    """Return the names of an input's integrals, the input, and its derivatives, in this order.
+    """Return the names of an input's integrals over time, the input, and its derivatives, in this order.
 
-    All returned names are names of inputs, except "" for the integral of a belt's speed.
+    All of them are names of inputs, except "" for the integral of a belt's speed, which has no name.
     """
     head, _, last = name.rpartition(".")
     if head == "base":
@@ -69,17 +70,17 @@ def family(name: str) -> tuple[str, ...]:
     if head.startswith("wall.") and last != "belt_speed":
         return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
     if last == "belt_speed":
-        return "", name  # the integral of a belt's speed is not an input
+        return "", name
     if last in ("target_angle", "target_position"):
         return name, head + TARGET_RATE
     return (name,)
 
 
 def driven_alone(name: str) -> tuple[str, ...]:
-    """Return the inputs that no second signal may drive if a signal drives the input ``name``.
+    """Return the inputs that no other signal may drive if a signal drives the input ``name``.
 
-    For a motion these are the position, the velocity and the acceleration; for any other input only the input
-    itself.
+    For a motion of base or wall these are the position, the velocity and the acceleration, which follow from
+    each other; for any other input only the input itself.
     """
     return family(name) if is_motion(name) else (name,)
 
@@ -127,15 +128,19 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 @lru_cache(16)
 def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
-    """Return the times and columns of a file; a changed file is read again."""
+    """Return the times and columns of a table file, from a cache.
+
+    The arguments ``_changed``, the time of the last change, and ``_size`` [byte] make that a changed file is
+    read again.
+    """
     times, columns = samples_of(read_table(path), stop)
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
 
 
 def _completed(name: str, signal: Signal) -> Signal:
-    """Return the signal with its defaults.
+    """Return the signal with the defaults of its form.
 
-    An unsuitable name, a missing key, and a key of another form are refused.
+    An unsuitable name, a missing key, and a key that the signal's form does not have are refused.
     """
     own = FORMS[signal.form]
     if not name.isidentifier():

@@ -6,23 +6,25 @@ from difflib import get_close_matches
 
 NUMBER = re.compile(r"\[\d*\]")
 LIKE_NAME = 0.6
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name."""
+"""The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name."""
 SAME_LAST = 0.45
-"""The least similarity, 0 to 1, at which ``nearest`` returns a name with the same last part."""
+"""The least similarity, from 0 to 1, at which ``nearest`` returns a name whose part after the last dot is the
+same."""
 LIKE_LAST = 0.8
-"""The least similarity, 0 to 1, of a last part to a name of one part, at which ``nearest`` returns it."""
+"""The least similarity, from 0 to 1, of a name's part after the last dot to an unknown name without a dot."""
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
-    """Return the name that is most similar to ``name``, or None.
+    """Return the name that is most similar to the unknown ``name``, or None if none is similar.
 
-    The first of these kinds that has a name decides:
+    The first of these groups that contains a name decides:
 
-    - names that differ by their numbers only: ``link[1].mass`` for ``link.mass``
-    - if ``name`` has one part, names whose last part has at least the similarity LIKE_LAST to ``name``; a
-    name of [contact] comes first, then the shortest name: ``contact.stiffness`` for ``stifness``,
-    ``link[1].length`` for ``lenght``
-    - names with the same last part, at least SAME_LAST: ``contact[1].y_min.force`` for ``joint[1].force``
+    - names that differ from ``name`` only by numbers in brackets: ``link[1].mass`` for ``link.mass``
+    - if ``name`` has no dot: names whose part after the last dot has at least the similarity LIKE_LAST to
+      ``name``; a name of [contact] comes first, then the shortest name: ``contact.stiffness`` for
+      ``stifness``, ``link[1].length`` for ``lenght``
+    - names with the same part after the last dot and at least the similarity SAME_LAST:
+      ``contact[1].y_min.force`` for ``joint[1].force``
     - all names with at least the similarity ``at_least``, from 0 to 1
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
@@ -55,11 +57,14 @@ def longer(name: str, names: Iterable[str]) -> str | None:
 
 
 def proposed(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that a message proposes for ``name``: the most similar or a ``longer`` one, or None."""
+    """Return the name that a message proposes for an unknown name: from ``nearest``, else ``longer``.
+
+    The result is None if neither finds a name.
+    """
     names = list(names)
     return nearest(name, names) or longer(name, names)
 
 
 def _numbers(name: str) -> list[int]:
-    """Return the numbers in a name: 2 for ``link[2].mass``."""
+    """Return the numbers in brackets in a name: [2] for ``link[2].mass``; empty brackets count as 0."""
     return [int(number[1:-1] or 0) for number in NUMBER.findall(name)]

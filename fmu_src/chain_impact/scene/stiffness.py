@@ -1,4 +1,4 @@
-"""The stiffness of a contact from the material and the shape of the bodies."""
+"""The stiffness of a contact from the material and the radius of the bodies that touch."""
 
 import math
 import warnings
@@ -6,7 +6,8 @@ import warnings
 from chain_impact.scene.reading import SceneWarning
 
 INCOMPRESSIBLE = 0.5  # Poisson's ratio of an incompressible material, the largest possible ratio
-LARGEST_RADIUS = 1.0  # [m] radius of the parts of large machines; a larger number is probably a radius in mm
+# [m] radius that parts of large machines have; a larger number is probably a radius in mm
+LARGEST_RADIUS = 1.0
 SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably a modulus in GPa
 
 

@@ -1,4 +1,4 @@
-"""A table of numbers over time that a user gives: a file, or columns in Python."""
+"""A table of numbers over time that the user gives: a file, or columns in Python."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from chain_impact.scene.text_file import check_separator, likely_time, text_of
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
 """A CSV or Parquet file, or columns: name → cells; the columns may be a table of pandas or polars."""
 TIME = "time"
-# The ratio of a table's duration to the run's from which on the table's times cannot be in seconds; times in
-# milliseconds make the ratio 1000.
+# [1] a table cannot have its times in seconds if it lasts at least this many times as long as the run; times
+# in milliseconds make the ratio of the durations 1000
 TOO_LONG = 990.0
-# Rows seem to be missing where a step of time is longer than MISSING times the median step. The table must
-# have at least ROWS steps, and half of the steps must differ from the median by at most the factor EQUAL.
+# A row seems to be missing in a step of time that is longer than MISSING times the median step. This needs a
+# regular table: at least ROWS steps, half of which differ from the median step by at most EQUAL times this
+# step.
 MISSING, ROWS, EQUAL = 10.0, 10, 0.01
 EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
@@ -50,13 +51,13 @@ class Table:
     lines: list[str]
 
     def where(self, row: int, name: str) -> str:
-        """Return the words for a cell in an error: file, row and column."""
+        """Return the words for a cell in an error: name of the table, row and column."""
         return f"{self.source}: {self.lines[row]}: {name}"
 
     def cell(self, row: int, name: str) -> Any:
         """Return a cell without surrounding spaces.
 
-        None if the cell is empty or the column does not exist.
+        The result is None if the cell is empty or the column does not exist.
         """
         if name not in self.names:
             return None
@@ -65,15 +66,15 @@ class Table:
         return None if str(value) in EMPTY else value
 
     def number(self, row: int, name: str, otherwise: str = ", or empty if not measured") -> float:
-        """Return a cell as a number, NaN if it is empty.
+        """Return a cell as a number; NaN if the cell is empty.
 
         Args:
-            row: the number of the row.
+            row: the index of the row.
             name: the name of the column.
-            otherwise: words at the end of the error: what the cell may have in place of a number.
+            otherwise: the end of the error: what the cell may contain in place of a number.
 
         Raises:
-            SceneError: when the cell is not a finite number.
+            SceneError: when the cell is neither empty nor a finite number.
         """
         value = self.cell(row, name)
         if value is None:
@@ -158,9 +159,9 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
-    """Return a sentence on the longest step of time, in a list, if rows seem to be missing there.
+    """Return a question, in a list, on the longest step of time of a table if rows seem to be missing.
 
-    The list is empty if not.
+    The list is empty if none seems to be missing, or if the table is not regular: see MISSING.
     """
     steps = np.diff(times)
     if len(steps) < ROWS:
@@ -176,7 +177,7 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
 
 
 def _column(table: Table, name: str) -> np.ndarray:
-    """Return a column of numbers; refuse an empty cell."""
+    """Return a column of a table of inputs as numbers; refuse an empty cell."""
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(
@@ -186,9 +187,9 @@ def _column(table: Table, name: str) -> np.ndarray:
 
 
 def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
-    """Return the table if it is complete; refuse any other table.
+    """Return the table of the given rows; refuse a table that is not complete.
 
-    It must have rows, a head line of different names, and as many cells in each row as names.
+    A complete table has rows, a head line of different names, and as many cells in each row as names.
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:

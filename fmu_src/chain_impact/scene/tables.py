@@ -213,7 +213,8 @@ class Solver:
 
 
 STEP_ROUND_OFF = 1e-12
-"""The relative round-off of stop_time/step_size: a ratio so near to a whole number is this number."""
+"""[1] relative round-off of stop_time/step_size: a ratio nearer to a whole number counts as this whole
+number"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a file in UTF-16
-ZIP = b"PK\x03\x04"  # first bytes of a ZIP file
+ZIP = b"PK\x03\x04"  # first bytes of a ZIP file, such as an FMU or a spreadsheet
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
@@ -33,9 +33,9 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """Return a hint on a decimal comma in the line at which a parser found a fault in a TOML file.
+    """Return a hint for a TOML file with a decimal comma in the line at which the parser found a ``fault``.
 
-    Returns "" if the line has none.
+    The result is "" if this line has no decimal comma.
     """
     line = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
@@ -44,7 +44,7 @@ def comma_in(text: str, fault: str) -> str:
 
 
 def likely_time(names: Iterable[str]) -> str:
-    """Return a hint with the column that is probably the missing ``time``; "" if no column is."""
+    """Return a hint that names the column that is probably meant as ``time``; "" if there is none."""
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
         said = f"; the column {name} may be meant: call it time, in seconds"

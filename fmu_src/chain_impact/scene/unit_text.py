@@ -9,14 +9,17 @@ from typing import Any
 PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[a-zA-Z])2\b")
 
 PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
-"""Prefix of a unit → factor, for units that people write behind numbers."""
+"""Prefix of a unit → factor, for units that people write after a number."""
 USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
-"""The units that ``number_hint`` knows by default, each with all prefixes."""
+"""The units that ``number_hint`` knows by default; each may have any of PREFIXES."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
 
 
 def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
-    """Return a hint how to write a quantity with a unit, "450 mm", as a number; "" for another text."""
+    """Return a hint how to write a quantity with a unit, such as "450 mm", as a number.
+
+    The result is "" for any other text.
+    """
     match = _QUANTITY.fullmatch(text)
     if not match:
         return ""
@@ -24,7 +27,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     if word == "%":
         return f"; write {number / 100.0:.12g}" if units is USUAL or {"", "1"} & {*units} else ""
     for unit in filter(None, units):
-        # kg already has a prefix: the prefixes stand before g, and g is 0.001 kg
+        # a unit in kg is split into the base unit g with the factor 0.001, because prefixes stand before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
         for prefix, factor in PREFIXES.items():
             if word == prefix + _plain(base):
@@ -43,9 +46,10 @@ def unit_text(unit: str | None) -> str:
 
 
 def of_power(unit: str, exponent: float | None) -> str:
-    """Return the unit of a stiffness, a force divided by a power of a penetration: N/m^1.5, or N/m.
+    """Return the unit of a stiffness, force divided by penetration to a power: N/m^1.5 for the exponent 1.5.
 
-    Without an ``exponent``, the result is the general form N/m^exponent.
+    ``unit`` is the unit for the exponent 1. If ``exponent`` is None, the result ends with the word
+    "exponent".
     """
     if exponent is None:
         return f"{unit}^exponent"
@@ -53,11 +57,10 @@ def of_power(unit: str, exponent: float | None) -> str:
 
 
 def of_scene(unit: str, scene: Any) -> str:
-    """Return a unit with a number in place of the word "exponent".
+    """Return a unit in which the exponent's number replaces the word "exponent": N/m^1.5 for N/m^exponent.
 
-    The number is the exponent of [contact], or of [stops] if the unit ends with /rad.
-
-    N/m^exponent becomes N/m^1.5 for the exponent 1.5; other units are returned unchanged.
+    The number is contact.exponent, or stops.exponent if the unit ends with /rad. Other units are returned
+    unchanged.
     """
     base, power, end = unit.partition("^exponent")
     part = scene.stops if base.endswith("/rad") else scene.contact
