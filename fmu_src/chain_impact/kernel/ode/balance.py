@@ -1,8 +1,9 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
-error. A step within the tolerance changes the balance by about the tolerance times a scale S of the
-energy, or less. To first order, with the scales of control.py for the errors of the components of the state,
+error. A step whose errors are within the tolerance changes the balance by at most about the tolerance times a
+scale S [J]. With the scales of control.py for the errors of the components of the state, S is, to first
+order,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
@@ -11,14 +12,14 @@ where T is the kinetic energy and g gravity. E₁ is twice the kinetic energy of
 moves by the longest link s per second and rotates by 1 rad per second. E₂ = M s² per second squared, M is the
 mass of chain and carriage, k |φ| are the moments or forces of springs, r = 1 rad at a joint and s at a
 slider, and s_δ, v₀ and m are the scale of the penetration, the impact speed and the effective mass of each
-active contact. A step that changes the balance much more is rejected: its error estimate misses something,
-such as a motion that decays within the first stage. The errors of all steps in one second of simulated time
-must not add up to much more either.
+active contact. A step that changes the balance much more than this is rejected: its error estimate misses
+something, such as a motion that decays within the first stage. The sum of the changes in one second of
+simulated time is limited, too; a run that exceeds this limit ends.
 
-S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
-all steps since the start together must not add more than a tenth of the energy available to motion, springs,
-walls and heat: the energy balance at the start less the potential energy, plus the supplied energy, at its
-largest so far. Once this limit is reached, only steps that add no more energy are accepted.
+S grows with energy that errors have added, and stiff springs make S far larger than the energy of the chain.
+So all steps since the start together must not add more than a tenth of the available energy. The available
+energy is the largest value so far of: the energy balance at the start, less the potential energy, plus the
+supplied energy. Once the limit is reached, only steps that add no more energy are accepted.
 
 The steps may not lose much energy either. Errors of speeds as large as the tolerance can change an energy E
 by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
@@ -67,38 +68,40 @@ from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-# The allowed change of the energy balance in a step, relative to the tolerance times the scale S of the
-# energy. In 1500 random scenes, the largest such ratio of a run had a median of 0.0015, and exceeded 1 in 1 %
-# of the scenes.
+# STEP_CHANGE × tolerance × S is the change of the energy balance at which a step is rejected; S [J] is the
+# scale above. In 1500 random scenes, the largest change of a run, relative to tolerance × S, had a median of
+# 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
-# The allowed change of the energy balance by all steps in a window of time, relative to the tolerance times
-# the scale S of the energy. A run that exceeds the limit ends with an error status. The errors of steps have
-# a common sign only where a point rests: there the sum of their ratios reaches 230 in 100,000 steps.
+# WINDOW_CHANGE × tolerance × S is the change of the energy balance in a window of time at which a run ends
+# with a fault. The errors of steps have a common sign only where a point rests: there the ratios of change to
+# tolerance × S add up to 230 in 100,000 steps.
 WINDOW_CHANGE = 100.0
-# [s] the length of a window of time in which the errors of all steps are summed; equal to COST_WINDOW
-# (cost.py)
+# [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
 WINDOW = 1.0
-# the largest energy that the errors of all steps together may add, relative to the available energy
+# the limit of the energy that the errors of all steps together add, relative to the available energy: beyond
+# it, steps that add energy are rejected
 ENERGY_GAIN = 0.1
-# The energy that a step may add after ENERGY_GAIN has been reached, relative to the available energy, so that
-# round-off does not stop a run. When these additions reach ENERGY_GAIN again, the run ends.
+# The energy that a step may still add after ENERGY_GAIN has been reached, relative to the available energy,
+# so that round-off does not stop the run. If such additions reach ENERGY_GAIN again, the run ends.
 SLIGHT_GAIN = 1e-8
-# ENERGY_LOSS: the energy that errors of all steps together may lose, relative to the tolerance times a scale
-# of the energy. LOSS_TIME: the time [s] in which as much again may be lost. In 3360 random scenes this limit
-# shortens steps in 3 % of the runs, most of them with stiff springs.
+# ENERGY_LOSS: the factor 3 in the allowed loss B above. LOSS_TIME: the time [s] in B after which twice the
+# initial loss is allowed. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them
+# with stiff springs.
 ENERGY_LOSS, LOSS_TIME = STEP_CHANGE, 10.0
-# the least loss that affects the size of the next step, relative to the loss that is allowed to a step
+# A loss above this part of the loss that is allowed to a step counts as an error of the step, and so affects
+# the next size; a smaller loss has no effect.
 NOTABLE_LOSS = 0.1
 # The tolerance above which the first step of a run is checked in its middle. The size of this step is a
 # guess: at a loose tolerance it can be as long as half a turn of a link, with a correct end by chance.
 LOOSE_TOLERANCE = 1e-4
-# [rad] The rotation of a link in a step beyond which the dense output of the step, if it exists, is checked.
+# [rad] If a link turns more than this in a step whose dense output exists, the dense output is checked in the
+# middle of the step.
 LONG_TURN = 1.0
-# the allowed change of the energy balance at the middle of a step, where the order is lower, relative to the
-# allowed change at the end
+# the change of the energy balance that is allowed from the start to the middle of a step, where the dense
+# output has a lower order, divided by the change that is allowed to the end
 MIDDLE_CHANGE = 10.0
-# round-off of the energy balance in a step, relative to the energies, and to each contact force, spring
-# moment and weight times the coordinates at which it acts
+# The round-off of the energy balance in a step, relative to a sum: the energies, and each contact force,
+# spring force and weight, times the coordinates at which the force acts.
 ENERGY_ROUND_OFF = 1e-15
 
 
@@ -130,10 +133,10 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time: from now on the energy balance is compared with its value at this moment."""
+    """Begin a window of time for WINDOW_CHANGE: store the present energy balance, for comparison."""
     balance = d.balance
     balance.reference = balance.at_end
-    # `least_allowed` is the part of the allowed change that does not depend on the state
+    # `least_allowed` is the part of a step's allowed change that does not depend on the state
     energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
     balance.least_allowed = STEP_CHANGE * d.solver.tolerance * energy
     balance.allowed = balance.least_allowed
@@ -147,10 +150,10 @@ def restart_balance(d):
 
 
 def apply_next_piece(d):
-    """Apply the next piece of the inputs, at whose start no input jumps.
+    """Apply the next piece of the inputs, if the inputs do not jump where this piece begins.
 
-    The pieces of a prescribed motion meet only up to round-off. The resulting change of energy counts as
-    supplied.
+    Two pieces of a prescribed motion meet only up to round-off, so the energy changes a little. This change
+    counts as supplied energy.
     """
     if d.channels == 0:
         apply_inputs(d)
@@ -164,9 +167,9 @@ def apply_next_piece(d):
 
 
 def reinit_balance(d):
-    """Re-initialize the energy balance at the communication point.
+    """Continue the energy balance after a re-initialization at the communication point.
 
-    A change of the contacts' energy by a new parameter is no error.
+    A new parameter may change the elastic energy of active contacts; this change is not counted as an error.
     """
     balance, before = d.balance, d.balance.at_start
     balance.available = balance.available_at_start
@@ -178,15 +181,15 @@ def reinit_balance(d):
 
 
 def check_energy(d, theta):
-    """Reject the last step if it does not conserve the energy balance up to its fraction θ.
+    """Reject the last step if the energy balance changes too much from its start to its fraction θ.
 
     θ = −1 stands for the end of the step.
 
-    The ratio of the step's loss to the allowed loss counts as an error of the step if it exceeds
-    NOTABLE_LOSS.
+    If the step loses more than NOTABLE_LOSS of the allowed loss, the ratio of its loss to the allowed loss
+    counts as an error of the step, so that the loss affects the next size.
 
     Returns:
-        The energy balance and the available energy [J] at θ, for ``store_energy``.
+        The energy balance and the available energy [J] at θ, the arguments of ``store_energy``.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -200,7 +203,7 @@ def check_energy(d, theta):
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
     available = largest_available_energy(d, y, potential)
-    # `abs(change) > allowed` would accept a NaN
+    # `not <=` is also true for a NaN; `abs(change) > allowed` would accept it
     if not abs(change) <= balance.least_allowed:
         allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
@@ -228,13 +231,13 @@ def store_energy(d, present, available):
 
 
 def largest_available_energy(d, y, potential):
-    """Return the largest available energy [J] so far, up to the state y with the ``potential`` energy [J]."""
+    """Return the largest available energy [J] so far, including state y with its ``potential`` energy [J]."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
 def loss_allowed(d, available):
-    """Return the energy [J], > 0, that the last step may lose.
+    """Return the energy [J], > 0, that the last step may lose by errors.
 
     ``available`` is the available energy [J] at the end of the step.
     """
@@ -245,7 +248,7 @@ def loss_allowed(d, available):
 
 
 def loss_budget(d, available):
-    """Return the energy B [J] that all steps may lose until the end of the last step.
+    """Return the energy B [J] that all steps from the run's start to the last step may lose by errors.
 
     ``available`` is the available energy [J] at this end.
     """
@@ -255,11 +258,11 @@ def loss_budget(d, available):
 
 
 def is_long(d):
-    """Return whether the last step is so long that its end may be correct although its middle is wrong.
+    """Return whether the last step may have a correct end although its middle is wrong.
 
-    Such a step is one of three: a step in which a link has turned far, if the dense output is available for a
-    check; an explicit step that is longer than the stability limit for joints with dampers or springs; and,
-    at a loose tolerance, the first step of a run, whose size is a guess.
+    This is possible in three kinds of long steps: a step in which a link has turned by more than LONG_TURN,
+    considered only if the dense output exists; an explicit step beyond the stability limit for joints with
+    dampers or springs; and, at a loose tolerance, the first step of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True
@@ -270,9 +273,10 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Return whether the dense output is right in the middle of the step.
+    """Return whether the dense output is right in the middle of the last step.
 
-    There it must conserve the energy balance, and the dissipated energy must grow evenly.
+    In the middle, the energy balance must have its value at the start of the step, and the dissipated energy
+    must lie between its values at both ends, up to an allowed error.
     """
     y = d.scratch.y
     ensure_dense(d, SOLVER)
@@ -285,9 +289,9 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Return whether the dissipated energy grows about evenly: ``middle`` lies between its end values.
+    """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
-    ``middle`` is the dissipated energy in the middle of the step [J].
+    ``middle`` [J] is the dissipated energy in the middle of the step; errors within a tolerance are allowed.
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)
@@ -296,27 +300,28 @@ def dissipates_evenly(d, middle):
 
 
 def allowed_change(d, y):
-    """Return the change of the energy balance [J] that is allowed to a step to state y.
+    """Return the change [J] of the energy balance that a step to state y may have, with located points.
 
-    The points must be located.
+    A step with a larger change is rejected.
     """
     scale, summed = energy_scales(d, y)
     return STEP_CHANGE * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
 
 
 def allowed_round_off(d, y):
-    """Return the part of the allowed change [J] that is round-off."""
+    """Return the part of ``allowed_change`` [J] that round-off may cause."""
     _, summed = energy_scales(d, y)
     return ENERGY_ROUND_OFF * summed
 
 
 def energy_scales(d, y):
-    """Return the scale S [J] of the energy balance, and the sum [J] of energies whose round-off enters it.
+    """Return the scale S [J] of the energy balance, and a sum [J]; its round-off is that of the balance.
 
-    Both results belong to state y, for which the points must be located.
+    The sum contains the sizes of all terms that enter the balance. Both results belong to state y, for which
+    the points must be located.
     """
     kinetic, potential = mechanical_energy(d, y)
-    # the potential energy may be a small difference of large energies; their round-off counts
+    # the potential energy may be a small difference of large energies, whose round-off counts
     summed = d.balance.weight * (abs(d.scratch.position.x[0]) + abs(d.scratch.position.y[0])) + abs(potential)
     summed += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
@@ -337,7 +342,7 @@ def energy_scales(d, y):
 
 
 def check_balance(d):
-    """Return ENERGY_NOT_KEPT if steps of a window, or all steps, changed the balance too much, else OK."""
+    """Return ENERGY_NOT_KEPT if a window, or the run so far, changed the energy balance too much, else OK."""
     balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -1,8 +1,8 @@
 """The implicit step of order 9 for sustained contact and stiff joints: Radau IIA.
 
 The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; the end of
-the polynomial is the result. extended.py has the equations and their linear systems; radau.py has the
-coefficients of the method and the iteration for the values at the nodes.
+the polynomial is the result. extended.py has the extended state z, its rate f and the linear systems;
+radau.py has the coefficients and the iteration for the values at the nodes.
 
 Two estimates of the error compare the rate f with polynomials through its values F at the nodes,
 
@@ -12,9 +12,9 @@ where P goes through all F, P′ through all F except the last; h is the step si
 real eigenvalue of radau.py. The order of E′ is one less than the order of E, and |E|²/|E′| is of order 7,
 closer to the order of the result.
 
-The dense output is the polynomial, with an error of h⁶. The first five functions of dense.py span the
-polynomials of degree 5 that are 0 at the start of the step. The last two functions are zero at both ends;
-they make the coordinates agree with the integrated clearances in between.
+The dense output is the polynomial, with an error of h⁶. The first five basis functions of dense.py span the
+polynomials of degree 5 that are 0 at the start of the step. The last two are 0 at both ends; they make the
+coordinates agree with the integrated clearances in between.
 """
 
 import math
@@ -74,21 +74,20 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
-# how far beyond a step's end, in lengths of the step, its polynomial has degree 5, 4, 3; farther, degree 1
+# degree 5, 4, 3 of the polynomial that predicts stages up to this far beyond the last step, in its lengths
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
-# The cost of a step, in evaluations of the rate: of its factorizations, of the solutions in an iteration, and
-# of the error estimate with the projection onto the clearances. A real factorization costs 1 and a solution
-# 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
+# The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
+# iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
+# solution 0.7, complex ones 2.5 times as much; estimate and projection take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 FORCELESS_PART = 1e-3  # a contact that ends within this part of a step has hardly any force left
-DECAY_TIMES = 3.0  # length of a first step after an event, in decay times of a fast motion, at tolerance 1
+DECAY_TIMES = 3.0  # size of a first step, in decay times of its fast motion, at a tolerance of 1
 
 
 def _coefficients():
-    """Return, for each function of the dense output, the coefficients that multiply the stages' increments.
+    """Return the matrix from the stages' increments to the coefficients of the first five basis functions.
 
-    The matrix of the functions' values at the nodes is inverted in rational numbers and rounded once. With
-    NumPy's inverse, whose last digits depend on the processor, the compiled kernel would also depend on it.
+    The matrix is computed in rational numbers: the last digits of NumPy's inverse depend on the processor.
     """
     nodes = [Fraction(node) for node in NODES]
     rows = [[t**p * (1 - t) ** q for p, q in POWERS[:RADAU_STAGES]] for t in nodes]
@@ -102,7 +101,7 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[RADAU_STAGES:]) for row in rows)
 
 
-# row m times the increments of the stages is the coefficient of the m-th function of the dense output
+# row m times the increments of the stages is the coefficient of the m-th basis function of the dense output
 SHAPE = _coefficients()
 CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # largest |second derivatives| of the first five functions on [0, 1]
 
@@ -115,7 +114,7 @@ def factorize(d, h):
 
 
 def solve(d, h, size):
-    """Replace the right-hand sides in ``implicit.parts`` by the solutions of a step of size h."""
+    """Replace the right-hand sides in ``implicit.parts`` by the solutions of the systems for a size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -128,14 +127,14 @@ def set_residual(d, i, j, residual):
 
 
 def can_extrapolate(d):
-    """Return whether the last step's polynomial predicts the stages: it was implicit, with these contacts."""
+    """Return whether the last step predicts the stages: it was implicit, with the present contacts."""
     return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
-    """Evaluate the Jacobian A at z, the state in the middle of the step, if ``can_extrapolate`` is true.
+    """Evaluate the Jacobian A at z, the predicted state in the middle of the step, if it is accurate.
 
-    Otherwise z is inaccurate, and A of the start of the step stays, to contain a fast motion there.
+    If ``can_extrapolate`` is false, z is inaccurate, and A of the start stays, as it has a fast motion there.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -147,7 +146,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step of size h; return the size, which the end of a contact or a fast motion may reduce."""
+    """Prepare a step of size h; return a size ≤ h, less for a contact that ends or a fast motion."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -170,10 +169,10 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return a size ≤ h that does not go far beyond a contact's end, where the force is not smooth."""
+    """Return a size ≤ h that passes a contact's end by little, because the force is not smooth there."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # time to the end, −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h is ignored
+        # time to the end: −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h does not limit h
         if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -182,8 +181,8 @@ def size_toward_end(d, h):
 def size_for_fast_motion(d, h):
     """Return a size ≤ h that resolves a fast motion at the start, if this motion exceeds the tolerance.
 
-    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the
-    fast motion is; what the operator leaves of this part shows how fast it is.
+    The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the fast
+    motion is. Applied to this part, the operator shows how fast it decays.
     """
     implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -209,7 +208,7 @@ def size_for_fast_motion(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Predict the stages by the polynomial of the last step, or else by constant speeds from the start."""
+    """Predict the stages by the last step's polynomial, or, if it does not apply, by constant speeds."""
     implicit = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -267,7 +266,7 @@ def attempt(d, h):
 
 
 def cost_factor(implicit):
-    """Return a factor ≤ 1 on the next size: shorter steps with fewer iterations may be cheaper."""
+    """Return a factor ≤ 1 on the next size, below 1 after many or slow iterations, to reduce the cost."""
     factor = (2.0 * MOST_ITERATIONS + 1.0) / (2.0 * MOST_ITERATIONS + implicit.iterations)
     if implicit.contraction > SLOW_CONVERGENCE:
         factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
@@ -302,9 +301,9 @@ def error_estimate(d, h, size):
     if first == math.inf:
         return math.inf
     if any_constraint(d):
-        # The projection onto rigid walls leaves a fast motion of stiff joints at the start of the step. This
-        # motion decays within the step, but the error estimate would contain all of it, however long the step
-        # is. A second solution of the system removes it from the estimate.
+        # The projection onto rigid walls leaves a fast motion of stiff joints at the start of the step. It
+        # decays within the step, but would dominate the error estimate of a step of any length. A second
+        # solution of the system removes this motion from the estimate.
         solve_real(d, shift, implicit.parts[0])
         count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):
@@ -316,7 +315,7 @@ def error_estimate(d, h, size):
 
 
 def coefficient(stages, m, j):
-    """Return the coefficient of the m-th function of the dense output for component j of z."""
+    """Return the coefficient of the m-th basis function of the dense output for component j of ``stages``."""
     total = 0.0
     for i in range(RADAU_STAGES):
         total += SHAPE[m][i] * stages[i, j]
@@ -324,7 +323,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output, and store the stages to predict; if ``faded``, clear tiny ones (control.py)."""
+    """Set the dense output; keep the stages, to predict the next ones. If ``faded``, clear tiny values."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -346,9 +345,9 @@ def set_dense(values, j, stages, at, degree):
 
 
 def match_clearances(d):
-    """Make the dense output agree with the integrated clearances at the thirds of the last step.
+    """Make the coordinates of the dense output agree with the integrated clearances at thirds of the step.
 
-    The work of dry friction along this correction is dissipated.
+    The work of dry friction in this correction is added to the dissipated energy.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if clearance_count(d) == 0:
@@ -367,14 +366,14 @@ def match_clearances(d):
                 implicit.thirds[third - 1, lost] = -work_along(d, change) if d.friction.count > 0 else 0.0
     for j in range(lost + 1):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
-        # 8/729 F₅ + 8/2187 F₆ is the output's change at one third of the step, 8/729 F₅ + 16/2187 F₆ at two
+        # F₅ and F₆ change the output by 8/729 F₅ + 8/2187 F₆ at one third, and 8/729 F₅ + 16/2187 F₆ at two
         # thirds
         dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
         dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
 
 
 def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial on the points of WITH_START that begin at index ``first``."""
+    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:

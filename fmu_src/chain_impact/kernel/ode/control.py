@@ -1,16 +1,17 @@
 """Control of the step size: the error of a tried step, and the size of the next step.
 
-This module has constants of the two methods of integration; methods.py chooses a method. Explicit steps are
-stable for equations that are not stiff; the rate at the end of an explicit step is the first stage of the
-next step. Implicit steps are stable however stiff the equations are. The end of an implicit step is more
-accurate than its dense output, so the step is repeated to end at an event. After an event the implicit method
-reduces the size of its first step to resolve a fast motion (collocation.py).
+This module has the constants of both methods of integration, the explicit and the implicit one; methods.py
+chooses a method. Explicit steps are stable only if the equations are not stiff; the rate at the end of an
+explicit step is the first stage of the next step. Implicit steps are stable however stiff the equations are.
+The state at the end of an implicit step is more accurate than its dense output, so a step in which an event
+lies is repeated such that it ends at the event. After an event the implicit method reduces the size of its
+first step to resolve a fast motion (collocation.py).
 
 A method of integration tries a step and computes the error of the step, relative to the tolerance. A step
 with an error ≤ 1 is accepted, unless the method, the search for events or the energy check rejects the step
 for another reason. A rejected step costs as much as an accepted step. So the sizes of the first step in
-flight and of the first step of a contact are estimated in advance. The components of an error are divided by
-scales, to which the tolerance refers.
+flight and of the first step of a contact are estimated, to avoid rejections. Each component of an error is
+divided by a scale; the tolerance is the allowed quotient.
 """
 
 import math
@@ -39,20 +40,23 @@ from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method: the two methods of integration
 SOLVER_METHODS = ("auto", "explicit", "implicit")
-"""The choices of `solver.method`, numbered from 1; with `auto` the solver chooses."""
+"""The values of the scene key `solver.method`, numbered from 1; with `auto` the solver chooses the method."""
 AUTO = 1
 
-# Constants of the two methods, by the number of the method. The error of a step is proportional to the power
-# ORDER of its size. SAFETY is a factor on the next size that the last error suggests. At a tolerance of 1,
-# ONSET_SIZE is the size of the first step of a contact, relative to the contact's time scale; the error of
-# this step is proportional to the power ONSET_ORDER of its size.
+# Constants of the two methods: the entry 0 is for EXPLICIT, the entry 1 for IMPLICIT. The error of a step is
+# proportional to the power ORDER of its size. The next size that follows from the last error is multiplied by
+# SAFETY, so that few steps are rejected. ONSET_SIZE is the size of the first step of a contact at a tolerance
+# of 1, divided by the contact's time scale; the error of this step is proportional to the power ONSET_ORDER
+# of its size.
 ORDER = (8, 7)
 SAFETY = (0.8, 0.85)
 ONSET_SIZE = (4.5, 1.2)
-# for the implicit method: 3/2 + 2, because the force is proportional to δ^(3/2) and is integrated twice
+# ONSET_ORDER of the implicit method is 3/2 + 2: the force is proportional to δ^(3/2), and the motion is its
+# double integral
 ONSET_ORDER = (8, 3.5)
-# The ratio, for both methods, of the size of a step to the predicted time until the end of a contact. The
-# prediction has an error of some hundredths, so a smaller value would leave a tiny step before the end.
+# The size of a step that passes the end of a contact, divided by the predicted time until this end. The
+# prediction has an error of some hundredths; with a ratio closer to 1 a step could end just before the end of
+# the contact, and leave a tiny step.
 PAST_END = 1.04
 
 
@@ -61,7 +65,7 @@ def prescribed_method(choice):
     return choice - AUTO - 1
 
 
-# The limits of the factor by which the size of a step may change. The authors of DOP853 use 1/3 and 6.
+# The least and the largest ratio of the next size to the size of a step. The authors of DOP853 use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
 EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
@@ -73,28 +77,29 @@ ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # LATE        Newton's iteration converges too slowly
 # DIVERGED    Newton's iteration diverges
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
-# For each outcome from SPOILED on, the error, relative to the tolerance, that gives the same next size. After
-# SPOILED, the next try is a seventh as long in the explicit method, and an eighth in the implicit method;
-# after RUNS_BACK and LATE half as long, and after DIVERGED a third.
+# The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
+# had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is a seventh as
+# long in the explicit method, and an eighth in the implicit method; after RUNS_BACK and LATE half as long,
+# and after DIVERGED a third.
 EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
-# the least error of a step, relative to the tolerance, for the choice of the next size; a smaller error
-# counts as LEAST_ERROR
+# a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
+# because a power of 0 with a negative exponent is infinite
 LEAST_ERROR = 1e-16
-# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1: the largest
-# rotation for which few steps are rejected (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the
-# same way.
+# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
+# value more of these steps are rejected, with a smaller one they are shorter than needed
+# (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
 FIRST_TURN = 2.8
-# The values of ONSET_SIZE and ONSET_ORDER for an explicit step with time as its variable. After the onset the
-# force is a power of the time, so the order of errors is lower than the method's order.
+# The values that replace ONSET_SIZE and ONSET_ORDER for an explicit step whose integration variable is time.
+# After the onset the force is proportional to a broken power of the time, so the order of the error is lower
+# than the method's order.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
-# [m, rad, m/s, rad/s] The size below which a coordinate or rate belongs to a chain at rest and is set to 0.
-# Otherwise the number would decay until its square underflows; some processors are slow with such denormal
-# numbers.
+# [m, rad, m/s, rad/s] A coordinate or rate below this size belongs to a chain at rest and is set to 0.
+# Otherwise the number would decay until its square is a denormal number, with which some processors are slow.
 FADED_SIZE = 1e-100
 
 
 def begin_trial(d, h):
-    """Begin to try a step of size h."""
+    """Begin to try a step of size h: store the size, and set the outcome to accepted, with the error 0."""
     d.trial.size = h
     set_outcome(d, 0.0, 1.0)
 
@@ -105,7 +110,7 @@ def set_outcome(d, error, cost_factor):
     Args:
         d: the instance.
         error: the error of the step, relative to the tolerance.
-        cost_factor: the factor on the next size because of the cost of the step.
+        cost_factor: a factor on the next size, below 1 if shorter steps would probably cost less.
     """
     d.trial.error, d.trial.cost_factor = error, cost_factor
     if error <= 1.0:
@@ -115,22 +120,22 @@ def set_outcome(d, error, cost_factor):
 
 
 def reject_step(d, outcome):
-    """Reject the tried step for the reason ``outcome``, one of the outcomes from SPOILED on."""
+    """Reject the tried step; ``outcome`` is the reason, one of the outcomes from SPOILED on."""
     d.trial.outcome = outcome
 
 
 def accepted(d):
-    """Return whether all checks so far accept the tried step."""
+    """Return whether the error estimate and the checks so far accept the tried step."""
     return d.trial.outcome == ACCEPTED
 
 
 def propose_size(d, size):
-    """Propose a size of the next step, in its integration variable."""
+    """Propose the size that the next step tries first, in the step's integration variable."""
     d.step.next_size = size
 
 
 def limit_next_size(d, size):
-    """Limit the size of the next step, in its integration variable, to ``size``."""
+    """Reduce the proposed size of the next step to ``size``, if it is larger."""
     propose_size(d, min(d.step.next_size, size))
 
 
@@ -140,17 +145,17 @@ def scale_next_size(d, ratio):
 
 
 def store_flight_size(d):
-    """Store the proposed size of a step for the flight after the contacts that begin now."""
+    """Store the proposed step size, for the flight that follows after the contacts that begin now."""
     d.step.flight_size = d.step.next_size
 
 
 def propose_flight_size(d):
-    """Propose the size of a step that ``store_flight_size`` has stored."""
+    """Propose the step size that ``store_flight_size`` has stored when the flight ended."""
     propose_size(d, d.step.flight_size)
 
 
 def next_size_factor(d):
-    """Return the ratio of the next size to the size of the tried step, from the outcome, error and cost."""
+    """Return the next step size divided by the tried one, from the outcome, error and cost of the try."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
@@ -159,7 +164,11 @@ def next_size_factor(d):
 
 
 def size_in_flight(d, y, rate):
-    """Return a size ≤ 1 s for an explicit step in flight from y, by the links' ω and α in y and ``rate``."""
+    """Return a size ≤ 1 s for an explicit step in flight from the state y with the rate ẏ = ``rate``.
+
+    In this time the fastest link turns by about FIRST_TURN × tolerance^(1/8) [rad], with the largest of all
+    |ω| and √|α| as its angular velocity.
+    """
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
@@ -168,9 +177,9 @@ def size_in_flight(d, y, rate):
 
 
 def size_at_onset(d, c, method):
-    """Return a size [s] for the first step of a ``method`` in the contact of candidate c.
+    """Return a size [s] for the first step of the contact of candidate c, which has just begun.
 
-    The contact has begun just now.
+    ``method`` is the number of the method that takes the step, EXPLICIT or IMPLICIT.
     """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
@@ -183,33 +192,37 @@ def size_at_onset_beside(d, c):
 def contact_time_scale(d, c):
     """Return the time scale [s] of the contact force of candidate c after the onset.
 
-    The size of the first step of the contact is relative to this time. Without damping the time is δ*/v₀, the
-    expected penetration divided by the impact speed; with damping it is shorter.
+    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; with damping it
+    is shorter. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    # damping that stops the point makes this time shorter
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * power(1.0 + ratio, -exponent)
 
 
-# The largest relative error of a penetration, however loose the tolerance is. If the error were above some
-# hundredths, a point that comes to rest would bounce again, and outputs would show spurious forces.
+# The largest error of a penetration that a step may have, relative to the penetration, however loose the
+# tolerance is. With more than some hundredths, a point that comes to rest would bounce again, and outputs
+# would show spurious forces.
 LARGEST_ERROR = 0.01
-# The round-off of a position, relative to the largest coordinate or to an angle times the longest link: the
-# usual round-off, and a bound. The bound applies to contacts older than AGE_AT_REST times 1/frequency: there
-# a single step with more round-off than usual excites a motion that short steps keep alive.
+# POSITION_ROUND_OFF: the round-off of a position, relative to the largest coordinate or to an angle times the
+# longest link. POSITION_ROUND_OFF_AT_REST: a larger value for contacts that have lasted longer than
+# AGE_AT_REST/ω, with ω the contact's frequency. At such a contact, a single step with more round-off than
+# usual would excite a motion that short steps keep alive.
 POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
 
 
 def set_scales(d, y, scale, contacts):
-    """Set the scales of errors in state y, to which the tolerance is relative, for the points located there.
+    """Set the scales of errors in state y: the tolerance is the allowed error divided by the scale.
 
-    The scales are 1 rad for angles and one link length for positions, whatever the values are, so a rotation
-    or a shift of the scene has no effect. The scale of a speed is the speed itself plus 1 rad or one link
-    length per second; the scale of the dissipated energy is formed in the same way. The scales of the
-    penetrations of the first ``contacts`` active contacts (``penetration_scale``) are stored from the index
-    of u on, as in z of extended.py. The supplied energy is controlled if base or walls move, because its
-    power then changes with them, however slow the chain is; the power of other inputs depends on controlled
-    components. Other components are not controlled, and their scales not set: u and t, whose errors are far
+    The scales are 1 rad for angles and the longest link's length for positions, whatever the values are, so a
+    rotation or a shift of the scene has no effect. The scale of a speed is the speed plus one longest link
+    per second; the scale of an angular velocity is its size plus 1 rad/s. The scale of the dissipated energy
+    is its size plus constant and impact energies. The scale of the supplied energy is the same kind of sum.
+    The supplied energy is controlled only if the base or walls move, because its power then changes with
+    them, however slow the chain is; the power of other inputs depends on controlled components. The scales of
+    the penetrations of the first ``contacts`` active contacts (``penetration_scale``) are stored from the
+    index of u on, as in z of extended.py; the points must be located for y.
+
+    The scales of other components are not set, and their errors not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
     n, size = d.links, d.chain.longest_link
@@ -225,11 +238,12 @@ def set_scales(d, y, scale, contacts):
 
 
 def raise_scales(d, y, scale, contacts):
-    """Raise the scales of ``set_scales`` where the tolerated error is below the round-off of positions.
+    """Raise the scales of ``set_scales`` where the tolerance would demand less error than the round-off.
 
-    In each step this round-off excites fast motions of a chain that rests on contacts. Shorter steps do not
-    reduce these motions, and longer implicit steps damp them. A contact with the frequency ω, about v₀/δ* as
-    in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε.
+    The round-off of positions excites, in each step, fast motions of a chain that rests on contacts. Shorter
+    steps do not reduce these motions, but longer implicit steps damp them. A contact with the frequency ω,
+    about v₀/δ* as in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε, so the scales
+    of penetrations and of speeds are raised.
     """
     n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
     if contacts == 0:
@@ -249,28 +263,27 @@ def raise_scales(d, y, scale, contacts):
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates that are smaller than FADED_SIZE to 0; return whether there were any."""
+    """Set coordinates and rates of y with 0 < size < FADED_SIZE to 0; return whether there were any."""
     count = 0
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED_SIZE
-    # most states have no such component: they need only the loop above, which is fast because it has no
-    # branches
+    # this loop only counts, and has no branches, so that it is fast: most states have no such component
     for j in range(dissipated_at(d.links) if count > 0 else 0):
-        # a value of exactly 0 is skipped, so that the derivatives of a tangent instance stay
+        # a component of exactly 0 is skipped, so that it keeps its derivatives in a tangent instance
         if 0.0 < abs(y[j]) < FADED_SIZE:
             y[j] = 0.0
     return count > 0
 
 
 def no_step_status(d):
-    """Return the status of a run in which even the smallest step is not accepted."""
+    """Return the status with which a run ends if even the smallest step is rejected."""
     if d.constraints.unsolved == SQUEEZED:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 
 
 def controlled_count(d):
-    """Return the number of the first entries of y whose errors are controlled."""
+    """Return the number of components at the start of y whose errors are controlled."""
     return supplied_at(d.links) + (1 if d.channels > 0 else 0)
 
 
@@ -281,16 +294,16 @@ def largest_errors(first_error, second_error, weight, count):
     for j in range(count):
         a, b = abs(first_error[j]) * weight[j], abs(second_error[j]) * weight[j]
         first, second, total = max(first, a), max(second, b), total + a + b
-    # a NaN: max() can hide it, a sum cannot
+    # max() can hide a NaN, the sum cannot
     return (first, second) if math.isfinite(total) else (math.inf, math.inf)
 
 
 def scaled_errors(d):
-    """Return the largest scaled component of both error estimates of the step, relative to the tolerance.
+    """Return the largest scaled component of each of the two error estimates, relative to the tolerance.
 
-    Estimate k, 0 or 1, is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
-    ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
-    the end of the step.
+    Estimate k, 0 or 1, of the tried step is row k of ``scratch.error`` and, for the clearances of active
+    contacts, row k of ``touch.gap_error``. Both results are infinity if the step is not finite. The points
+    must be located at the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     first_error, second_error, first, second = d.scratch.error[0], d.scratch.error[1], 0.0, 0.0
@@ -313,10 +326,11 @@ def scaled_errors(d):
 
 
 def force_errors(d):
-    """Return the largest error of the force of a drive's damper and spring, by each of both error estimates.
+    """Return the largest error of a drive's damper and spring force, by each of the two error estimates.
 
-    The errors are relative to a moment that moves the chain. These errors must be small, because the forces
-    of rigid walls depend on the drives, and a change of the sign of a wall's force releases a point.
+    Each error is relative to a moment that moves the chain. These errors must be small in a scene with rigid
+    walls: the forces of rigid walls depend on the drives, and a wrong sign of a wall's force would release a
+    point.
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
@@ -329,7 +343,7 @@ def force_errors(d):
 
 
 def force_error(d, error, i, c, k):
-    """Return the error [N or N·m] of the force of drive i, for the ``error`` of a state.
+    """Return the error [N or N·m] of the spring and damper force of drive i, from the ``error`` of a state.
 
     c is the damping and k the stiffness of the drive.
     """
@@ -337,9 +351,9 @@ def force_error(d, error, i, c, k):
 
 
 def impact_energy(d):
-    """Return the kinetic energy [J] with which the active contacts began: the sum of ½ m v₀² over them.
+    """Return the kinetic energy [J] of the active contacts at their onsets: the sum of ½ m v₀² over them.
 
-    m is the effective mass and v₀ the impact speed.
+    m is the effective mass and v₀ the impact speed of a contact.
     """
     energy = 0.0
     for k in range(d.touch.active_count):
@@ -350,9 +364,9 @@ def impact_energy(d):
 
 
 def set_gap_errors(d, estimate):
-    """Set the errors in the clearances of the active contacts that follow from an error estimate.
+    """Set the errors [m] of the active contacts' clearances that an error estimate of the state implies.
 
-    ``estimate`` is the number of the estimate in ``scratch.error``.
+    ``estimate`` is the row of the estimate in ``scratch.error``, 0 or 1.
     """
     if d.touch.active_count > 0:
         move_points(d, d.scratch.link, d.scratch.error[estimate], d.scratch.motion)
@@ -361,12 +375,12 @@ def set_gap_errors(d, estimate):
 
 
 def penetration_scale(d, c):
-    """Return the scale [m] of errors in the penetration of an active candidate, at the located points.
+    """Return the scale [m] of errors in the penetration of active candidate c, for the located points.
 
-    An error Δδ soon causes an error of about ω Δδ in the speed, with ω the contact's frequency, so Δδ may be
-    as large as the error of speeds divided by ω. With ω ≈ v₀/δ*, the impact speed divided by the expected
-    depth, the scale is the depth, at least δ*, for a fast impact, and larger for a slow impact. However loose
-    the tolerance is, the tolerated error never exceeds 1 % of the depth.
+    An error Δδ of the penetration soon causes an error of about ω Δδ in the speed, with ω ≈ v₀/δ*, the impact
+    speed divided by the expected penetration. So Δδ may be as large as the tolerated error of a speed,
+    divided by ω. The scale is the penetration, but at least δ*, for a fast impact, and larger for a slow
+    impact. However loose the tolerance is, the tolerated error never exceeds 1 % of max(δ, δ*).
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

@@ -1,13 +1,15 @@
 """The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1.
 
-Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them.
-Quadratures advance with the stages and the dense output of the state, have no effect on the motion, and are
-ignored by the error control. The momentum of the chain changes in a step by what gravity, inputs and the
-impulses give, to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value
-at the most recent ``commit_quadratures``. The quadratures that are integrated in a step are packed: the
-fields ``state``, ``state_end``, ``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as
-these fields have for y, and ``quadrature.index`` has their indices in ``quadrature.total``. Quadratures cost
-nothing in a scene that does not request them.
+y₀ is the state at the start of the step, θ the fraction of the step, and F₀ to F₆ are coefficients.
+
+Quadratures are integrals along the motion, such as the impulses of the walls; QUADRATURES lists them. They
+advance with the stages and the dense output of the state, have no effect on the motion, and are ignored by
+the error control. The change of the chain's momentum in a step equals what gravity, inputs and these impulses
+give, to the accuracy of the step. ``quadrature.total`` has an entry for each quadrature: its value at the
+most recent ``commit_quadratures``. The quadratures that are integrated in a step are packed:
+``quadrature.index`` lists their indices in ``quadrature.total``, and the fields ``state``, ``state_end``,
+``tried``, ``stage`` and ``dense`` of ``quadrature`` have the same meaning as these fields have for y.
+Quadratures cost nothing in a scene that does not request them.
 """
 
 import numpy as np
@@ -19,19 +21,20 @@ from chain_impact.kernel.rows.geometry import at_wall
 # the exponents p and q of the basis functions θᵖ (1−θ)^q, by which F₀ to F₆ are multiplied
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
-# The number of guesses of a fast method for a root in a bracket; usually three to ten guesses suffice. After
-# this number each guess halves the bracket.
+# The number of guesses of a fast method for a root, such as Newton's, in an interval that contains the root;
+# three to ten guesses usually suffice. After this number each guess halves the interval.
 FAST_GUESSES = 20
-# The largest number of guesses for a root: 64 halvings make a bracket of width 1 narrower than any
-# resolution, or leave no number inside it.
+# The largest number of guesses for a root: 64 halvings make an interval of length 1 shorter than any
+# resolution, or leave no floating-point number inside it.
 MOST_GUESSES = FAST_GUESSES + 64
 FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step reaches a given time
 
 
 def next_guess(low, high, guess, tries):
-    """Return the guess of a fast method, or the middle of the bracket if the guess lies outside the bracket.
+    """Return ``guess``, or the middle of the interval from ``low`` to ``high`` if the guess lies outside.
 
-    After FAST_GUESSES ``tries`` the function always returns the middle.
+    The guess of a fast method counts only in the first FAST_GUESSES ``tries``; afterwards the function
+    returns the middle, so that the search ends.
     """
     if tries < FAST_GUESSES and low < guess < high:
         return guess
@@ -73,9 +76,9 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return 0: the event with which the last step begins lies at this fraction of the step.
+    """Return 0, the fraction of the last step at which the event lies with which this step begins.
 
-    In a tangent instance the fraction has derivatives.
+    In a tangent instance the fraction has derivatives, because parameters shift the event.
     """
     return 0.0
 
@@ -86,7 +89,8 @@ def regularized_fraction(d, elapsed):
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # time increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
+    # Time increases with θ as long as u ≥ 0, and dt/dθ = h p, with the size h of the step: Newton's method,
+    # inside an interval that contains θ.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed
@@ -106,7 +110,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Return the largest values and the largest slopes on [0, 1] of the interpolant's basis functions."""
+    """Return, for each basis function of the interpolant, its largest |value| and |slope| on [0, 1]."""
     theta = np.linspace(0.0, 1.0, 10001)
     remaining = 1.0 - theta
     values = [theta**p * remaining**q for p, q in POWERS]
@@ -123,9 +127,9 @@ BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
 def rate_bounds(step, j):
-    """Return bounds on the size |y_j| and the rate |dy_j/ds| of component j over the last step.
+    """Return bounds on |y_j| and on the rate |dy_j/ds| over the last step; s is the variable of the step.
 
-    They follow from the coefficients of the interpolant; s is the variable of the step.
+    The bounds follow from the coefficients of the interpolant of component j.
     """
     value, slope = abs(step.state[j]), 0.0
     for m in range(DENSE_COEFFICIENTS):
@@ -136,7 +140,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """Return the bounds of ``rate_bounds`` for the component of the vector (y_j, y_{j+1}) along (nx, ny)."""
+    """Return bounds as ``rate_bounds`` does, for the vector (y_j, y_{j+1}) along the unit vector (nx, ny)."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
@@ -145,11 +149,12 @@ def rate_bounds_along(step, j, nx, ny):
     return value, slope / step.size
 
 
-# the number of samples in a step by which ``quadrature_within`` keeps the impulse of a wall from falling
+# the number of samples of a wall's impulse in a step from which ``quadrature_within`` makes an impulse that
+# never falls
 IMPULSE_SAMPLES = 16
-# The kinds of quadratures. Each has a name, a number of entries, and a function for the rate of entry i; the
-# function is called where the rate of the state has just been evaluated. The record has room for all kinds
-# (record/contacts.py); the impulses of the walls come first.
+# The kinds of quadratures: name, number of entries, and a function for the rate of entry i, which is called
+# where the rate of the state has just been evaluated. The record has room for all kinds (record/contacts.py).
+# The impulses of the walls come first.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.touch.force[c]),
     ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
@@ -159,7 +164,7 @@ QUADRATURES = (
 
 
 def _rate_of(kinds):
-    """Return a function (d, i) for the rate of entry i; the entries of ``kinds`` are counted from 0."""
+    """Return a function (d, i) for the rate of entry i; entries are counted through all ``kinds`` in turn."""
     (_, count, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate
@@ -193,7 +198,7 @@ def integrate(d, i):
 
 
 def clear_quadratures(d):
-    """Set the totals and rates of all quadratures to 0 at the start of a run; none is integrated yet."""
+    """Set the totals and rates of all quadratures to 0 at the start of a run, and integrate none."""
     quadrature = d.quadrature
     quadrature.count = 0
     for i in range(len(quadrature.total)):
@@ -201,7 +206,7 @@ def clear_quadratures(d):
 
 
 def quadrature_rates(d, factor, out):
-    """Set ``out`` to the packed rates of the quadratures times a factor.
+    """Set ``out`` to ``factor`` times the rates of the quadratures that are integrated, packed.
 
     The rate of the state must have just been evaluated.
     """
@@ -210,10 +215,7 @@ def quadrature_rates(d, factor, out):
 
 
 def store_end_rates(d):
-    """Store the rates of the quadratures at the end of the last step.
-
-    The rate of the state must have just been evaluated there.
-    """
+    """Store the rates of the quadratures at the end of the last step, where ẏ was just evaluated."""
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 
@@ -226,33 +228,37 @@ def set_quadrature_stage(d, i):
 
 
 def set_quadrature_stage_at_end(d, i):
-    """Set stage i of the quadratures, at the end of the last step."""
+    """Set stage i of the quadratures from their stored rates at the end of the last step."""
     quadrature = d.quadrature
     for k in range(quadrature.count):
         quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.links)]
 
 
 def correct_falling_impulses(d):
-    """Correct impulses of walls that decrease in the last step, because a wall never pulls.
+    """Keep the impulses of walls from decreasing in the last step, because a wall never pulls.
 
-    The end of the step must be final, because the correction uses the impulses there.
+    The state at the end of the step must be final: a truncation after this call would undo the correction.
 
-    The quadrature of a step has weights of both signs, so the error can exceed a force that is close to 0. An
-    impulse that decreases is set to its value at the start of the step. At a rigid wall another held point
-    loses the same amount: of points that nearly coincide, only the sum of the forces is accurate.
+    The quadrature of a step has weights of both signs, so its error can exceed a force that is close to 0. An
+    impulse that decreases is set to its value at the start of the step. At a rigid wall, the held point with
+    the largest impulse in the step then loses the same amount: of points that nearly coincide, only the sum
+    of the forces is accurate.
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.touch.active_count)):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
-            # the stops of all joints have the same wall number, but they are different walls
+            # this applies to walls only: the stops of all joints share a wall number, but are different walls
             if k >= d.touch.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 
 def reduce_largest_impulse(d, wall, amount):
-    """Reduce the largest impulse of a wall on a held point in the step by ``amount`` [N·s], at most to 0."""
+    """Subtract ``amount`` [N·s] from the largest impulse of a wall on a held point in the last step.
+
+    The impulse of this point in the step does not become negative.
+    """
     quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
         given = quadrature.state_end[k] - quadrature.state[k]
@@ -263,11 +269,10 @@ def reduce_largest_impulse(d, wall, amount):
 
 
 def quadrature_within(d, theta, k):
-    """Return the k-th quadrature at the fraction θ of the last step.
+    """Return the k-th quadrature at the fraction θ of the last step, from the dense output.
 
-    The result is the value of the dense output. But errors must not let the impulse of a wall fall: the
-    result is at most the value of any later sample in the step, and at least the value of the last sample
-    before θ.
+    Errors of the dense output must not let the impulse of a wall fall. So an impulse is at most the value of
+    any later sample in the step, and at least the value of the last sample before θ.
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)
@@ -283,26 +288,20 @@ def quadrature_within(d, theta, k):
 
 
 def copy_tried_quadratures(d, z, first):
-    """Copy the quadratures at the end of the tried step from the extended state z.
-
-    In z they begin at index ``first``.
-    """
+    """Copy the quadratures at the end of the tried step from z, where they begin at index ``first``."""
     for k in range(d.quadrature.count):
         d.quadrature.tried[k] = z[first + k]
 
 
 def accept_quadratures(d):
-    """Make the quadratures of the tried step those of the last step.
-
-    ``make_last_step`` does the same for the state.
-    """
+    """Make the quadratures of the tried step the quadratures of the last step."""
     quadrature = d.quadrature
     for k in range(quadrature.count):
         quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]
 
 
 def roll_back_quadratures(d):
-    """Reset the quadratures to their values at the start of the last step."""
+    """Reset the quadratures at the end of the last step, which was rejected, to their values at its start."""
     for k in range(d.quadrature.count):
         d.quadrature.state_end[k] = d.quadrature.state[k]
 
@@ -316,10 +315,11 @@ def truncate_quadratures(d, theta):
 def commit_quadratures(d):
     """Store the totals and rates of the quadratures at the end of the last step.
 
-    This happens before contacts begin or end, and before a break in the sequence of steps.
+    This must happen before contacts begin or end, and before a break in the sequence of steps, because then
+    the list of quadratures changes.
 
-    A quadrature that is not integrated gets the rate 0, and a later integration begins with this rate: the
-    force of a new contact starts at 0 unless it jumps.
+    A quadrature that is not integrated gets the rate 0, with which a later integration begins: the force of a
+    new contact starts at 0, unless it jumps, and then ``store_end_rates`` is called again.
     """
     quadrature = d.quadrature
     for i in range(len(quadrature.rate)):
@@ -330,9 +330,9 @@ def commit_quadratures(d):
 
 
 def reset_quadratures(d):
-    """Pack the quadratures that are integrated, with their totals and rates.
+    """List the quadratures that are integrated from now on, and set them to their totals and rates.
 
-    The last step has zero length.
+    Their dense output becomes constant, as for a last step of zero length.
     """
     quadrature = d.quadrature
     list_quadratures(d)
@@ -344,25 +344,27 @@ def reset_quadratures(d):
 
 
 def add_impulses_of_impact(d):
-    """Add to the totals the impulses of rigid walls that were just found in an impact."""
+    """Add the impulses of rigid walls in the impact that was just solved to the totals of quadratures."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.quadrature.total[d.touch.active_index[k]] += max(0.0, d.constraints.impulse[k])
 
 
 def maximum_of(value_at):
-    """Return a function that finds a maximum of a value near a given time in the last step.
+    """Return a function that finds the maximum of a quantity near a given time in the last step.
 
     Args:
-        value_at: function (d, index, θ) that returns the value at the fraction θ of the step.
+        value_at: function (d, index, θ) that returns the quantity at the fraction θ of the step.
     """
 
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
 
-        Values before the event with which the step begins do not count, either.
+        Values before the event at which the step begins do not count, either: in a tangent instance a
+        parameter shifts this event.
 
         The search uses three parabolas, each through three points around the maximum of the parabola before.
-        The result is the maximum of the third parabola, a larger sample, or 0 if all are negative.
+        The result is the largest of three values: the maximum of the third parabola, the largest sample, and
+        0.
 
         Args:
             d: the instance.

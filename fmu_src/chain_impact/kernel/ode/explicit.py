@@ -6,7 +6,8 @@ Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equ
 1993, section II.5 and the authors' code; J. R. Dormand and P. J. Prince 1981, J Comput Appl Math 7:67 for the
 family.
 
-Each row of coefficients maps the number of a stage to a coefficient; coefficients of zero are left out.
+A stage k_j is the rate at a point within the step. Each row of coefficients is a dictionary from the number j
+of a stage to its coefficient; coefficients of zero are left out.
 """
 
 import math
@@ -29,8 +30,8 @@ from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_s
 from chain_impact.kernel.ode.sundman import NO_CONTACT, regularize, regularized_rate, root_curve, runs_back
 from chain_impact.kernel.rows.geometry import any_sticking, clearance, gap_acceleration
 
-# the number of stages of a step; stage 12 is the rate at the end of the step, stages 13 to 15 are for the
-# dense output
+# The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
+# only for the dense output.
 STEP_STAGES = 12
 
 # fmt: off
@@ -100,20 +101,21 @@ D: tuple[dict[int, float], ...] = (
 
 
 STAGES = len(A)
-# index of the stage at the end of a step, whose rate is the first stage of the next step
+# index of the stage at the end of a step; its rate is the first stage of the next step
 END_STAGE = STEP_STAGES
-# The factor by which a step near the end of a contact may exceed the allowed size, so that its size is
-# PAST_END times the predicted time to the end. Any other step covers at most half of this time, so that no
-# tiny step remains.
+# A step that ends PAST_END times farther than the predicted end of a contact may be LARGEST_STRETCH times
+# longer than the error control allows. If the end is farther away, the step covers at most half of the time
+# until then, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
 # A contact that ends within this first part of a step has practically no force left: its penetration may be
-# round-off. The step passes this end, and the search for events finds the end. A step to the end could be
-# shorter than the resolution of time.
+# round-off. The step then ignores this end, and the search for events finds the end in the step. A step up to
+# such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
-# The least and the largest error, relative to the tolerance, of which a square is computed: other squares
-# could underflow or overflow. Such small errors occur at rest, where held points have practically no speed.
+# Outside these limits, the square of an error, relative to the tolerance, could underflow or overflow, so it
+# is not computed. Errors below the limit occur at rest, where held points have practically no speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
-# The turn [rad] of a sine of the base in a step above which the sine determines the size of the step.
+# If the phase of a sine signal of the base advances by more than FAST_SINE [rad] in a step, the sine
+# determines the error of the step (``is_smooth``).
 FAST_SINE = 0.35
 # number of evaluations of the right-hand side in a step, without the evaluation at the end of the step
 STEP_EVALUATIONS = END_STAGE - 1
@@ -139,10 +141,10 @@ def weighted_sum(row):
 
 
 def combination(row):
-    """Return a function for ``out = base + h Σ_m row[m] k_m``, unrolled over the stages m in the row.
+    """Return a function that computes out = base + h Σ_m row[m] k_m, unrolled over the stages m in the row.
 
-    The function takes (stages, base, h, out), with the stages k_m the rows of ``stages``, which may
-    be longer than ``base`` and ``out``.
+    The function takes (stages, base, h, out). Row m of ``stages`` is the stage k_m. The sum is computed for
+    as many components as ``base`` has.
     """
     summed = weighted_sum(row)
 
@@ -154,9 +156,10 @@ def combination(row):
 
 
 def combinations(first_row, second_row):
-    """Return a function for the sums h Σ_j row[j] k_j of two rows; it reads each k_j only once.
+    """Return a function that computes h Σ_j row[j] k_j for two rows, and reads each stage k_j only once.
 
-    The function takes (stages, h, first, second); ``first`` and ``second`` are the results.
+    The function takes (stages, h, first, second); it writes the sums of the first and the second row to
+    ``first`` and ``second``.
     """
     names = tuple(sorted({*first_row, *second_row}))
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (first_row, second_row))
@@ -175,10 +178,10 @@ def combinations(first_row, second_row):
 
 
 def _stage(i, accepted):
-    """Return a function that computes the state at stage i of a step, and the rate there.
+    """Return a function that computes the state at stage i of a step, and the rate of this state.
 
-    The step starts at ``step.state_end``, or, if ``accepted`` is true, at ``step.state``, because the step is
-    then the last step.
+    If ``accepted`` is false, the step is tried and starts at ``step.state_end``. If ``accepted`` is true, the
+    step is the last step, which has started at ``step.state``.
     """
     combine = combination(A[i])
 
@@ -198,9 +201,10 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
 def size_toward_end(d, h):
-    """Return the size of the next step, given the size h that the error control allows.
+    """Return the size of the next step; h is the size that the error control allows.
 
-    Near the end of a contact, the step passes this end, or covers at most half of the time until the end.
+    Near the predicted end of a contact, the step either passes this end or covers at most half of the way to
+    it.
     """
     if d.touch.compliant_count == 0:
         return h
@@ -218,10 +222,10 @@ def size_toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """Return the size [s] of the next step, given the size h that the error control allows.
+    """Return the size [s] of the next step, which runs in time; h [s] is the size that the errors allow.
 
-    Near the first end of a contact with a force law, the step passes this end or covers at most half of the
-    time until then.
+    If a contact with a force law ends soon, the step either passes the first such end or covers at most half
+    of the time until then.
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     left = math.inf
@@ -236,7 +240,7 @@ def toward_ends(d, h):
 
 
 def size_up_to_end(h, left):
-    """Return the size of the next step if the size h is allowed and a contact ends after about ``left``.
+    """Return the size of the next step if the errors allow h and a contact ends after about ``left``.
 
     Both h and ``left`` are in the step's integration variable.
     """
@@ -260,7 +264,7 @@ def attempt(d, h):
 def error_estimate(d, h):
     """Return the error of the tried step, relative to the tolerance.
 
-    The error is not finite if a rate was not finite.
+    The result is infinite if a rate is not finite.
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
@@ -273,19 +277,20 @@ def error_estimate(d, h):
         return error_5
     if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
-    # the error e₅²/√(e₅² + e₃²/100), from the estimates e₅ and e₃ of orders 5 and 3, is of order 8, because
+    # of order 8 is the error e₅²/√(e₅² + e₃²/100), from the estimates e₅ and e₃ of orders 5 and 3, because
     # e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d, h) else 1.0)
 
 
 def is_smooth(d, h):
-    """Return whether the error of a step of size h is estimated with order 9, as in a regularized contact.
+    """Return whether the motion is so smooth that the error of a step of size h is estimated with order 9.
 
-    In flight the estimate of order 8 remains, as a margin, except for a fast sine of the base: the errors of
-    steps within a period have both signs, and nearly cancel. The estimate of order 8 also remains if the
-    damping has an exponent between 0 and 1/2: at the onset the force then rises more steeply than u, and the
-    step loses its order.
+    This holds in a regularized contact, and in flight with a fast sine signal of the base: the errors of
+    steps within a period of the sine have both signs, and nearly cancel. In other flight the estimate of
+    order 8 remains, as a margin. It also remains in a contact whose damping has an exponent of the
+    penetration between 0 and 1/2: at the onset the force then rises more steeply than u, and the step loses
+    its order.
     """
     c = d.step.regularized
     if d.touch.active_count == 0 and d.chain.base_moves:
@@ -294,7 +299,7 @@ def is_smooth(d, h):
 
 
 def make_step(d, h):
-    """Make a step of size h from ``step.state_end``, without an estimate of the error."""
+    """Make a step of size h from ``step.state_end`` to ``trial.state``, without an estimate of the error."""
     _stages(d, h)
     _step_end(d.scratch.stage, d.step.state_end, h, d.trial.state)
     quadrature, count = d.quadrature, d.quadrature.count
@@ -303,7 +308,11 @@ def make_step(d, h):
 
 
 def step_increment(d, j):
-    """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
+    """Return the change of component j of y in the tried explicit step.
+
+    The difference of the states at both ends would contain the round-off of the addition to y; this sum does
+    not.
+    """
     return d.trial.size * _step_sum(d.scratch.stage, j)
 
 
@@ -319,7 +328,10 @@ def dense_output(d, h):
 
 
 def _interpolant(step, stages, count, h):
-    """Set the dense output of the first ``count`` components of a state or of quadratures."""
+    """Set the dense output of the first ``count`` components of ``step``: ``d.step`` or ``d.quadrature``.
+
+    ``stages`` are the stages of these components in the last step, of size h.
+    """
     for j in range(count):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
         change = step.state_end[j] - step.state[j]

@@ -1,22 +1,22 @@
-"""The equations of an implicit step: those of motion, together with the clearances of the active contacts.
+"""The equations of an implicit step: the state is integrated together with the active contacts' clearances.
 
-As the links turn, the clearance that follows from the coordinates of a stage has an error of ½ h² J̇ẏ. This
-error is small, but often larger than the penetration of a stiff wall. So the clearances g of the active
-contacts and their rates are integrated together with y without u and t: z = (y, g, ġ, Q), with g̈ the
-acceleration of the point along the normal and Q the quadratures. The forces are evaluated at g and ġ; apart
-from the force law, the fast motions are linear in g and ġ.
+As the links turn, the clearance that follows from the coordinates of a stage has an error of about ½ h² J̇ẏ,
+with the step size h and the gradient J of the clearances. This error is small, but often larger than the
+penetration of a stiff wall. So the clearances g of the active contacts and their rates are integrated
+together with y without u and t: z = (y, g, ġ, Q), with g̈ the acceleration of the point along the normal and
+Q the quadratures. The contact forces are evaluated at the integrated g and ġ, which do not have that error.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
 
 The linear systems of an implicit step are (1 − s A) x = r, for a real and for complex shifts s. A is the
-stiff part of the Jacobian. The coordinates of the chain are q, their rates v, and x_q, x_v, x_g, x_ġ and r_q,
-r_v, r_g, r_ġ are the parts of x and r for these and for g and ġ. A point resting on a stiff wall makes the
-equations stiff: the contact's own motions are far faster than the chain's, and decay. Joints with dampers or
-springs make the equations stiff, too, as does a slider with them; their forces are −C v − S q, up to
+stiff part of the Jacobian ∂ż/∂z. The coordinates of the chain are q and their rates v; x_q, x_v, x_g and x_ġ
+are the parts of x that belong to q, v, g and ġ, and r_q to r_ġ those of r. A point resting on a stiff wall
+makes the equations stiff: the contact's own motions are far faster than the chain's, and decay. Dampers or
+springs of joints or of the slider make the equations stiff, too; their forces are −C v − S q, up to
 constants, with the damping c_i and the stiffness k_i of drive i, C = Σ c_i χ_i χ_iᵀ, S = Σ k_i χ_i χ_iᵀ and
-χ_i the gradient of the rate of its coordinate (chain/drives.py).
-All other terms are left out of A; Newton's iteration takes account of them. For z as above
+χ_i the gradient of the rate of its coordinate (chain/drives.py). All other terms are left out of A; Newton's
+iteration takes account of them. For z as above
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(q̇, ġ)/∂(v, ġ) = 1,
 
@@ -32,12 +32,13 @@ impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k
 i, on which K r_v + s S r_q is an impulse (chain/response.py). A constraint, J Δ = 0 for a point at a rigid
 wall or a sticking element, has an impedance far larger than the chain's mass (rows/constraints.py).
 
-The functions take s, x and a scratch ``space`` that are all real or all complex. The space contains
-impedances, loads, the resulting motion and factors, of which one ``slot`` is used.
+The functions take a shift s, an array x and a scratch ``space``, all real or all complex. The space contains
+impedances, loads, the resulting motion and several slots for factors; ``slot`` is the number of the slot that
+is used.
 
-The coordinates are projected onto the integrated clearances. Without the projection, the small difference
-between both would act as an impact on a stiff wall. The difference before the projection counts as an error
-of the step.
+At the end of a step the coordinates are projected, such that the clearances that follow from them are the
+integrated ones. Without the projection, the small difference would act as an impact on a stiff wall. The
+difference before the projection counts as an error of the step.
 """
 
 from chain_impact.kernel.chain.drives import (
@@ -111,10 +112,7 @@ def extended_size(d):
 
 
 def extend_start(d):
-    """Set the extended state z and its rate ż at the start of the next step.
-
-    They follow from the state y and the rate ẏ there.
-    """
+    """Set the extended state z and its rate ż at the start of the next step, from y, ẏ and quadratures."""
     scratch, implicit, n = d.scratch, d.implicit, d.links
     if not scratch.at_end:
         locate_points(d, d.step.state_end)
@@ -128,8 +126,9 @@ def extend_start(d):
         implicit.start_rate[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.start, implicit.start_rate)
     if any_sticking(d):
-        # This call sets the limits of friction at the start. A system that is factorized before the first
-        # stage, as in ``size_for_fast_motion``, scales the impedances of sticking elements by these limits.
+        # This call computes the limits of friction at the start. A system that is factorized before the first
+        # stage, as in ``size_for_fast_motion``, needs them: the impedances of sticking elements are
+        # proportional to their limits.
         apply_contacts(d)
 
 
@@ -141,9 +140,9 @@ def clearance_rates(d, z, rate):
 
 
 def extended_rate(d, z, elapsed, rate):
-    """Set the rate ż of the extended state z, a time ``elapsed`` [s] after the start of the step.
+    """Set ``rate`` to ż at the extended state z, a time ``elapsed`` [s] after the start of the step.
 
-    The contact forces are evaluated at the clearances in z.
+    The contact forces are evaluated at the clearances in z, not at those that follow from the coordinates.
     """
     if d.inputs.piece.order > 0 or d.channels > 0 or d.signals > 0:
         set_inputs(d, d.step.clock + elapsed)
@@ -154,8 +153,8 @@ def extended_rate(d, z, elapsed, rate):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
-    # this call also sets the rates at the indices of u and time; z has other entries at these indices, which
-    # are set below
+    # this call also writes to the indices of u and of time, where z has other components; their rates are set
+    # below
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
@@ -167,7 +166,10 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes of the forces of active contacts and of drives for z, and store its link vectors."""
+    """Set the slopes of the forces of active contacts and drives at the extended state z.
+
+    The function also stores the present link vectors, for the linear systems.
+    """
     implicit, link = d.implicit, d.scratch.link
     for i in range(d.links):
         implicit.link.x[i], implicit.link.y[i] = link.x[i], link.y[i]
@@ -193,7 +195,7 @@ def drive_resistance(d, i, s):
 
 
 def factorize_shift(d, s, space, slot):
-    """Eliminate M + Jᵀ D J + K of the linear systems for a shift s [s]."""
+    """Factorize M + Jᵀ D J + K of the linear systems for a shift s [s] into ``slot`` of ``space``."""
     no_impedance(d, space.impedance)
     for k in range(clearance_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, contact_impedance(d, k, s))
@@ -228,7 +230,7 @@ def solve_shift(d, s, space, slot, x):
         add_along(constraint_row(d, k), space.load, impulse)
     solve_space(d, implicit.link, space, slot, change)
     if d.slides:
-        # the load of the slider's drive is removed: in flight no other function clears the loads on the
+        # remove the load of the slider's drive, because in flight no other function clears the loads on the
         # points
         space.load.x[0], space.load.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
@@ -244,29 +246,29 @@ def solve_shift(d, s, space, slot, x):
 
 
 def factorize_real(d, s):
-    """Eliminate M + Jᵀ D J + K of the linear systems for a real shift s [s]."""
+    """Factorize M + Jᵀ D J + K of the linear systems for a real shift s [s], and store s."""
     d.implicit.shift = s
     factorize_shift(d, s, d.scratch, SHIFTED)
 
 
 def solve_real(d, s, x):
-    """Solve (1 − s A) x = r for a real shift s [s].
+    """Solve (1 − s A) x = r for the real shift s [s] of the last ``factorize_real``.
 
-    X contains r at the start, and the solution at the end.
+    The array x contains r at the start, and the solution at the end.
     """
     solve_shift(d, s, d.scratch, SHIFTED, x)
 
 
 def factorize_complex(d, s, pair):
-    """Eliminate M + Jᵀ D J + K for a complex shift s [s]; ``pair`` is the number of its pair of shifts."""
+    """Factorize M + Jᵀ D J + K for a complex shift s [s], into the slot of the number ``pair``."""
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
 def solve_complex(d, s, pair, x, y, size):
     """Solve (1 − s A) (x + iy) = r for the complex shift s [s] that is factorized as number ``pair``.
 
-    x and y have ``size`` entries each: the real and imaginary parts of r at the start, of the solution at the
-    end.
+    The arrays x and y have ``size`` entries each: at the start the real and imaginary parts of r, at the end
+    those of the solution.
     """
     pairs = d.implicit.pairs
     for j in range(size):
@@ -277,17 +279,17 @@ def solve_complex(d, s, pair, x, y, size):
 
 
 # The largest allowed difference between the clearance that follows from the coordinates at the end of a step
-# and the integrated clearance, relative to the penetration. A larger limit gives the interpolant of the state
-# an error of this size; a smaller limit shortens steps in which links turn on a stiff wall.
+# and the integrated clearance, relative to the penetration. With a larger limit the dense output of the state
+# could have an error of this size; a smaller limit shortens steps in which links turn on a stiff wall.
 CLEARANCE_MISMATCH = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
-    """Move the coordinates in y so that the clearances agree with those in ``implicit.normal``.
+    """Move the coordinates in y so that the clearances become those in ``implicit.normal``.
 
-    If ``derivative`` is 1, change the velocities so that the rates of the clearances agree with those in
-    ``implicit.normal``. The points must be located for y. ``change``, shape (N+2,), is a result: the change
-    of the coordinates or velocities.
+    If ``derivative`` is 1, the function changes the velocities instead, so that the rates of the clearances
+    become the values in ``implicit.normal``. The points must be located for y. The change of the coordinates
+    or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_loads_of(d, d.scratch.load)
@@ -304,11 +306,12 @@ def project_coordinates(d, y, derivative, change):
 
 
 def project_clearances(d, z, y):
-    """Move the state y, whose points are located, to the clearances and rates in the extended state z.
+    """Move the state y, whose points are located, so that its clearances and their rates are those in z.
 
     Returns:
-        The largest weighted change, relative to the tolerance; and the largest difference, before the change,
-        between the clearances of the coordinates and the clearances in z, relative to the allowed difference.
+        The largest change of a component, divided by its scale and the tolerance. And the largest difference,
+        before the move, between a clearance that follows from y and the one in z, divided by the allowed
+        difference.
     """
     implicit, change, worst = d.implicit, d.scratch.change, 0.0
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
@@ -322,7 +325,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference between located and integrated clearances, relative to max(δ, δ*).
+    """Return the largest difference between a located and an integrated clearance, relative to max(δ, δ*).
 
     δ is the penetration, and δ* the expected penetration of the contact.
     """

@@ -1,11 +1,11 @@
-"""Forces of constraints within a step near a fold, where equal links lie on each other.
+"""Forces of constraints near a fold, where equal links lie on each other: a correction for outputs.
 
-At a fold the mobility W of what constraints hold passes through 0. A force p = m/W may have a limit there,
-but m also contains the error of the state, so close to the fold the error of p has any size. The motion
-depends on W p only, and is right. In outputs near a fold, a force is therefore computed from the forces some
-time before and after, if these show that the force passes the fold smoothly. A force that grows without bound
-toward the fold stays, because it is far larger than its error. The same is true at every toggle position,
-where W is small.
+At a fold the mobility W of the held points, the acceleration per force, passes through 0. The constraint
+force p = m/W may have a limit there, but the numerator m also contains the error of the state, so close to
+the fold the error of p has any size. The motion depends on W p only, and stays right. For outputs near a
+fold, a force is therefore computed from the forces some time before and after, if these show that the force
+passes the fold smoothly. A force that grows without bound toward the fold is left unchanged, because it is
+far larger than its error. The same is true at every toggle position, where W is small.
 """
 
 from chain_impact.kernel.chain.inputs import ensure_inputs
@@ -18,23 +18,25 @@ from chain_impact.kernel.ode.dense import interpolate
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 
-# The least and the largest distance, in time, of the two nearer samples of forces from an output, as a part
-# of the step. The farther samples may lie outside the step, by up to half its size: there the dense output
-# continues, and an event at the end of the step does not count.
+# The least and the largest time from an output to the two nearer samples of a force, relative to the step.
+# The farther samples may lie outside the step, by up to half its size: there the dense output is
+# extrapolated, and an event at the end of the step has no effect on it.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# OFFSETS: the times of the four samples of a force, in units of their distance. VALUE: the weights of the
-# forces that give the value of a cubic polynomial in the middle. DIFFERENCE: the weights that give 0 for a
-# polynomial of degree 2. A part c/ε of the force, with the distance ε from the fold, changes the difference
-# by about 3 c over the distance.
+# OFFSETS: the times of the four samples of a force, relative to the output's time, in units of their
+# distance. VALUE: the weights of the four forces with which a cubic polynomial through them gives the force
+# at the output. DIFFERENCE: weights whose sum is 0 for a polynomial of degree 2. A part c/ε of the force,
+# with the distance ε from the fold, makes this sum about 3 c divided by the distance.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
-UNEVEN = 1e-3  # the largest difference of a force that counts as smooth, relative to the largest force
+# A force is smooth if its sum with the weights DIFFERENCE is at most UNEVEN times the largest force.
+UNEVEN = 1e-3
 
 
 def refine_rate(d, theta, y, rate):
-    """Improve the rate ẏ of the state y at the fraction θ of the last step, and the forces of constraints.
+    """Improve the rate ẏ of state y at the fraction θ of the last step, and the forces of constraints.
 
-    The rate must have just been evaluated. Only near a fold, or another toggle position, does the function
-    act. There the rate becomes the true rate, in which no force of a contact continues beyond a kink.
+    The rate must have just been evaluated. The function acts only near a fold or another toggle position.
+    There the rate is evaluated again with the true forces of contacts, which a step would continue smoothly
+    beyond a kink.
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return
@@ -54,10 +56,11 @@ def refine_rate(d, theta, y, rate):
 
 
 def find_forces(d, theta, distance, rate):
-    """Find the forces at the fraction θ from four samples, and store these forces in ``refined``.
+    """Compute the forces at the fraction θ from four samples, and store these forces in ``refined``.
 
-    Set ``uneven`` to the differences of the forces. Return whether no sample is near the fold; if one is,
-    ``refined`` has no meaning.
+    The function stores the sums of the forces with the weights DIFFERENCE in ``uneven``. It returns whether
+    all samples are far enough from the fold; if one is near the fold, the content of ``refined`` is
+    meaningless.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):

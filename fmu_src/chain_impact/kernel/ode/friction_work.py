@@ -1,9 +1,10 @@
-"""The energy that dry friction dissipates in a step: the work along the step's final motion.
+"""The energy that dry friction dissipates in a step: the work of friction along the step's final motion.
 
-The last iteration of an implicit step corrects the motion after the rates have been evaluated; and round-off
-and the projection onto constraints change the end of any step. At rest these changes are larger than the
-motion itself, and the force of friction stays large although the speed is zero. Without this module, the work
-of friction along these changes would be an error of the energy balance that grows in every step.
+Two corrections change the motion of a step after the rates, with their friction power, have been evaluated:
+the last iteration of an implicit step; and, at the end of any step, round-off and the projection onto
+constraints. At rest these corrections are larger than the motion itself, and friction forces stay large
+although the speed is zero. If the work of friction along the corrections were not counted, the energy balance
+would have an error that grows in every step.
 """
 
 from chain_impact.kernel.chain.inputs import set_inputs
@@ -17,14 +18,14 @@ from chain_impact.kernel.rows.geometry import along, any_sticking, tangent_row
 
 
 def store_friction_forces(d, stage):
-    """Store the forces of dry friction at a stage of an implicit step, where the rate was just evaluated."""
+    """Store the forces of dry friction at a stage of an implicit step, whose rate was just evaluated."""
     for k in range(d.friction.count):
         e = d.element.index[k]
         d.implicit.friction[stage, e] = d.element.force[e]
 
 
 def correct_friction_energy(d, h):
-    """Correct the dissipated energy in the stages of a step of size h [s] after the last iteration."""
+    """Correct the dissipated energy in the stages of an implicit step of size h [s], after the iteration."""
     for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
@@ -34,10 +35,11 @@ def correct_friction_energy(d, h):
 
 
 def power_of_correction(d, m):
-    """Return the power [W] of sliding friction at stage m, for the speeds that the last iteration added.
+    """Return the power [W] of sliding friction at stage m along the speeds that the last iteration added.
 
-    The force is that of the evaluated rate. At rest the speeds in this rate may be far larger than the
-    corrected speeds; the excess of their work is only taken back if the force is the same.
+    The friction forces are those of the evaluated rate. At rest the speeds in this rate may be far larger
+    than the corrected speeds. The dissipated energy contains the work of these forces along the uncorrected
+    speeds, so the same forces must be used to take this work back.
     """
     implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
     for j in range(coordinate_count(d.links)):
@@ -48,8 +50,8 @@ def power_of_correction(d, m):
 def uncounted_work(d):
     """Return the work [J] of dry friction along the part of the tried step that is not counted yet.
 
-    In an implicit step, the work up to the last stage is already counted. The points must be located at the
-    end.
+    In an implicit step, this part is the motion from the last stage to the projected end; in an explicit
+    step, the round-off and the projection. The points must be located at the end.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
@@ -59,7 +61,8 @@ def uncounted_work(d):
             change[j] = (y[j] - d.step.state_end[j]) - explicit.step_increment(d, j)
     if d.step.method != IMPLICIT:
         return work_along(d, change)
-    # the work of sticking elements follows from their positions, so the round-off of these cancels here
+    # the work of sticking elements is a difference of two functions of the positions, so the round-off of
+    # positions cancels in it
     work = work_of_sliding(d, change, d.element.force) + work_of_holding(d)
     work -= holding_at(d, z, d.trial.size)
     locate_points_now(d, y)
@@ -67,14 +70,18 @@ def uncounted_work(d):
 
 
 def change_in_step(d, j):
-    """Return the change of component j of y in the tried step, without the round-off of the sum with y."""
+    """Return the change of component j of y in the tried step.
+
+    The difference of the states at both ends would contain the round-off of the addition to y; this result
+    does not.
+    """
     if d.step.method == IMPLICIT:
         return d.implicit.stages[RADAU_STAGES - 1, j]
     return explicit.step_increment(d, j)
 
 
 def work_along(d, change):
-    """Return the work [J] of dry friction along a change of the coordinates, for the located points."""
+    """Return the work [J] of all dry friction along a ``change`` of the coordinates, for located points."""
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
         e = d.element.stuck[k]
@@ -83,9 +90,10 @@ def work_along(d, change):
 
 
 def work_of_sliding(d, change, force):
-    """Return the work [J] of the given forces of the sliding elements along a change of the coordinates.
+    """Return the work [J] of the sliding elements along a ``change`` of the coordinates.
 
-    The function also sets the motion of all places. If the change is a velocity, the result is a power [W].
+    ``force`` has the friction force of each element. If ``change`` is a velocity, the result is a power [W].
+    The function also sets ``scratch.motion``, the motion of all places in this change.
     """
     work = 0.0
     move_points(d, d.scratch.link, change, d.scratch.motion)
@@ -97,10 +105,11 @@ def work_of_sliding(d, change, force):
 
 
 def count_holding_work(d, h):
-    """Count the work of the sticking elements since the start of the step as dissipated, in every stage.
+    """Add the work of sticking elements since the start of the step to the dissipated energy of each stage.
 
-    Sticking elements should not move: small motions away from their anchors are errors. At the end of the
-    step a projection moves the elements back to their anchors, and does the opposite work.
+    The constraint forces of sticking elements do work only along errors, because such elements should not
+    move. At the end of the step a projection moves the elements back to their anchors, and does the opposite
+    work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)
@@ -111,7 +120,7 @@ def count_holding_work(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return ``work_of_holding`` [J] for the extended state z, ``elapsed`` [s] after the start of a step."""
+    """Return ``work_of_holding`` [J] at the extended state z, ``elapsed`` [s] after the step's start."""
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)

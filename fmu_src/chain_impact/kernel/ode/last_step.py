@@ -1,10 +1,9 @@
-"""The last accepted step and the data known about it; other modules set these data through this module.
+"""The last accepted step: its state at both ends, dense output, rate and points; other modules set them here.
 
-The data are the state at both ends, the dense output in between, the rate at the end, and the points at the
-end. Data that other modules derive from a step, such as clearances, are valid until a break in the sequence
-of steps: the next step then does not start at the end of this step, or has another integration variable.
-`step.breaks` counts the breaks. When an impact changes the state at the end of a step, the new state belongs
-to the step that follows (advance.py).
+Other modules derive data from a step, such as clearances over time. These data are valid until a break in the
+sequence of steps: the next step then does not start at the end of this step, or has another integration
+variable. `step.breaks` counts the breaks. An impact changes the state at the end of a step; the changed state
+belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (
@@ -37,14 +36,16 @@ from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.rows.constraints import any_constraint
 
-# values of step.dense_for, the user of the step's dense output; NOT_REQUESTED: there is no dense output yet
+# values of step.dense_for: for whom the step's dense output was computed; NOT_REQUESTED: it does not exist
+# yet
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
-    """Set the last step to a step of zero length at ``time`` [s] in state y, with the stored quadratures.
+    """Set the last step to a step of zero length at ``time`` [s] in state y.
 
-    The delay of the event with which the next step begins does not change.
+    The quadratures get their stored totals. The delay of the event with which the next step begins
+    (``set_start_delay``) does not change.
     """
     step = d.step
     for j in range(len(step.state)):
@@ -60,7 +61,7 @@ def reset_step(d, time, y):
     reset_quadratures(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
-    # the method is set to EXPLICIT, so that no implicit step extrapolates from this step
+    # no implicit step may extrapolate its stages from this step, so the method is EXPLICIT
     step.last_method = EXPLICIT
     mark_jump(d)
 
@@ -72,22 +73,22 @@ def reset_times(d, time):
 
 
 def set_start_delay(d, delay):
-    """Set the ``delay`` [s] of the event with which the next step begins.
+    """Set the ``delay`` [s] of the event at the start of the next step: by it a parameter shifts the event.
 
-    The delay is 0; in a tangent instance it has derivatives.
+    The value of the delay is 0; in a tangent instance it has derivatives.
     """
     d.step.start_delay = delay
 
 
 def make_last_step(d):
-    """Make the tried step the last step, after a projection of its end onto the constraints."""
+    """Make the tried step the last step, after its end has been projected onto the constraints."""
     step, y = d.step, d.trial.state
     step.remainder = step.remainder_end
     if any_constraint(d):
         project_trial(d)
         move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
-    # without dissipation no component of the state fades toward 0
+    # only with dissipation may components of the state fade toward 0
     resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):
@@ -104,17 +105,18 @@ def make_last_step(d):
     if step.last_method == IMPLICIT:
         collocation.store_stages(d, faded)
     else:
-        # the explicit error control has located the points at the end if contacts are active
+        # with active contacts, the error estimate of the explicit step has located the points at the end
         find_rate(d, d.touch.active_count > 0)
 
 
 def project_trial(d):
-    """Project the end of the tried step onto the constraints.
+    """Project the end of the tried step onto the constraints, and count the work of dry friction in this.
 
-    The projection moves points back to rigid walls, sticking elements back to their anchors, and other
-    elements with them. Dry friction does work in this motion. At rest this work, and the energy that the step
-    dissipates, are smaller than the last digit of the dissipated energy. The part that rounding of the sum
-    loses is therefore stored, and added in the next step; otherwise the lost parts would add up.
+    The projection moves points back to rigid walls and sticking elements back to their anchors; other
+    elements move with them, and dry friction does work. At rest this work, and the energy that the step
+    dissipates, are smaller than the last digit of the dissipated energy. The part that is lost in the
+    rounding of their sum is therefore stored in ``remainder_end``, and added in the next step; otherwise the
+    lost parts would add up.
     """
     step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
     if d.friction.count == 0:
@@ -126,31 +128,31 @@ def project_trial(d):
 
 
 def add_dissipated(d, y, change, before):
-    """Set the dissipated energy in y to ``before`` plus a change [J], and store what the sum loses."""
+    """Set the dissipated energy in y to ``before`` + ``change`` [J]; store what the rounded sum loses."""
     lost = dissipated_at(d.links)
     y[lost] = before + change
     d.step.remainder_end = change - (y[lost] - before)
 
 
 def count_dissipated(d, energy):
-    """Count an energy [J] that is lost at the end of the last step as dissipated energy."""
+    """Add an energy [J] that is lost at the end of the last step to the dissipated energy."""
     d.step.state_end[dissipated_at(d.links)] += energy
 
 
 def evaluate_start(d):
-    """Evaluate again the rate at the start of the next step."""
+    """Evaluate the rate at the start of the next step again, because forces or inputs have changed there."""
     rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     store_end_rates(d)
     count_evaluations(d, 1)
 
 
 def count_supplied(d, energy):
-    """Count an energy [J] as supplied by inputs at the end of the last step."""
+    """Add an energy [J] that inputs supply at the end of the last step to the supplied energy."""
     d.step.state_end[supplied_at(d.links)] += energy
 
 
 def roll_back(d):
-    """Reset the end of the last step to its start."""
+    """Undo the last step, which was rejected: its end becomes its start."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
@@ -161,18 +163,19 @@ def roll_back(d):
 
 
 def truncate_step(d, theta):
-    """End the last step at its fraction θ."""
+    """Cut the last step at its fraction θ, where its dense output becomes the state at the end."""
     ensure_dense(d, SOLVER)
     end_at_fraction(d, theta)
     d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
 
 
 def end_at_fraction(d, theta):
-    """Set the state and the quadratures at the end of the last step to their values at its fraction θ."""
+    """Set state and quadratures at the end of the last step to the dense output at its fraction θ."""
     step, lost = d.step, dissipated_at(d.links)
     interpolate(step, theta, step.state_end)
-    # The interpolant contains the round-off of the dissipated energy with the factor ``part``: θ, or a cubic
-    # in an explicit step, where the slopes at both ends are exact.
+    # ``remainder`` and ``remainder_whole`` are the energies that rounding has lost at the start and at the
+    # end of the step. Of their difference, the interpolant of the dissipated energy contains ``part`` at θ:
+    # θ, or a cubic in an explicit step, where the slopes at both ends are exact.
     part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_within(step, theta, lost) + grown, step.state[lost])
@@ -182,16 +185,13 @@ def end_at_fraction(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point of the instance to a ``time`` [s] within the last step.
-
-    The step's interpolant is computed if it does not exist.
-    """
+    """Set the communication point of the instance to a ``time`` [s] in the last step, with dense output."""
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 
 
 def truncate_to_output_time(d):
-    """End the last step at the communication point."""
+    """Cut the last step at the communication point, where its dense output becomes the state at the end."""
     ensure_dense(d, OUTPUTS)
     end_at_fraction(d, fraction(d, d.step.time))
     correct_falling_impulses(d)
@@ -199,33 +199,30 @@ def truncate_to_output_time(d):
 
 
 def store_output_state(d):
-    """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
+    """Store the state at the communication point in ``trial.state``, free at that time."""
     interpolate(d.step, fraction(d, d.step.time), d.trial.state)
 
 
 def return_to_stored_state(d):
-    """End the last step at the communication point, in the state that ``store_output_state`` has stored."""
+    """Reset the last step to the communication point, with the state that ``store_output_state`` stored."""
     reset_step(d, d.step.time, d.trial.state)
     d.step.start_delay = 0.0
 
 
 def mark_jump(d):
-    """Mark the rate and the points at the end of the last step as unknown, and count a break.
-
-    A break is a break in the sequence of steps.
-    """
+    """Count a break in the sequence of steps; mark rate and points at the end of the last step as unknown."""
     d.step.rate_known = 0
     note_points_elsewhere(d)
     d.step.breaks += 1
 
 
 def choose_variable(d, size_chosen):
-    """Choose the integration variable of the next step, for the points located at its start.
+    """Choose the integration variable of the next step, time or s (sundman.py), at its located start.
 
     Args:
         d: the instance.
-        size_chosen: whether the size of the step is already in units of this variable, as after contacts have
-            begun or ended; otherwise the size is converted.
+        size_chosen: whether the proposed size is already in units of this variable, as after contacts have
+            begun or ended; otherwise a change of the variable converts the size.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -248,7 +245,7 @@ def ensure_rate(d):
 def find_rate(d, located):
     """Evaluate the rate at the end of the last step.
 
-    ``located``: whether the points are located there. If not, the function locates the points.
+    ``located`` tells whether the points are located there; if not, the function locates them.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.touch.active_count > 0 or d.friction.count > 0
@@ -282,9 +279,10 @@ def ensure_points(d):
 
 
 def largest_turn(d):
-    """Return a bound [rad] on the rotation of a link in the last step.
+    """Return an estimate [rad] of the largest rotation of a link in the last step.
 
-    The rates at both ends of the step must be known.
+    The estimate exceeds the rotation if |ω| and |α| are largest at an end of the step. The rates at both ends
+    must be known.
     """
     first, lasted, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
     turn = 0.0
@@ -296,10 +294,10 @@ def largest_turn(d):
 
 
 def ensure_dense(d, reader):
-    """Ensure that the last step has its dense output, before data on which the output depends are changed.
+    """Ensure that the last step has its dense output; call this before any change of its data.
 
-    Evaluations that only outputs need are not counted, so that the solver's count does not depend on the
-    outputs.
+    The evaluations for a dense output that only outputs need are not counted, so that the solver's count does
+    not depend on the outputs.
 
     Args:
         d: the instance.

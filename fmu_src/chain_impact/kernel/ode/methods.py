@@ -1,19 +1,19 @@
-"""The choice of the method for the next step, and the calls of this method.
+"""The choice of the method of integration for the next step, and the calls of the chosen method.
 
 The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact the stability or the loss of order of the explicit method limits the step. The fastest motion of a
 contact has the rate ρ = max(c/m, √(k/m)), with its damping c, its stiffness k and the effective mass m at its
-onset; with the step size h, the explicit method is stable for about hρ < 6. Steps of an impact have hρ below
-1, so explicit steps with hρ above STIFF_STEP show, at no cost, that the contact is sustained. A sustained
-contact may still oscillate, with shorter steps; implicit steps may be cheaper for such a contact, too. An
-implicit step costs two or three explicit ones, so it must be longer than the last explicit step by the same
-factor. The size of an implicit step for this comparison is the size of the next step, because the first
-implicit steps after an event grow fast.
+onset; with the step size h, the explicit method is stable for about hρ < 6. Explicit steps of an impact have
+hρ below 1, so an explicit step with hρ above STIFF_STEP shows that the contact is sustained. A sustained
+contact that oscillates also limits hρ; implicit steps may be cheaper for such a contact, too. An implicit
+step costs as much as two or three explicit steps, so it must be longer than the last explicit step by this
+factor. The comparison uses the proposed size of the next implicit step, because the first implicit steps
+after an event grow fast.
 
-A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A
-spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
-below STIFF_STEP; if they are longer, the oscillation is so small that implicit steps may damp it.
-Rigid walls cause no stiffness.
+A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joints.py). A spring
+oscillates rather than decays. If the oscillation is larger than the tolerance, the error control keeps hρ of
+explicit steps below STIFF_STEP. If explicit steps have a larger hρ, the oscillation is so small that implicit
+steps may damp it. Rigid walls cause no stiffness.
 
 The functions ``prepare`` and ``attempt`` take the size h of a step, in the step's integration variable.
 """
@@ -34,26 +34,29 @@ from chain_impact.kernel.ode.control import (
     size_at_onset,
 )
 
-# The product hρ of the size and the fastest rate of explicit steps above which implicit steps could be
-# cheaper. Steps of an impact have less than 1, and DOP853 is stable up to about 6.
+# An explicit step with hρ > STIFF_STEP suggests the implicit method; h [s] is the size of the step, and ρ
+# [1/s] the fastest rate of the contacts and joints. With STIFF_STEP below 1 the method would change in
+# impacts; above about 6 explicit steps are unstable.
 STIFF_STEP = 2.0
-# the hρ of explicit steps in sustained contacts above which implicit steps could be cheaper
+# the value that takes the place of STIFF_STEP if all contacts with a force law are sustained
 STIFF_STEP_IN_CONTACT = 0.1
-# The duration, in time scales of the contact, after which a contact counts as sustained. An impact takes
-# three to ten time scales.
+# A contact counts as sustained after SUSTAINED_AFTER times its time scale, the expected penetration divided
+# by the impact speed. An impact takes three to ten time scales, so with a smaller value it could count as
+# sustained.
 SUSTAINED_AFTER = 20.0
-# the ratio of implicit to explicit step size below which explicit steps advance farther in time at the same
-# cost
+# The explicit method returns if the next implicit step is shorter than EQUAL_COST_RATIO times the last
+# explicit step: an implicit step costs about as much as EQUAL_COST_RATIO explicit steps.
 EQUAL_COST_RATIO = 2.5
-# the hρ of implicit steps below which explicit steps advance farther at the same cost, if the size of
-# explicit steps is not known
+# If the size of the last explicit step is not known, the explicit method returns at an implicit step with hρ
+# < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# The largest hρ of explicit steps in contact, and of the first explicit step in flight: two thirds of the
-# stable hρ. A longer step amplifies motions that are too small for the error control.
+# The largest hρ of an explicit step in contact, and of the first explicit step in flight: two thirds of the
+# hρ up to which the method is stable. A longer step amplifies motions that are too small for the error
+# control to notice.
 STABLE_STEP = 4.0
-# This part of the first explicit step of an impact must still be stiff because of joints; otherwise the
-# impact begins with explicit steps. Explicit steps of an impact cost much less than implicit steps, so
-# implicit steps are cheaper only if joints are far stiffer than the contact.
+# The implicit method continues in an impact only if joints make even IMPACT_PART of the impact's first
+# explicit step stiff (hρ > STIFF_STEP). With a value of 1, implicit steps would continue although explicit
+# ones cost less: in an impact, implicit steps are cheaper only if joints are far stiffer than the contact.
 IMPACT_PART = 0.1
 # The number of steps in a row that must favour the other method before the method changes. With fewer steps
 # the method would change in the compression of an impact.
@@ -61,7 +64,10 @@ MIN_SWITCH_STEPS = 3
 
 
 def choose_method(d):
-    """Choose the method of the next step, with the points located at the start of this step."""
+    """Choose the method of the next step from the contacts, the joints and the sizes of steps.
+
+    The points must be located at the start of the next step.
+    """
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.any_rigid and not (d.contact.any_force or d.chain.has_springs_or_dampers):
@@ -72,18 +78,19 @@ def choose_method(d):
             limit_to_stable(d)
     elif not (touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
-    elif step.end > step.start:  # the last step has a length, so the run was not re-initialized just now
+    elif step.end > step.start:  # a last step of zero length, after a re-initialization, has no hρ
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
-                # the last change of the method did not pay, so more steps must favour the next change
+                # the change to the implicit method has not saved cost, so the next change needs twice as many
+                # steps that favour it
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
                 limit_to_stable(d)
             else:
-                # the size is 0, for unknown, if an event or an input has truncated the step: the size that
-                # the errors allow is not known
+                # if an event or an input has truncated the step, its length is not the size that the errors
+                # allow: ``explicit_size`` 0 means unknown
                 step.explicit_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
@@ -91,9 +98,10 @@ def choose_method(d):
 
 
 def suggests_switch(d):
-    """Return whether the size of a step favours the other method.
+    """Return whether the other method would probably cost less than the present ``step.method``.
 
-    The size is that of the next implicit or of the last explicit step.
+    An implicit method is judged by the proposed size of the next step, an explicit one by the last step's
+    length.
     """
     step = d.step
     if step.method == IMPLICIT:
@@ -107,15 +115,16 @@ def suggests_switch(d):
 def limit_to_stable(d):
     """Limit the next explicit step, with active contacts or stiff joints, to a stable size.
 
-    At rest the errors do not show that a step is too long: the state stays correct, but derivatives grow.
+    At rest the error estimate does not show that a step is unstable: the state stays correct, but its
+    derivatives with respect to parameters grow.
     """
     z = stiffness_number(d, d.step.end - d.step.start)
-    if z > 0.0:  # z = hρ is the value of the last step up to its ``end_fraction``
+    if z > 0.0:  # z is hρ of the last step, which may have been truncated to its part ``end_fraction``
         limit_next_size(d, d.step.size * d.step.end_fraction * STABLE_STEP / z)
 
 
 def contacts_last(d):
-    """Return whether contacts with a force law are active, and all of these are sustained."""
+    """Return whether at least one contact with a force law is active, and all such contacts are sustained."""
     if d.touch.compliant_count == 0:
         return False
     for k in range(d.touch.compliant_count):
@@ -127,10 +136,11 @@ def contacts_last(d):
 
 
 def begin_impact(d, c):
-    """Begin a new phase at the onset of candidate c, with the explicit method and the proposed step size.
+    """Choose the method at the onset of candidate c, and reset the counts for a change of the method.
 
-    The proposed size is the result of ``size_at_onset`` for the explicit method. If the last steps were
-    implicit, and joints make the steps of the impact stiff, too, the method stays implicit.
+    The proposed step size must be the result of ``size_at_onset`` for the explicit method. The explicit
+    method begins, unless the last steps were implicit and joints make even the steps of the impact stiff;
+    then the implicit method continues, with at most its own ``size_at_onset``.
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
@@ -140,10 +150,10 @@ def begin_impact(d, c):
 
 
 def begin_flight(d):
-    """Begin a new phase after the last contact or an impact on a rigid wall.
+    """Choose the method after the end of the last contact or after an impact on a rigid wall.
 
-    The method stays implicit only if joints make the proposed step stiff; an explicit step gets a stable
-    size.
+    The implicit method continues only if joints make the proposed step stiff. The first explicit step gets a
+    stable size. The counts for a change of the method are reset.
     """
     z = find_joint_stiffness(d, d.step.next_size)
     if z <= STIFF_STEP:
@@ -156,20 +166,20 @@ def begin_flight(d):
 def stable_size(d, h):
     """Return a stable size [s] for the first explicit step: h, or less if joints are stiff.
 
-    At rest the errors do not show that a step is far too long: its end state is correct, but its dense output
-    is not.
+    At rest the error estimate does not show that a step is far too long: the state at the end of such a step
+    is correct, but the dense output is not.
     """
     return h * min(1.0, STABLE_STEP / max(STABLE_STEP, find_joint_stiffness(d, h)))
 
 
 def begin_explicit(d):
-    """Begin a new phase with the explicit method."""
+    """Choose the explicit method, and reset the counts for a change of the method."""
     d.step.method = EXPLICIT
     reset_stiff_count(d)
 
 
 def reset_stiff_count(d):
-    """Reset the counts of steps that favour a change of the method."""
+    """Reset the count of steps that favour the other method, and the count that a change needs."""
     step = d.step
     step.stiff_count, step.explicit_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS
@@ -184,7 +194,9 @@ def stiffness_number(d, h):
 def find_joint_stiffness(d, h):
     """Return hρ for a step of size h [s], with the fastest rate ρ of joints with dampers or springs.
 
-    If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and ρ is not computed.
+    If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and does not compute ρ.
+    The computation of ρ overwrites the loads on all places; afterwards they are reset to the input force at
+    the tip alone.
     """
     z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:
@@ -194,9 +206,10 @@ def find_joint_stiffness(d, h):
 
 
 def fastest_contact(d):
-    """Return the fastest rate [1/s] of active contacts with a force law, for located points.
+    """Return the fastest rate [1/s] of the active contacts that have a force law; 0 if there are none.
 
-    The rate of a contact is max(c/m, √(k/m)), with c = ∂F/∂δ̇, k = ∂F/∂δ and the effective mass m.
+    The rate of a contact is max(c/m, √(k/m)), with c = ∂F/∂δ̇, k = ∂F/∂δ and the effective mass m at the
+    onset. The points must be located.
     """
     fastest = 0.0
     for k in range(d.touch.compliant_count):
@@ -208,7 +221,7 @@ def fastest_contact(d):
 
 
 def prepare(d, h):
-    """Prepare a step of the current method at its start; return the size h to try first."""
+    """Prepare a step of the current method at the start of the step; return the size to try first, from h."""
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)
     return explicit.size_toward_end(d, h)

@@ -10,14 +10,15 @@ left eigenvectors, with the real and imaginary parts of a pair in successive row
 the right eigenvectors, such that RIGHT · LEFT = 1. RIGHT includes the factor 2 for the two conjugate
 eigenvalues of a pair.
 
-In increments u_i = z_i − z_0 the stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate
-Jacobian for all of them, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q
-these become systems (1 − h μ A) w = r, with r from LEFT · R, one for the real eigenvalue and one for each
-pair of complex ones; ΔU = RIGHT · W, with W the solutions w.
+A step of size h starts at the state z_0 and has the states z_i at its stages. The increments u_i = z_i − z_0,
+the rows of U, solve U = h Q F(z_0 + U), where F are the rates at the stages. With one approximate Jacobian A
+for all stages, an iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q this becomes
+one system (1 − h μ A) w = r for the real eigenvalue μ of Q and one for each pair of complex eigenvalues. The
+right-hand sides r are the rows of LEFT · R; with the solutions w as the rows of W, ΔU = RIGHT · W.
 
-The terms that A leaves out cause more iterations, but no loss of accuracy: each correction is smaller than
-the correction before by a factor θ of about h |∂f/∂z − A|. The iteration has converged when the remaining
-error, θ/(1 − θ) of the last correction, is a small part of the tolerance.
+The terms that A leaves out cause more iterations, but no loss of accuracy: each correction is about θ ≈ h
+|∂f/∂z − A| times the correction before. The iteration has converged when the remaining error, θ/(1 − θ) times
+the last correction, is a small part of the tolerance.
 """
 
 import math
@@ -31,7 +32,8 @@ PAIRS = 2  # number of pairs of complex eigenvalues of the matrix Q
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
     1.0)
-# row i, column j of the matrix Q: the integral of the j-th Lagrange polynomial from 0 to NODES[i]
+# row i, column j of the matrix Q: the integral of the j-th Lagrange polynomial on the nodes from 0 to
+# NODES[i]
 Q: tuple[tuple[float, ...], ...] = (
     (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
      -0.01287910609330644, 0.005042839233882015),
@@ -71,8 +73,8 @@ RIGHT: tuple[tuple[float, ...], ...] = (
     (1.0, 2.0, 0.0,
      2.0, 0.0),
 )
-# Two sets of weights. They give the value at 0 of the polynomial through the values at all nodes, and the
-# value at 1 of the polynomial through the values at all nodes except the last.
+# START_WEIGHTS extrapolate the values at all nodes to the start of the step, 0; END_WEIGHTS extrapolate the
+# values at all nodes except the last to the end of the step, 1.
 START_WEIGHTS = (1.5864079001863283, -1.008117881498373, 0.7309748661597875, -0.5092648848477427,
     0.2)
 END_WEIGHTS = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1904504681318557)
@@ -83,11 +85,11 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-# the largest number of iterations in a step: a slower iteration costs more than shorter steps
+# the largest number of iterations in a step: if more are needed, shorter steps cost less
 MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
-# if the iteration leaves more than this part of an error in each pass (its convergence rate θ), it is given
-# up
+# if each correction is more than this part of the correction before (θ, the convergence rate), the iteration
+# is given up
 DIVERGENCE_RATE = 0.95
 # the largest correction, relative to the tolerance; if a correction is larger, the iteration has failed
 FAILED_CORRECTION = 1e20
@@ -100,10 +102,7 @@ def shift_of(pair, h):
 
 
 def _transformed(i):
-    """Return a function that sets right-hand side i to row i of LEFT · R.
-
-    R are the residuals of the stages.
-    """
+    """Return a function that sets row i of the right-hand sides to row i of LEFT · R, R = h Q F − U."""
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, size):
@@ -119,12 +118,12 @@ def _transformed(i):
 
 
 def _correct(d, size):
-    """Correct the stages by RIGHT · W, and set ``implicit.z`` to each component's largest |change|.
+    """Add RIGHT · W to the stages, and set ``implicit.z`` to the largest |change| of each component.
 
-    W are the solutions of the linear systems.
+    The rows of W are the solutions of the linear systems, in ``implicit.parts``.
     """
     implicit = d.implicit
-    # without a sum or a maximum over the components, so that the compiler can use vector instructions
+    # this loop has no sum or maximum over the components, so that the compiler can use vector instructions
     for j in range(size):
         largest = 0.0
         for i in range(RADAU_STAGES):
@@ -143,19 +142,19 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
     """Return the functions of the iteration for a right-hand side and its linear systems.
 
     Args:
-        begin: function (d) that is called before the stages are evaluated.
+        begin: function (d) that each iteration calls before it evaluates the stages.
         rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
         note: function (d, stage) that is called after the rate at a stage has been evaluated.
-        linearize: function (d, z) that evaluates the derivatives in A at the state z for which f was just
-            evaluated.
+        linearize: function (d, z) that evaluates the derivatives in A at the state z, for which ``rate`` was
+            just called.
         factorize: function (d, h) that factorizes the systems.
-        solve: function (d, h, size) that solves the systems in place; r and x are the rows of
-            ``implicit.parts``.
+        solve: function (d, h, size) that replaces the right-hand sides r in the rows of ``implicit.parts`` by
+            the solutions w.
 
     Returns:
-        Functions (d, h, size): one for the right-hand sides of an iteration, one that corrects the stages in
-        ``implicit.stages`` by the solutions, and one that iterates the stages to the tolerance, and returns
-        whether the iteration has converged.
+        Three functions (d, h, size). The first sets the right-hand sides of an iteration, the second corrects
+        the stages in ``implicit.stages`` by the solutions. The third iterates until the stages are accurate
+        to the tolerance, and returns whether the iteration has converged.
     """
 
     def find_residuals(d, h, size):
@@ -175,7 +174,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         implicit, worst, total = d.implicit, 0.0, 0.0
         _correct(d, size)
         for j in range(size):
-            # a NaN in W reaches this sum through the last stage; max() could hide the NaN
+            # a NaN in a solution reaches this sum through the last stage; max() could hide the NaN
             total += implicit.weight[j] * implicit.stages[RADAU_STAGES - 1, j]
             worst = max(worst, implicit.weight[j] * implicit.z[j])
         implicit.correction = worst if math.isfinite(total) else math.inf
@@ -196,8 +195,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
                 return False
             theta = implicit.correction / before if before > 0.0 else 0.0
             before, implicit.contraction = implicit.correction, theta
-            # The first correction does not show the convergence rate. At rest it is small, but it may still
-            # have a large relative error.
+            # The first correction does not show the convergence rate, so the iteration does not end with it:
+            # at rest the first correction is small, but what remains may be large compared with it.
             if k == 1:
                 continue
             ratio = min(1.0, theta / (1.0 - theta)) if theta < 1.0 else 1.0

@@ -1,16 +1,17 @@
 """Sundman regularization: the integration variable of a step is time or, in an impact, a fictitious time.
 
-A force K δⁿ with n = 3/2 is not a smooth function of time where the contact begins and where it ends: δ is
-proportional to the time since the onset or until the end, and the force to the power 3/2 of this time. An
-explicit method then loses its order and needs very small steps near onset and end. The force is smooth in the
+A force K δⁿ with n = 3/2 is not a smooth function of time where the contact begins and where it ends: there
+the penetration δ is proportional to the time since the onset or until the end, and the force to the power 3/2
+of this time. An explicit method then loses its order and needs very small steps. The force is smooth in the
 variable s of Sundman's transformation,
 
     dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: at onset and end δ is proportional to s², and F to s³. The denominator makes
-the impact as smooth in its middle as at its ends, so that one step size suits the whole impact. The state y
-contains u and t, and the variable of a step is s, the fictitious time of the *regularized contact*, which
-must be the only active contact. Without a regularized contact p = 1, and s is time.
+with δ* the expected penetration: at onset and end δ is proportional to s², and F to s³. The denominator 1 +
+u² makes the motion vary as slowly with s in the middle of the impact as at its ends, so that one step size
+suits the whole impact. The state y contains u and t, and the variable of a step is s, the fictitious time of
+the *regularized contact*, which must be the only active contact. Without a regularized contact p = 1, and s
+is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies takes the place of p.
@@ -27,25 +28,25 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # value of step.regularized if no contact is regularized: the integration variable of the step is time
 NO_CONTACT = -1
-# The least u, the root of the penetration, to which a step may go. Where u < 0 the step has passed the end of
-# the contact, and time decreases.
+# The least u to which a step may go; u is the root of the penetration divided by δ*. Where u < 0 the step has
+# passed the end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
-# The largest sum u + |δ̇|/v₀ with which a point counts as resting on a wall, not as hitting it: u is the root
-# of its penetration, and |δ̇|/v₀ its speed relative to the impact speed. The step then runs in time: with s
-# as the variable, time would hardly advance, because p is almost 0.
+# A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is its
+# normal speed relative to the impact speed. A step from such a state runs in time: with s as the variable,
+# time would hardly advance, because p is almost 0.
 RESTING_SUM = 0.1
 
 
 @inlined
 def regularized_rate(d, y, rate):
-    """Set rate = dy/ds, the rate in the integration variable s of the step."""
+    """Set ``rate`` to dy/ds at the state y; s is the integration variable of the step."""
     rate_from_state(d, y, rate)
     if d.step.regularized != NO_CONTACT:
         to_fictitious_time(d, y, rate)
 
 
 def regularize(d, y, time_rate, rate):
-    """Set rate = dy/ds at an end of a step, from ``time_rate`` = dy/dt and the located points."""
+    """Set ``rate`` to dy/ds at an end of a step, given ``time_rate`` = dy/dt; the points must be located."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.regularized != NO_CONTACT:
@@ -71,7 +72,7 @@ def root_rate(d, u):
 
 
 def root_curve(d, u, slope):
-    """Return u″ = d²u/ds² of the regularized contact, from the rate u′.
+    """Return u″ = d²u/ds² of the regularized contact; ``slope`` is the rate u′.
 
     The points must be located and accelerated.
     """
@@ -82,7 +83,7 @@ def root_curve(d, u, slope):
 
 
 def time_rate_change(u, slope):
-    """Return the derivative p′ = dp/ds = u′ (1 − u²)/(1 + u²)²."""
+    """Return p′ = dp/ds = u′ (1 − u²)/(1 + u²)², the rate of p = dt/ds; ``slope`` is u′."""
     quotient = 1.0 / (1.0 + u * u)
     return slope * (1.0 - u * u) * quotient * quotient
 
@@ -93,15 +94,15 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """Return dt/ds in state y, by which the size of a step is converted to seconds.
+    """Return dt/ds in state y, but at least RESTING_SUM; it converts step sizes to and from seconds.
 
-    The result is at least RESTING_SUM.
+    Without the lower limit a size would be divided by almost 0 where the contact begins or ends.
     """
     return max(RESTING_SUM, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
-    """Return whether a step to state y goes far beyond the contact's end (u < LEAST_ROOT) or back in time."""
+    """Return whether a regularized step to state y goes far beyond the contact's end or back in time."""
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
     )
@@ -110,9 +111,9 @@ def runs_back(d, y):
 def lone_contact(d):
     """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and 1.
 
-    The contact must have a force law, must not rest or end now, and must be the only active contact: several
-    contacts end at different times, and the fictitious time of one does not suit the others. An implicit step
-    always runs in time.
+    The contact must have a force law, must not be at rest or at its end, and must be the only active contact:
+    several contacts end at different times, and the fictitious time of one does not suit the others. An
+    implicit step always runs in time. The points must be located at the start of the step.
     """
     if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0
