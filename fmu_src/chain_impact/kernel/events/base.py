@@ -1,8 +1,9 @@
-"""The end of a run where a wall reaches a pinned base; the scene gives the motions of both.
+"""The end of a run in which a wall reaches a pinned base; the scene prescribes the motions of both.
 
-The clearance g of the base follows from the channels alone (chain/motion.py). As in crossing.py, with a bound
-|g̈| ≤ A over an interval of width w, g falls below its chord by at most A w²/8; an interval in which g may so
-fall to −OVERLAP is halved. So the search also finds a wall that passes the base within a step and comes back.
+The clearance g of the base follows from the channels alone, the prescribed motions of base and walls
+(chain/motion.py). As in crossing.py, with a bound |g̈| ≤ A over an interval of width w, g lies below its
+chord by at most A w²/8; an interval in which g may in this way fall to −OVERLAP is halved. So the search also
+finds a wall that passes the base within a step and comes back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -19,7 +20,7 @@ from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 def end_at_base(d):
     """End the last step where a wall reaches the pinned base, if one does.
 
-    Then ``check_base`` ends the run.
+    ``check_base`` then ends the run.
     """
     reached = d.step.end
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
@@ -36,23 +37,27 @@ def check_base(d):
     """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK."""
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
-        # at the end of a step that ``end_at_base`` has ended, the clearance is −OVERLAP up to round-off
+        # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off, so half of it is a
+        # safe limit
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * OVERLAP:
             return refuse_base(d, c, BASE_BEYOND_WALL)
     return OK
 
 
 def overlap_margin(d, c, time):
-    """Return the clearance of the base from the wall of candidate c plus OVERLAP [m], at a time [s]."""
+    """Return the clearance of the base from the wall of candidate c at a time [s], plus OVERLAP [m].
+
+    The result is negative when the wall has reached the base.
+    """
     move_channels(d, time)
     count_other_cost(d, 1)
     return base_clearance(d, c) + OVERLAP
 
 
 def time_of_meeting(d, c, until):
-    """Return the time [s] at which the wall of candidate c meets the base.
+    """Return the time [s] at which the wall of candidate c reaches the base in the last step.
 
-    ``until`` if they do not meet before.
+    The result is ``until`` if the wall does not reach the base before this time.
     """
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until
@@ -60,8 +65,7 @@ def time_of_meeting(d, c, until):
     while at_a >= 0.0 and not cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
-        # in an interval as short as this one the clearance g falls through −OVERLAP at most once, up to
-        # round-off
+        # in such a short interval the clearance g falls through −OVERLAP at most once, up to round-off
         short = sag < OVERLAP
         if short and at_b < 0.0:
             return time_of_passage(d, c, a, b)
@@ -76,7 +80,7 @@ def time_of_meeting(d, c, until):
 
 
 def time_of_passage(d, c, a, b):
-    """Return, by bisection, the time [s] between a and b at which the base's clearance falls to −OVERLAP."""
+    """Return, by halving, the time [s] between a and b at which the base's clearance falls to −OVERLAP."""
     for _ in range(MOST_GUESSES):
         middle = 0.5 * (a + b)
         if not a < middle < b:

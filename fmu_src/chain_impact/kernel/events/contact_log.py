@@ -1,4 +1,4 @@
-"""Data of each contact: the peak force and penetration, updated in every step, and the log of contacts."""
+"""The peak force and penetration of each contact, updated in every step, and the log of contacts."""
 
 import math
 
@@ -39,7 +39,7 @@ HELD_SAMPLES = 5
 
 
 def update_peaks(d):
-    """Update the peaks of active contacts, and of forces in joints, for the last step."""
+    """Update the peaks of active contacts and, if loads are requested, of joint forces for the last step."""
     if d.touch.active_count > 0:
         update_extremes(d)
     if d.loads > 0:
@@ -55,7 +55,8 @@ def update_extremes(d):
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
-        # the search for the peaks of another contact may have located the points at a time before the end
+        # the search for another contact's peaks may have located the points at a time before the end of the
+        # step
         ensure_points(d)
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
@@ -69,9 +70,9 @@ def update_extremes(d):
 def find_peaks(d, c, force_rate, time, reader):
     """Return the peak force [N] and penetration [m] of candidate c up to a ``time`` [s] in the last step.
 
-    The points must be located and accelerated at ``time``. The third result is true if the points are located
-    at another time afterwards. ``force_rate`` [N/s] is dF/dt at ``time``; ``reader`` is the user of the
-    peaks, OUTPUTS or SOLVER.
+    The peaks are those since the onset. The points must be located and accelerated at ``time``; the third
+    result tells whether they are located at another time afterwards. ``force_rate`` [N/s] is dF/dt at
+    ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -93,12 +94,15 @@ def find_peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether the last step ends at a kink δ̇ = 0 of candidate c, its largest penetration."""
+    """Return whether the last step ends where δ̇ of candidate c falls to 0, at the kink of its law.
+
+    There the penetration is largest, so no search for its maximum is needed.
+    """
     return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
 def update_held_extremes(d):
-    """Update the peak forces at rigid walls for the last step, by parabolas through samples of the forces."""
+    """Update the peak forces at rigid walls for the last step, from samples of the forces and parabolas."""
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)
@@ -120,13 +124,16 @@ def update_held_extremes(d):
 
 
 def update_to_output_time(d):
-    """End the last step at the communication point, log active contacts, and call ``on_truncate``."""
+    """Cut the last step at the communication point, log active contacts there, and call ``on_truncate``."""
     update_own_to_output_time(d)
     hooks.on_truncate(d)
 
 
 def update_own_to_output_time(d):
-    """End the last step at the communication point, and log the active contacts up to this point."""
+    """Cut the last step at the communication point, and log the active contacts up to this point.
+
+    The cost does not count, because it is caused by the caller.
+    """
     counted = counted_cost(d)
     end_at_output_time(d)
     ensure_rate(d)
@@ -137,7 +144,7 @@ def update_own_to_output_time(d):
 
 
 def end_at_output_time(d):
-    """End the last step at the communication point, and drop its events; the next step finds these again.
+    """Cut the last step at the communication point, and drop its events; the next step finds them again.
 
     If the step ends at the communication point anyway, its onsets and changes of modes stay: the next step
     would not find the arrival of a point that is already at the wall.
@@ -152,11 +159,7 @@ def end_at_output_time(d):
 
 
 def list_latest(d):
-    """Write the latest impacts to ``latest``, from the log and the active contacts.
-
-    A contact that still lasts gets its values up to the communication point. The points must be located and
-    accelerated at this point, and the outputs must already contain the forces and impulses.
-    """
+    """Write the latest impacts to the outputs ``latest``, from the log and the active contacts."""
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return
@@ -188,7 +191,7 @@ def list_latest(d):
 def rate_of_force(d, c):
     """Return dF/dt [N/s] of candidate c, for the located and accelerated points.
 
-    Callers use only the sign of the result.
+    Callers use only the sign.
     """
     stiffness, damping = contact_slopes(d, c)
     # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
@@ -219,7 +222,7 @@ largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetratio
 
 
 def clear_log(d):
-    """Clear the log of contacts and ``latest`` at the start of a run."""
+    """Clear the log of contacts and the outputs ``latest`` at the start of a run."""
     latest = d.latest
     d.contact_log.count, d.contact_log.collected, latest.listed = 0, 0, 0
     for row in range(len(latest.time)):
@@ -235,10 +238,10 @@ def collect(d):
 
 
 def end_contact(d, c, was_rigid):
-    """End the contact of candidate c, and log it. In a full log the entry overwrites the oldest one.
+    """End the contact of candidate c, and log it; in a full log the entry overwrites the oldest entry.
 
-    ``was_rigid``: whether a rigid wall held the point until now. The wall may already have another law, with
-    a force.
+    ``was_rigid`` tells whether a rigid wall held the point until now; the wall may have got a law with a
+    force since.
     """
     _, gap_rate = clearance(d, c)
     # a point that a rigid wall held has no speed, so a negative rate is round-off
@@ -248,9 +251,9 @@ def end_contact(d, c, was_rigid):
 
 
 def log_active(d):
-    """Log the active contacts after the ended contacts, without an end time, and without counting them.
+    """Log the active contacts after the ended ones, without an end time; they do not count as ended.
 
-    If more contacts have ended than the log has room for, the active contacts overwrite the oldest.
+    If the log is full, they overwrite the oldest entries.
     """
     row = d.contact_log.count
     for c in range(d.candidates):
@@ -260,7 +263,7 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log a contact with its peaks so far, and update the peaks over all contacts (``d.peaks``)."""
+    """Log a contact with its peaks so far, and update the largest peaks of all contacts (``d.peaks``)."""
     touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])
@@ -273,12 +276,13 @@ def log_with_peaks(d, c, row, end, separation_speed):
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):
-    """Write the contact of candidate c to a row of the log; at a joint's stop the row has moments and angles.
+    """Write the contact of candidate c to a row of the log; at a joint's stop as moments and angles.
 
     Args:
         d: the instance.
         c: the candidate.
-        row: the number of the row; beyond the end of the log it continues from the log's beginning.
+        row: the number of the row since the start of the run; row numbers beyond the length of the log start
+            again at its beginning.
         end: the time at which the contact ends [s]; NaN if the contact has not ended.
         separation_speed: rate ġ of the clearance at ``end`` [m/s], or NaN.
         peak_force: the largest force so far [N].

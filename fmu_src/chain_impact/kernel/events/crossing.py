@@ -1,13 +1,14 @@
 """The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
-The zero of a function φ, a clearance or a penetration, is located on the dense output, with bounds. φ′ is the
-rate of φ in the integration variable of the step. A suspect is a candidate that the search examines, because
-the test in exclusion.py does not exclude its events. θ is a fraction of the step, g a clearance.
+The zero of a function φ is located on the dense output of the step. φ is the clearance of a candidate without
+contact, the penetration of a candidate in contact; φ′ is its rate in the integration variable of the step. A
+suspect is a candidate that the search examines, because the test in exclusion.py does not exclude its events.
+θ is a fraction of the step, g a clearance.
 
-A check for a change of sign between the ends of a step alone misses a point that dips into a wall and
-returns. A bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus
-A w²/8, and φ̇ has no change of sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An
-interval for which neither condition decides is halved.
+If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
+be missed. A bound excludes this: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A
+w²/8; and φ̇ does not change its sign if it has the same sign at both ends a and b and |φ̇_a| + |φ̇_b| > A w.
+An interval in which neither condition excludes an event is halved.
 """
 
 import math
@@ -36,15 +37,16 @@ FINEST_RESOLUTION = 1e-15  # the finest resolution of the search for events, as 
 
 
 def first_passage(function, samples, resolution):
-    """Return a search for the first θ in a step at which ``function``, by samples, falls below zero.
+    """Return a function that searches a step for the first θ at which ``function`` falls below zero.
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of samples in the step.
+        samples: function of d that returns the number of samples in the step. A fall between two samples,
+            with a return, is missed.
         resolution: accuracy of the location [s of the step's variable].
 
     Returns:
-        A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if no sample is below zero.
+        A function of (d, c, end) that returns the first such θ ≤ ``end``, or −1 if no sample is below zero.
     """
 
     def passage(d, c, end):
@@ -58,7 +60,7 @@ def first_passage(function, samples, resolution):
         return -1.0
 
     def root(d, c, low, high, at_high):
-        # The rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168).
+        # the rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168)
         at_low, last, width = function(d, c, low), 0, max(FINEST_RESOLUTION, resolution / d.step.size)
         if at_low < 0.0:
             return low
@@ -94,23 +96,22 @@ def locate_at(d, theta):
     locate_points(d, d.scratch.y)
 
 
-# The largest deviation of a clearance φ from its chord that counts as round-off, relative to a link length;
-# an interval in which the deviation is smaller is not halved.
+# An interval in which the clearance φ can deviate from its chord by less than CROSSING_RESOLUTION, relative
+# to a link length, is not halved: the deviation is round-off.
 CROSSING_RESOLUTION = 1e-15
-# The limit, relative to a link length, below which the clearance φ of a point, and the change of φ in an
-# interval, mean that the point skims a wall: it moves along the wall. Example: a link lies along a wall that
-# holds another point of it.
+# A point skims a wall, it moves along the wall, if its clearance φ and the change of φ in an interval are
+# below SKIMMING_CLEARANCE, relative to a link length. Example: a point of a link that lies along a wall.
 SKIMMING_CLEARANCE = 1e-13
-# The fraction of a step up to which an interval is not halved for a point that skims a wall in this interval.
+# For a point that skims a wall, an interval of at most this fraction of the step is not halved.
 FINE_INTERVAL = 2.0**-8
-# The largest time [s] between events that count as simultaneous: symmetric chains touch at several points at
-# once, up to round-off.
+# Events within this time [s] count as simultaneous: symmetric chains touch at several points at once, up to
+# round-off.
 SIMULTANEOUS_TIME = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """Return θ of the first onset or end of a contact of a suspect in the last step, or −1 if there is none.
+    """Return θ of the first onset or end of a suspect's contact in the last step, or −1 if there is none.
 
     The function marks the candidates that have an event at this θ. The clearances φ and their rates φ′ at the
     start of the step must be set, and no candidate may be marked.
@@ -127,17 +128,16 @@ def find_crossing(d):
             return -1.0
         else:
             begin_next_interval(d)
-            # the next interval begins at b, and is the widest interval there that halving of the step can
-            # give
+            # the next interval begins at b: the widest interval that repeated halving of the step gives there
             a, width = b, b - a
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # status.TOO_MUCH_WORK has been reached: the caller will end the run
+    return -1.0  # the cost exceeds its limit, with which the caller ends the run
 
 
 def check_interval(d, a, b):
-    """Return SPLIT if any suspect needs a shorter interval than (a, b], else CROSSES if any has an event.
+    """Return SPLIT if a suspect needs a shorter interval than (a, b], else CROSSES if any has an event there.
 
     The result is QUIET if no suspect can have an event.
     """
@@ -151,7 +151,11 @@ def check_interval(d, a, b):
 
 
 def check_candidate(d, c, a, b):
-    """Return QUIET, CROSSES or SPLIT for candidate c over the interval (a, b] of the step."""
+    """Return whether candidate c surely has no event in the interval (a, b] of the step, or has one.
+
+    Returns:
+        QUIET: there is no event; CROSSES: φ falls through zero; SPLIT: the interval is too long to decide.
+    """
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
     if c == d.step.regularized:
@@ -161,29 +165,29 @@ def check_candidate(d, c, a, b):
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # at the end of the step, and for a point in contact, only φ < −`harmless` counts as a fall below zero: a
-    # point beyond zero by a smaller distance may turn back
+    # φ must normally be negative at the end. At the step's end, and for a point in contact, φ must be below
+    # −`harmless`: a point beyond zero by a smaller distance may turn back
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # the condition is `not sag >= …`: for a NaN, `sag < …` is false, and the interval would be halved without
-    # end
+    # `not sag >= …` is true for a NaN; with `sag < …` the interval would be halved without end
     if (
         settled
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
-        # Here is an onset: at a loose tolerance the interpolant can put a point deep inside a wall although
-        # the point does not move inward. But a contact does not end here: a point in contact that moves
-        # inward has not left, even where the interpolant of a stiff step puts it outside.
+        # If φ ends below −`harmless`, this is an onset even if φ does not fall at the end: at a loose
+        # tolerance the interpolant can put a point deep inside a wall although the point does not move
+        # inward. It is not the end of a contact: a point in contact that moves inward has not left the wall,
+        # even where the interpolant of a stiff step puts it outside.
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
 
 def skims_wall(d, c, width):
-    """Return whether candidate c moves almost along the wall in an interval of this ``width``."""
+    """Return whether candidate c moves almost along its wall in an interval of this ``width``."""
     search = d.search
     moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
     return (
@@ -193,15 +197,15 @@ def skims_wall(d, c, width):
 
 
 def nearly_linear(d, c, part):
-    """Return whether the clearance φ of candidate c is linear up to round-off over a fraction of the step."""
+    """Return whether the clearance φ of candidate c is linear, up to round-off, over ``part`` of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= CROSSING_RESOLUTION * d.chain.longest_link
 
 
 def locate_crossing(d, a, b):
-    """Return θ of the earliest event in (a, b], and mark its candidates.
+    """Return θ of the earliest event in (a, b], and mark the candidates that have an event at this time.
 
-    No suspect may need a shorter interval than (a, b].
+    ``check_interval`` must not have asked for a shorter interval than (a, b].
     """
     first, located = b, -1
     for k in range(d.search.suspect_count):
@@ -210,7 +214,7 @@ def locate_crossing(d, a, b):
         mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # `first` is the earliest event so far, and φ of all suspects is known there: a candidate with φ ≥ 0
+        # `first` is the earliest event so far, where φ of all suspects is known: a candidate with φ ≥ 0 there
         # has its event later
         if d.touch.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
@@ -218,8 +222,8 @@ def locate_crossing(d, a, b):
     within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        # the candidate `located` is always marked: if its point is slow, round-off alone may put φ of this
-        # candidate above the limit
+        # The candidate `located` stays marked in any case: if its point is slow, round-off alone may put its
+        # φ above the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NONE)
     return first
@@ -230,8 +234,8 @@ def find_root(d, c, a, b):
 
     The points must be located at b. The function also sets φ of all suspects at θ.
 
-    Newton's method is safeguarded by a shrinking bracket. Two cases need no iteration, both with φ ≤ 0 at a:
-    if φ does not rise at a, θ is a; if φ rises and is linear up to round-off, θ is b.
+    Newton's method works inside an interval around the root that shrinks. Two cases with φ ≤ 0 at a need no
+    iteration: if φ does not rise at a, θ is a; if φ rises there and is linear up to round-off, θ is b.
     """
     if d.search.phi_start[c] <= 0.0 and (d.search.phi_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.phi_start_rate[c] <= 0.0 else b
@@ -249,7 +253,8 @@ def find_root(d, c, a, b):
             break
         guess = theta - value / slope
         if abs(guess - theta) <= 0.25 * resolution:
-            # the guess is close enough; if it is an end of the bracket, bisection would only approach it
+            # the guess is close enough; if it is an end of the interval, halving would only approach it
+            # slowly
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)
@@ -260,11 +265,12 @@ def find_root(d, c, a, b):
 
 
 def bound_curvature(d):
-    """Set a bound on the second derivative of the clearance of every suspect over the last step.
+    """Set a bound on |φ″| of every suspect over the last step; φ is its clearance or penetration.
 
-    In time, the bound of point k is |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²). This is far too large for
-    a point that rests on a stiff wall. An implicit step integrates the clearances of such points, and
-    ``bound_curvatures`` then sets smaller bounds.
+    The bound on the acceleration of point k along the normal n is |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²), with
+    the base's acceleration a_0 and the lengths L_i of the links. It is far too large for a point that rests
+    on a stiff wall. An implicit step integrates the clearances of such points, and ``bound_curvatures`` then
+    sets smaller bounds.
     """
     n = d.links
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
@@ -285,7 +291,7 @@ def bound_curvature(d):
         v, a = motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
-            # a channel is a function of time: its part of dġ/ds is p = dt/ds times its acceleration
+            # a channel is a function of time: it adds p = dt/ds times its acceleration to dġ/ds
             v, a = v + speed, a + p * acceleration
         of_links = links_curvature(d, c) if not at_joint_stop(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -296,8 +302,8 @@ def bound_curvature(d):
 def links_curvature(d, c):
     """Return the contribution of the links to the curvature bound of candidate c, from ``scratch.reach``.
 
-    For a site at the distance r from its link's proximal joint, the part of this link is multiplied by r/ℓ,
-    with the link's length ℓ.
+    A site at the distance r from the proximal joint of its link, of the length ℓ, gets only r/ℓ of this
+    link's part.
     """
     reach, point = d.scratch.reach, d.candidate.point[c]
     if point <= d.links:
@@ -308,11 +314,12 @@ def links_curvature(d, c):
 
 
 def motion_bounds(d, c, along_x, along_y):
-    """Return the base's part of the bounds on |ġ| and |dġ/ds|, for the clearance g of candidate c.
+    """Return bounds on |ġ| and |dġ/ds| of candidate c's clearance g that follow from the base's motion.
 
-    For a joint's stop the bounds are complete, from the joint's angle alone. s is the step's variable.
+    For a joint's stop the bounds are complete, and follow from the joint's angle alone. s is the step's
+    variable.
 
-    ``along_x`` and ``along_y`` are the bounds for the components of the base's velocity.
+    ``along_x`` and ``along_y`` are the bounds for the x and y components of the base's velocity.
     """
     if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
@@ -330,7 +337,7 @@ def motion_bounds(d, c, along_x, along_y):
 
 
 def prescribed_bounds(d, c):
-    """Return the contribution of channels to bounds on |ġ| and |g̈| in the last step, for candidate c.
+    """Return what moving base and walls add to bounds on |ġ| and |g̈| of candidate c over the last step.
 
     g is the clearance.
     """
@@ -347,16 +354,13 @@ def prescribed_bounds(d, c):
 
 
 def measure_clearances(d, theta):
-    """Set φ and φ′ of every suspect at the fraction θ of the step, where an interval ends.
-
-    φ is the clearance, and φ′ the rate of φ.
-    """
+    """Set φ and φ′ of every suspect at the fraction θ of the step, the end of an interval."""
     locate_at(d, theta)
     measure_located(d)
 
 
 def measure_located(d):
-    """Set the clearance φ and its rate φ′ of every suspect where ``locate_at`` has located the points."""
+    """Set φ and φ′ of every suspect where ``locate_at`` has located the points."""
     u, slope = sundman_u_now(d, d.scratch.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

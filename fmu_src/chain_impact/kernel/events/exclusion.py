@@ -1,9 +1,9 @@
-"""Clearances at the two ends of a step, and a test of these that excludes events without a search.
+"""Clearances at the two ends of a step, and a test of them that excludes events without a search.
 
 φ is the clearance of a candidate without contact, and the penetration of a candidate in contact. For the
-regularized contact φ is u, the root of the relative penetration (ode/sundman.py). φ is a function of the
-integration variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its derivatives in time. δ is
-the penetration, and v₀ the impact speed of the law.
+regularized contact φ is u, the root of its penetration relative to the expected one (ode/sundman.py). φ is a
+function of the integration variable of the step, with the derivatives φ′ and φ″; φ̇ and φ̈ are its
+derivatives in time. δ is the penetration, and v₀ the impact speed of the law.
 """
 
 import math
@@ -16,36 +16,37 @@ from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
-# [rad] The largest turn of a link in a step for which the estimate of the interpolant's remainder is valid.
+# [rad] If a link turns more in a step, the estimate of the interpolant's error is not valid, and the step is
+# searched.
 SMALL_TURN = 1.0
-# The margin for round-off and for the estimated remainder, relative to the range of the Bernstein
-# coefficients of φ. Without the margin, the test could exclude an event that happens.
+# φ counts as positive in a step if its least Bernstein coefficient exceeds this part of their range. Without
+# the margin, round-off or a wrong estimate of the interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
-# The ratio of the rate δ̇ of the penetration to the impact speed v₀ at which v₀ is latched (fixed) again,
-# after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to δ̇, so
-# that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ times its
-# elastic force.
+# If the rate δ̇ of the penetration exceeds RELATCH_RATIO times the impact speed v₀, v₀ is latched (fixed)
+# again, after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to
+# δ̇, so that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ
+# times its elastic force.
 RELATCH_RATIO = 2.0
-# The part of RELATCH_RATIO times the impact speed. If the rate of the penetration exceeds this part at an end
-# of a step, the search also samples the inside of the step.
+# If the rate of the penetration exceeds NEARLY_FAST times RELATCH_RATIO times the impact speed at an end of a
+# step, it may exceed the ratio inside the step, and the step is sampled.
 NEARLY_FAST = 0.75
 
 
-# values of `search.known`: which data of the clearances are known at the end of the last step. NOTHING: none;
-# VALUES: the clearances and their rates, φ and φ′; WITH_CURVES: also φ″; FAR: only that every candidate
-# without contact has a clearance of at least `search.safe_distance`
+# values of `search.known`, which tell what is known at the end of the last step. NOTHING: no clearances;
+# VALUES: the clearances φ and their rates φ′; WITH_CURVES: also φ″; FAR: only that every candidate without
+# contact has at least the clearance `search.safe_distance`
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """Return which data of the clearances are known at the start of the step that is searched."""
+    """Return what is known of the clearances at the start of the searched step: a value of `search.known`."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
 def remember_clearances(d, extent):
-    """Record which data of the clearances are known at the end of the last step.
+    """Record what is known of the clearances at the end of the last step; ``extent``: a `search.known`.
 
-    The record is valid until a break in the sequence of steps (``step.breaks``).
+    This is valid until a break in the sequence of steps (``step.breaks``).
     """
     d.search.known, d.search.known_for = extent, d.step.breaks
 
@@ -53,9 +54,10 @@ def remember_clearances(d, extent):
 def excludes_events(d):
     """Return whether the states and rates at the ends of the last step exclude events of all candidates.
 
-    The test relies on an estimate of the interpolant's remainder, not on a bound. The step's method must
-    provide the rate at the end; the points are located and accelerated at the end. If the result is false,
-    the clearances φ and their rates φ′ of all candidates are known at both ends, and the suspects are chosen.
+    The test relies on an estimate of the interpolant's error, not on a bound. The rate at the end of the step
+    must be known, and the points located and accelerated there. If the result is false, the clearances φ and
+    their rates φ′ of all candidates are known at both ends, and the candidates that the search examines are
+    chosen.
     """
     # an input with this angular frequency may change the acceleration in the step as a rotating link does
     changing = max(d.inputs.piece.change_rate, rate_of_signals(d))
@@ -72,9 +74,9 @@ def excludes_events(d):
         d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # The remainder of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. Its estimate
-    # is ten times the remainder for the tip of a stretched chain in uniform rotation or, if larger, for a
-    # motion that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
+    # The error of the interpolant of a clearance φ is h⁶ φ⁽⁶⁾/46080, with the step size h. It is estimated as
+    # ten times the error for the tip of a stretched chain in uniform rotation or, if larger, for a motion
+    # that decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|, with φ̈ of the rotation.
     fade = (d.step.end - d.step.start) * d.chain.joint_rate_bound
     way = distance_per_radian(d)
     if d.channels > 0:
@@ -84,13 +86,13 @@ def excludes_events(d):
     error = way * turns * (larger * larger) / 4608.0
     clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
-        # Without branches the compiler can use vector instructions, so both conditions are evaluated for all
-        # candidates. The second condition is true for every contact: contacts with a force are tested below,
-        # and held points have no crossings.
+        # The loop has no branches, so that the compiler can use vector instructions: both conditions are
+        # evaluated for all candidates. Every contact passes by the second: contacts with a force are tested
+        # below, and held points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
-        # without `allowed_position_error`, because the errors of a penetration are far smaller than those of
-        # a position
+        # `allowed_position_error` is not added: the errors of a penetration are far smaller than those of a
+        # position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not clear:
@@ -109,13 +111,7 @@ def suspect_all(d):
 
 
 def suspect_some(d, apart, error):
-    """Let the search examine the candidates for which the test at the step's ends does not exclude events.
-
-    Args:
-        d: the instance, with the clearances φ and their derivatives φ′ and φ″ at both ends.
-        apart: the error [m] of the clearances of candidates without contact.
-        error: the error [m] of the penetrations of candidates in contact.
-    """
+    """Let the search examine the candidates that the test at the step's ends does not exclude."""
     search, count = d.search, 0
     for c in range(d.candidates):
         if d.touch.active[c]:
@@ -140,9 +136,9 @@ def allowed_position_error(d):
 def distance_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
-    For a point this distance is the length of the stretched chain. For the place of a joint with stops this
-    distance is the relative angle, at most 2 rad, times the length of the longest link; it is larger than the
-    chain if this link is longer than all other links together.
+    For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
+    the joint's angle, which changes by at most 2 rad, times the length of the longest link; it is the larger
+    one if this link is longer than all other links together.
     """
     if d.chain.has_joint_stops and d.links > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)
@@ -150,9 +146,9 @@ def distance_per_radian(d):
 
 
 def remains_far(d):
-    """Return whether no candidate can have touched, and no contact with a force can have an event.
+    """Return whether the last step surely has no event, because all points were far from all walls.
 
-    If a contact has a force, it must be the regularized contact.
+    A contact with a force is allowed only if it is the regularized contact and lasts.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
@@ -161,8 +157,7 @@ def remains_far(d):
     if d.channels > 0:
         rate, rate_change = fastest_wall(d)
         search.speed, search.acceleration = search.speed + rate, search.acceleration + rate_change
-    # way: a bound on the distance that any point moves in the step; the acceleration counts double, as a
-    # margin
+    # `way` bounds the distance that any point moves in the step; the acceleration counts double, as a margin
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > allowed_position_error(d)):
@@ -177,12 +172,12 @@ def remains_far(d):
 
 
 def force_stays_smooth(d, c):
-    """Return whether contact c keeps its impact speed, and its force has no kink, in the whole last step."""
+    """Return whether contact c keeps its impact speed v₀ and crosses no kink in the last step."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may be latched again.
+    """Return whether δ̇ of contact c is so large at an end of the step that v₀ may be latched anew in it.
 
     δ̇ is the rate of the penetration, and v₀ the impact speed.
     """
@@ -193,9 +188,9 @@ def nearly_fast(d, c):
 def stays_positive(d, c, error):
     """Return whether φ of candidate c surely exceeds ``error`` − ``harmless_depth`` in the last step.
 
-    φ is the clearance, or the penetration of a contact; the value of φ at the start does not count. The
-    quintic Hermite interpolant of φ, from the value and first two derivatives at the ends of the step, is at
-    least the smallest Bernstein coefficient.
+    φ is the clearance, or the penetration of a contact; its value at the very start of the step is not
+    tested. The quintic Hermite interpolant of φ, from the value and the first two derivatives at both ends of
+    the step, is at least its smallest Bernstein coefficient.
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0
@@ -220,7 +215,7 @@ def stays_in_contact(d, c, error):
 
 
 def measure_all(d, y):
-    """Set every candidate's clearance φ and its derivatives φ′ and φ″ for the state y.
+    """Set φ and its derivatives φ′ and φ″ of every candidate for the state y, and ``search.safe_distance``.
 
     The points must be located and accelerated.
     """
@@ -243,15 +238,15 @@ def measure_all(d, y):
 
 
 def set_clearances(d, y):
-    """Set the clearance φ and its rate φ′ of every candidate for the state y; return u′.
+    """Set φ and φ′ of every candidate for the state y; return u′ of the regularized contact.
 
-    The points must be located. u′ belongs to the regularized contact.
+    The points must be located.
     """
     u, slope = sundman_u_now(d, y)
     p = time_rate_of(d, u)
     for c in range(d.candidates):
-        # first as if all candidates were without contact: a branch in this loop would cost more than to set
-        # active contacts again below
+        # all candidates are treated as without contact first: a branch in this loop would cost more than to
+        # set active contacts again below
         gap, gap_rate = clearance(d, c)
         d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
     for k in range(d.touch.active_count):
@@ -260,9 +255,10 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """Return u, the root of the penetration, and u′ of the regularized contact for the state y.
+    """Return u and its rate u′ of the regularized contact for the state y, whose points are located.
 
-    The points must be located. Without a regularized contact the results are 1 and 0.
+    u is the root of the penetration relative to the expected one. Without a regularized contact the results
+    are 1 and 0.
     """
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
@@ -271,9 +267,9 @@ def sundman_u_now(d, y):
 
 
 def set_clearance(d, c, u, slope):
-    """Set the clearance φ and its rate φ′ of candidate c for the located points.
+    """Set φ and φ′ of candidate c for the located points: its clearance, or its penetration in contact.
 
-    The arguments ``u`` and ``slope`` = u′ are those of the regularized contact.
+    ``u`` and ``slope`` = u′ belong to the regularized contact.
     """
     if c == d.step.regularized:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
@@ -289,7 +285,7 @@ def set_clearance(d, c, u, slope):
 
 
 def begin_next_interval(d):
-    """Copy the clearances φ and their rates φ′ from the end of an interval to the start of the next one."""
+    """Copy φ and φ′ of all candidates from the end of an interval to the start of the next one."""
     for c in range(d.candidates):
         d.search.phi_start[c] = d.search.phi_end[c]
         d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

@@ -1,8 +1,8 @@
 """The modes of dry friction after an event: which elements stick, and which slide in which direction.
 
-An element that moves along t slides in the direction of its motion. The modes of elements at rest follow from
-the forces: they stick if the forces of their constraints are within the limits of static friction; otherwise
-they slide so that friction acts against the motion that begins,
+An element that moves along the tangent t slides in the direction of its motion. The mode of an element at
+rest follows from the forces: it sticks if the force that holds it is within the limit of static friction;
+otherwise it slides, and friction acts against the motion that begins,
 
     sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
 
@@ -38,23 +38,23 @@ from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stall
 from chain_impact.kernel.rows.geometry import any_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.rows.limits import find_limited_forces
 
-# The largest acceleration against the direction of sliding that counts as an error, for an element at rest
-# with the mode "slides" that other forces hold. It is relative to the sum of the largest acceleration,
-# gravity and one link length per second squared; twice the largest acceleration of a sticking element is
-# added.
+# An element at rest with the mode "slides" may accelerate against its direction of sliding by this much,
+# because of errors, relative to the sum of the largest acceleration, gravity and one link length per second
+# squared; twice the largest acceleration of a sticking element is added. A larger acceleration makes the mode
+# inconsistent.
 ACCELERATION_ERROR = 1e-9
-# The largest speed of an element that sticks or has just stopped, relative to a link length per second. Such
-# a speed is an error at a loose tolerance; a faster element slides.
+# An element that sticks or has just stopped may have this speed, relative to a link length per second, as an
+# error at a loose tolerance; a faster element slides.
 SPEED_ERROR_AT_REST = 1e-3
 
 
 def update_modes(d, jumped):
-    """Set the modes for the end of the last step, and project the state onto sticking constraints.
+    """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, a small speed of an element that stuck until now is an
-            error, and the element is at rest.
+        jumped: whether speeds may have jumped. If not, a small speed of an element that has stuck is an
+            error, and the element counts as at rest.
     """
     friction = d.friction
     list_friction(d)
@@ -95,11 +95,11 @@ def reinit_modes(d, jumped):
 
 
 def set_slack(d, e):
-    """Set the slack of element e: the backward speed [m/s] in the mode "slides" that counts as an error.
+    """Set the slack of element e: the speed [m/s] against its direction of sliding that counts as an error.
 
-    The slack is the tolerance times a link length per second for an element at rest whose mode is unchanged
-    or inconsistent: other forces may hold the element, and errors decide whether it moves. In any other case
-    the slack is 0.
+    The slack is the tolerance times a link length per second for an element at rest in the mode "slides"
+    whose mode is unchanged or inconsistent with the forces: other forces may hold the element, and errors
+    decide whether it moves. In any other case the slack is 0.
     """
     unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.before[e]
     d.element.slack[e] = (
@@ -108,9 +108,9 @@ def set_slack(d, e):
 
 
 def widen_slack(d, e):
-    """Widen the slack of an element e at rest, if necessary, to twice its present backward speed.
+    """Widen the slack of an element e at rest to at least twice its present speed against its direction.
 
-    The exact speed is zero; the present speed is the error with which the zero was located.
+    The exact speed is zero; the present speed is the error with which the event at zero speed was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -118,9 +118,10 @@ def widen_slack(d, e):
 
 
 def first_mode(d, e, jumped):
-    """Return the mode of element e that follows from its motion; mark e as undecided if it is at rest.
+    """Return the mode of element e that follows from its speed; mark e as undecided if it is at rest.
 
-    The mode of an element at rest stays, unless the mode ends or the contact begins.
+    An undecided element keeps its mode at first, unless the mode ends or the contact begins; then
+    ``choose_modes`` decides.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]
@@ -130,7 +131,7 @@ def first_mode(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
-    # a small backward speed of a sliding element is an error
+    # a speed of a sliding element against its direction is an error up to the slack
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -140,9 +141,9 @@ def first_mode(d, e, jumped):
 
 @has_dual_rule
 def choose_modes(d):
-    """Change the modes of undecided elements until all modes are consistent.
+    """Change the modes of undecided elements until all modes are consistent with forces and accelerations.
 
-    If this fails, choose the modes from the forces within the limits.
+    If this does not end, choose the modes from forces that stay within the limits of friction.
     """
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
@@ -158,7 +159,7 @@ def choose_modes(d):
 
 
 def count_inconsistent_now(d):
-    """Find forces and accelerations with the present modes, and count the inconsistent modes."""
+    """Compute forces and accelerations with the present modes; return the number of inconsistent modes."""
     rate = d.scratch.rate
     list_sticking(d)
     rate_from_points(d, d.step.state_end, rate)
@@ -168,10 +169,10 @@ def count_inconsistent_now(d):
 
 
 def choose_by_limits(d):
-    """Let all undecided elements stick, except those whose forces are at their limits (rows/limits.py).
+    """Let all undecided elements stick, except those whose forces reach their limits (rows/limits.py).
 
-    An element at its limit gets the mode "slides" although other forces may hold the element. A motion of
-    this element is then only an error, in either direction.
+    An element whose force is at its limit gets the mode "slides", although other forces may hold the element.
+    A motion of this element is then only an error, in either direction.
     """
     for i in range(d.friction.count):
         if d.element.undecided[d.element.index[i]]:
@@ -190,9 +191,9 @@ def any_force_over_limit(d):
 
 
 def slide_at_limits(d):
-    """Let the elements slide whose forces are at their limits of friction.
+    """Let the sticking elements slide whose forces, found within the limits of friction, are at a limit.
 
-    If no force is at its limit, let the elements slide whose forces exceed the limits.
+    If there is none, let the elements slide whose constraint forces exceed their limits.
     """
     all_stick = True
     for i in range(d.friction.stuck_count):
@@ -224,7 +225,10 @@ def is_inconsistent(d, e):
 
 
 def acceleration_error(d):
-    """Return the largest acceleration [m/s²] that may be round-off or a residual of the constraints."""
+    """Return the acceleration [m/s²] against the direction of sliding that may be an error.
+
+    It contains round-off and what the constraints of sticking elements leave.
+    """
     left = 0.0
     for i in range(d.friction.stuck_count):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
@@ -236,12 +240,12 @@ def acceleration_error(d):
 
 
 def clear_changes(d):
-    """Clear the log of changes, after the caller has collected them or at the start of a run."""
+    """Clear the log of mode changes, after the caller has collected it or at the start of a run."""
     d.changes.count = 0
 
 
 def log_changes(d):
-    """Log the elements whose mode has changed; in a full log the new entries overwrite the oldest entries."""
+    """Log the mode changes at the end of the last step; in a full log they overwrite the oldest entries."""
     log = d.changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.before[e]:

@@ -1,10 +1,10 @@
 """The handlers of events, and the size of the step after an event.
 
-The events ONSET and END, crossings of a clearance, are found with bounds, so that none is missed
-(crossing.py). The other events are found by samples of a step, because a late location of such an event does
-no harm (sampled.py lists them). At an event the points are located. ``handle_impact`` handles all
+ONSET and END are crossings of a clearance; they are found with bounds, so that none is missed (crossing.py).
+The other events are found by samples of a step, because it does no harm to locate such an event late
+(sampled.py lists them). When an event is applied, the points are located. ``handle_impact`` handles all
 simultaneous events at rigid walls together (impacts.py). If a point arrives at a rigid wall, contacts with a
-force and a simultaneous onset begin after the impulses.
+force law that begin at the same time begin after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -46,17 +46,17 @@ from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 
-# The largest time that a point still needs to get out of the wall if it counts as having left, relative to
-# the contact's time scale. Waiting until the point is out would take one more step: a tenth of the cost of an
-# impact, at a tolerance of 1e-4.
+# A contact ends already before its point is outside, if the point needs at most this time to get out,
+# relative to the contact's time scale. Otherwise an impact would take one step more: a tenth of its cost, at
+# a tolerance of 1e-4.
 LEAVING_TIME = 0.01
 
 
 def end_if_point_left(d, c):
-    """End the contact of candidate c if its point has left the wall.
+    """End the contact of candidate c if its point has left the wall, or leaves it very soon.
 
-    A point that still moves inward, or that needs a long time to get out, has not left the wall: within the
-    tolerance, the located end of a contact may have such an error.
+    The located end of a contact has an error within the tolerance, so the point may still move inward or need
+    a long time to get out. Then the contact does not end.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -67,7 +67,7 @@ def end_if_point_left(d, c):
 
 
 def apply_event(d, c, kind):
-    """Apply an event of candidate c, which has a force law; return whether the force may have jumped."""
+    """Apply an event of candidate c, which has a force law; return whether its force may have jumped."""
     if kind == ONSET:
         begin_force_contact(d, c)
     elif kind == END:
@@ -83,19 +83,20 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force may have jumped: a contact begins, ends, reaches its kink or gets a new impact speed,
-        a rigid wall hits or holds a point, or modes are chosen again.
+        Whether a force may have jumped. This is possible if a contact begins, ends, reaches its kink or gets
+        a new impact speed, if a rigid wall hits or holds a point, or if modes of friction or drives exist.
     """
-    # ``onset`` is the last candidate at which a contact with a force begins
+    # ``onset`` is the last candidate with a force law whose contact begins
     touch, onset, jumped = d.touch, -1, False
-    # the proposed size remains valid after the end of a mode of friction, a kink and a new impact speed
+    # after the end of a friction or drive mode, a kink and a new impact speed, the proposed step size remains
+    # valid
     goes_on = pending_changes(d) + d.drive.event > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.count > 0:
-        # The forces decide whether elements stick. The forces are computed again, because the present ones
-        # may belong to another time, at which outputs were computed.
+        # The forces decide whether elements stick. They are computed again for this time, because the stored
+        # forces may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
     had_forces = touch.compliant_count > 0
@@ -123,7 +124,7 @@ def apply_events(d):
     if rigid and touch.compliant_count == 0:
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
-            # it
+            # the contact
             control.propose_flight_size(d)
         begin_flight(d)
     else:
@@ -135,9 +136,9 @@ def apply_events(d):
 
 
 def renew_modes(d, jumped):
-    """Choose held contacts, modes and sides of kinks again, because laws or inputs may have changed.
+    """Choose held contacts, all modes and sides of kinks again, because laws or inputs may have changed.
 
-    ``jumped``: whether speeds may have jumped, such as the speed of a belt.
+    ``jumped`` tells whether speeds may have jumped, such as the speed of a belt.
     """
     recompute_active_set(d)
     choose_saturation(d)
@@ -147,7 +148,7 @@ def renew_modes(d, jumped):
 
 
 def recompute_active_set(d):
-    """End the held contacts that changed laws or inputs end, update the active set, and reset the step."""
+    """End held contacts that changed laws or inputs release, and reset the last step to zero length."""
     if not any_point_held(d):
         return
     end_changed_contacts(d)
@@ -157,11 +158,11 @@ def recompute_active_set(d):
 
 
 def choose_next_size(d, onset, goes_on):
-    """Choose the size and the method of the step after events.
+    """Choose the size and the method of the step that follows after events.
 
     Args:
         d: the instance.
-        onset: the last candidate with an onset among the events; −1 if there is no onset.
+        onset: the last candidate with a force law whose contact begins; −1 if there is none.
         goes_on: whether the proposed size of the next step remains valid if there is no onset.
     """
     if d.touch.active_count == 0:
@@ -179,9 +180,9 @@ def choose_next_size(d, onset, goes_on):
 
 
 def force_has_kink(d):
-    """Return whether the force of a contact has a kink at an event.
+    """Return whether the force of a contact has a kink at a marked event, so that the step must end there.
 
-    It has one at a KINK, and at an END unless the contact is regularized.
+    KINK is such an event, and END, unless the contact is regularized.
     """
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False

@@ -7,11 +7,11 @@ ones with ġ = 0, it reads
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
 where u⁻ and u⁺ are the normal speeds before and after the impact, p the impulses, W the inverse of the mass
-matrix along the normals, and e the restitution, with e = 0 for a held contact and for a point that arrives
-slower than ``contact.minimum_impact_speed``, so that a bouncing point comes to rest after finitely many
-impacts. Every p does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (If a point
-that all but touches a wall moves away from the wall, u⁻ > 0, an impact could add energy; then the impact is
-computed with e = 0 for all contacts, which adds no energy.)
+matrix along the normals, and e the restitution. A held contact and a point that arrives slower than
+``contact.minimum_impact_speed`` have e = 0, so that a bouncing point comes to rest after finitely many
+impacts. Every impulse p > 0 does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u⁻ ≤ 0, so no impact adds energy. (A
+point that all but touches a wall and moves away from it has u⁻ > 0, so an impact could add energy; then the
+impact is computed with e = 0 for all contacts, which adds no energy.)
 
 A contact that separates with a speed above round-off ends. Forces F hold the other contacts, which are at
 rest, as long as the forces push:
@@ -77,20 +77,20 @@ from chain_impact.kernel.rows.geometry import (
     largest_velocity,
 )
 
-# The least speed with which a point rebounds, relative to `contact.minimum_impact_speed`; a slower point does
-# not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
+# A point rebounds only with at least this speed, relative to `contact.minimum_impact_speed`; a slower point
+# does not separate. Otherwise a point whose bounces get slower and slower would bounce infinitely often in a
 # finite time (Zeno behaviour).
 LEAST_REBOUND_SPEED = 1e-3
-# the largest round-off: of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|) for the impulses p and the
-# speeds u⁻ before and u⁺ after them; and of a speed, relative to the largest speed
+# IMPACT_ROUND_OFF: the round-off of the energy of an impact, relative to Σ p (|u⁻| + |u⁺|), with the impulses
+# p and the speeds u⁻ before and u⁺ after them; and the round-off of a speed, relative to the largest speed.
 IMPACT_ROUND_OFF = 1e-9
-# The clearance given to a point that is released is the larger of two lengths: a part of the longest link,
-# and a part of the coordinates whose round-off enters the clearance. This clearance is far larger than
-# round-off, so that round-off does not make the point touch again.
+# A point that is released gets a small clearance, far larger than round-off, so that round-off does not make
+# it touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
+# coordinates whose round-off enters the clearance.
 RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
-# The largest clearance of a point that all but touches a wall, relative to the clearance of a released point.
-# The same distance decides whether arriving points come to rest: their kinetic energy must be at most the
-# work of the weight and dry friction over this distance. So both measures against endless impacts include a
+# A point all but touches a wall if its clearance is below NEAR_WALL_CLEARANCE times the clearance of a
+# released point. This distance also decides whether arriving points come to rest: their kinetic energy must
+# be at most the work of weight and dry friction over it. So both measures against endless impacts include a
 # point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
@@ -98,13 +98,14 @@ NEAR_WALL_CLEARANCE = 10.0
 def handle_impact(d):
     """Apply the events at rigid walls for the located points: first the impulses, then the new active set.
 
-    Onsets of contacts with a force law that are still in ``touch.event`` are applied between these two steps.
+    Onsets of contacts with a force law that are still marked in ``touch.event`` are applied after the
+    impulses, because these change the points' speeds.
 
     Returns:
         The last candidate with a force law whose contact began, or −1 if none began.
     """
     touch, onset = d.touch, -1
-    # the state may be interpolated, with an error of the constraints, and so is projected first
+    # the state may be interpolated, so that it violates the constraints a little, and is projected first
     project_state(d, d.step.state_end)
     hit = False
     for c in range(d.candidates):
@@ -140,10 +141,10 @@ def rigid_onset(d):
 
 
 def begin_late_contacts(d):
-    """Begin the contacts with a force law whose onset is now, if their points move inward after the impulses.
+    """Begin contacts with a force law whose onset is marked, if their points still move inward.
 
-    Returns:
-        The last of these candidates, or −1 if there is none.
+    The impulses of the impact may have turned a point back. Returns the last candidate whose contact begins,
+    or −1 if none does.
     """
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidates):
@@ -156,22 +157,21 @@ def begin_late_contacts(d):
 
 
 def set_rates_after_impulses(d):
-    """Set the rates and kink sides of contacts with a force law for the motion after the impulses."""
+    """Update the rates and the kink sides of contacts with a force law to the speeds after the impulses."""
     locate_points_now(d, d.step.state_end)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
-        # The force may have jumped to its peak. The positive rate 1.0 of the force lets the next search find
-        # this peak; the true rate may be negative, and would hide the peak.
+        # The force may have jumped to its peak, and its true rate may be negative, which would hide this peak
+        # from the next search. So the rate of the force is set to a positive value, 1.0.
         set_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
 
 def join_near_contacts(d):
-    """Add the points that all but touch a rigid wall to the points of an impact.
+    """Let the points that all but touch a rigid wall take part in the impact, marked as NEIGHBOUR.
 
-    Without these points, a link wedged between two walls would hit the walls in turn, infinitely often in a
-    finite time.
+    Otherwise a link wedged between two walls would hit the walls in turn, infinitely often in a finite time.
     """
     touch, far = d.touch, largest_coordinate(d)
     for c in range(d.candidates):
@@ -182,11 +182,11 @@ def join_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities; count the dissipated and the supplied energy."""
+    """Apply the impulses of an impact to the velocities; count the energy that they dissipate and supply."""
     lost, moved = find_impulses(d, 1.0)
     if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
-        # a NEIGHBOUR that moves away from its wall would gain energy, or a wedged point cannot rebound: the
-        # restitution of all contacts is then set to 0
+        # a NEIGHBOUR that moves away from its wall would add energy, or a wedged point cannot rebound: the
+        # restitution of all contacts is then 0
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -228,7 +228,10 @@ def find_impulses(d, fraction):
 
 
 def lacks_rebound(d):
-    """Return whether no impulses can give every point the rebound speed that the restitution demands."""
+    """Return whether the impulses leave any point slower than its restitution demands.
+
+    This happens to a wedged point, for which no impulses reach the speed.
+    """
     short, scale = False, largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.constraints.reached[k] < d.constraints.target[k] - IMPACT_ROUND_OFF * scale
@@ -245,7 +248,7 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
-            deactivate(d, c)  # the candidate no longer takes part in the impact
+            deactivate(d, c)  # the neighbour got no impulse, so it takes no part in the impact
         elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)
@@ -254,7 +257,7 @@ def end_rebounding_contacts(d):
 def is_gentle(d):
     """Return whether all arriving points are so slow, or have so little energy, that they come to rest.
 
-    In a gentle impact sticking elements continue to stick. If a joint slid because of the small impulses, its
+    In a gentle impact sticking elements continue to stick. If the small impulses made a joint slide, its
     friction would lift points, which would arrive gently again, and so on without end.
     """
     force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
@@ -271,7 +274,7 @@ def is_gentle(d):
 
 
 def bring_to_rest(d, gentle):
-    """Stop the points that do not separate and, in a ``gentle`` impact, the sticking elements."""
+    """Stop the points that do not separate; in a ``gentle`` impact also stop the sticking elements."""
     if not gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
@@ -279,10 +282,7 @@ def bring_to_rest(d, gentle):
 
 
 def end_changed_contacts(d):
-    """End the held contacts whose law has changed to a law with a force.
-
-    Then a contact with the new law can begin.
-    """
+    """End held contacts whose wall has got a law with a force, so that contacts with this law can begin."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
@@ -292,7 +292,7 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Keep active the contacts that a pushing force must hold, and end the other contacts."""
+    """Keep active the held contacts whose walls must push to hold their points, and end the others."""
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
@@ -309,12 +309,13 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    # the changes of friction modes stay marked, because the modes are chosen later
+    # only events of contacts are dropped: marked changes of friction modes are still needed, because the
+    # modes are chosen later
     drop_contact_events(d)
 
 
 def end_unstopped_contacts(d):
-    """End the contacts whose points did not come to rest, because only a pull could stop them."""
+    """End the held contacts whose points the projection did not stop, because only a pull could stop them."""
     scale = largest_velocity(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
@@ -323,9 +324,9 @@ def end_unstopped_contacts(d):
 
 
 def release_gap(d, c, far):
-    """Return the clearance [m] that the point of candidate c gets when it is released.
+    """Return the clearance [m] that the point of candidate c gets when its wall releases it.
 
-    ``far`` is the result of ``largest_coordinate`` [m]. The clearance of a joint's stop follows from angles,
+    ``far`` [m] is the result of ``largest_coordinate``. The clearance of a joint's stop follows from angles,
     whose round-off does not grow with the distance from the origin.
     """
     size = coordinates_size(d, c, d.step.state_end) if at_joint_stop(d, c) else far
@@ -333,7 +334,7 @@ def release_gap(d, c, far):
 
 
 def release_contacts(d):
-    """End the contacts that no force holds, and move their points a little away from the wall."""
+    """End the held contacts that are not in the active set, and move their points off the wall a little."""
     parting, far = False, largest_coordinate(d)
     set_start_to_state(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -343,7 +344,7 @@ def release_contacts(d):
             end_contact(d, c, True)
             parting = True
     if parting:
-        # nothing sticks while the point is moved: a sticking joint could not move away from its stop
+        # no element sticks while points are moved: a sticking joint could not move away from its stop
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)

@@ -1,17 +1,17 @@
 """The marks of events that the search has found in the last step, in ``event`` of touch, element and drive.
 
 Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
-friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds.
+friction_modes.py, saturation.py). handlers.py and sampled.py describe the kinds of events.
 """
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-# kind of event that the search does not find: a point near a wall takes part in the impact of another point
+# a mark that the search never sets: a point near a wall takes part in the impact of another point
 NEIGHBOUR = 6
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
 
 
 def mark_contact_event(d, c, kind):
-    """Mark candidate c with an event of a ``kind``, or with NONE."""
+    """Mark candidate c with an event of a ``kind``, or remove its mark with the kind NONE."""
     d.touch.event[c] = kind
 
 
@@ -21,19 +21,19 @@ def mark_change(d, e, kind):
 
 
 def drop_events(d):
-    """Drop all events that the search has found in the last step."""
+    """Remove all marks of the last step: of contacts, friction modes and drives."""
     drop_contact_events(d)
     drop_changes(d)
 
 
 def drop_contact_events(d):
-    """Drop the events of candidates, but keep the changes of the modes of dry friction."""
+    """Remove the marks of candidates, but keep the marked changes of friction modes and drives."""
     for c in range(d.candidates):
         d.touch.event[c] = NONE
 
 
 def drop_changes(d):
-    """Drop the changes of modes, of dry friction and of drives, that were found in the last step."""
+    """Remove the marks of mode changes, of dry friction and of drives, in the last step."""
     for e in range(d.elements):
         d.element.event[e] = 0
     mark_saturation(d, 0)
@@ -42,7 +42,7 @@ def drop_changes(d):
 def mark_saturation(d, ends):
     """Set the mark for drives: ``ends`` is 1 if the mode of any drive ends, else 0.
 
-    If one mode ends, the modes of all drives are chosen again.
+    With the mark 1, the next step chooses the modes of all drives again.
     """
     d.drive.event = ends
 
@@ -57,7 +57,7 @@ def copy_marks(d, t):
 
 
 def ends_in_onset(d):
-    """Return whether contacts begin at the end of the last step."""
+    """Return whether a contact begins at the end of the last step."""
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             return True
@@ -65,7 +65,7 @@ def ends_in_onset(d):
 
 
 def pending_changes(d):
-    """Return the number of elements whose mode ends at the end of the last step."""
+    """Return the number of elements whose friction mode is marked to end at the end of the last step."""
     changes = 0
     for i in range(d.friction.count):
         changes += d.element.event[d.element.index[i]] != 0

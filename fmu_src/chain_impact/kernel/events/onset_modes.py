@@ -1,9 +1,9 @@
-"""The mode of dry friction of a contact that begins without any tangential speed.
+"""The mode of dry friction, sticks or slides, of a contact that begins without any tangential speed.
 
 At the onset the normal force F and the limit of friction are zero. So the forces just after the onset decide:
 F grows, and the tangential force that prevents sliding grows in proportion to F, with a factor that follows
-from the chain's inertia. The point sticks if this tangential force is at most µ_s F; otherwise the point
-slides against this force.
+from the chain's inertia. The point sticks if this tangential force is at most µ_s F, with the static
+coefficient µ_s; otherwise the point slides in the direction against which this force acts.
 """
 
 from chain_impact.kernel.cost import count_other_cost
@@ -13,8 +13,8 @@ from chain_impact.kernel.forces.holding import set_start_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
-# [s] The time after an onset at which the forces are compared. The normal forces of several contacts that
-# begin at the same moment are taken at this time.
+# [s] The time after an onset at which its tangential force is compared with µ_s F. If several contacts begin
+# at the same moment, their normal forces at this time count.
 COMPARISON_TIME = 1e-6
 
 
@@ -24,10 +24,7 @@ def begins_now(d, e):
 
 
 def decide_onsets(d):
-    """Choose the modes of contacts that begin now without tangential speed.
-
-    The points must be located.
-    """
+    """Choose the modes of contacts that begin now without tangential speed; points must be located."""
     friction, open_ones = d.friction, 0
     for i in range(friction.contact_count):
         open_ones += begins_at_rest(d, d.element.index[i])
@@ -51,12 +48,12 @@ def decide_onsets(d):
 
 
 def begins_at_rest(d, e):
-    """Return whether the contact of element e begins now without tangential speed."""
+    """Return whether the contact of element e begins now without tangential speed, in the mode "sticks"."""
     return begins_now(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
 
 
 def force_after_onset(d, c):
-    """Return the normal force [N], shortly after the onset, of a contact that begins now."""
+    """Return the normal force [N] of candidate c, whose contact begins now, after COMPARISON_TIME."""
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)
     return force

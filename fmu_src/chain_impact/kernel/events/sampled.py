@@ -8,22 +8,22 @@
     (drives)         least margin of a drive's torque or force to the end of the drive's mode
 
 δ is the penetration, v₀ the impact speed of the law, s = ±1 the direction of sliding, t·v the tangential
-speed, F_n the normal force, and F_t the friction force with the coefficient µ_s. The stages of a step, and
-its ends, show which of these events to look for. An event that is found late causes only a small error of
-energy. ``make_search`` makes the search for each kind of event.
+speed, F_n the normal force, and F_t the friction force with the static coefficient µ_s. The stages and the
+ends of a step show for which of these events the step must be searched. An event that is found late causes
+only a small error of energy.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step is computed with the force of one side, continued
 smoothly beyond the kink. If a stage or the end of the step is beyond the kink, the step is repeated to end at
 the kink, and the next step uses the force of the other side. A point without force that is still inside the
-wall moves as in flight until the point leaves or the wall pushes again.
+wall moves as in flight until it leaves or the wall pushes again.
 
 The torque or force of a drive has a kink where it reaches its limit or falls below the limit. The mode of the
 drive stays until the end of the step.
 
-RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value in a second impact, or
-after an onset so slow that gravity soon makes δ̇ much larger. Otherwise λ δ̇/v₀ and the force would grow
-without bound.
+RELATCH: v₀, which is latched (fixed) at the onset of the contact, gets a new value if δ̇ becomes much larger,
+in a second impact or, after a very slow onset, by gravity. Otherwise λ δ̇/v₀, with the damping factor λ, and
+the force would grow without bound.
 """
 
 from chain_impact.kernel.chain.drives import along_drive, mode_margin
@@ -56,24 +56,24 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
 # SAMPLES: the number of samples of a step in which a stage has shown an event; the step's end is one of the
-# samples. The search for RELATCH takes FEW_SAMPLES: if a short excess of the rate of the penetration is
-# missed, the impact speed stays unchanged.
+# samples. The search for RELATCH takes FEW_SAMPLES, because a missed event does no harm: the impact speed
+# stays.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The largest turn [rad] of an input in a step, its angular frequency times the step's duration, at which the
-# stages show all events, although they are up to a quarter of the step apart.
+# The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
+# stages show all events, although they are up to a quarter of the step apart; beyond, every step is searched.
 TURN_OF_STAGES = 0.5
-# samples for each radian of the turn, in a step with a turn above TURN_OF_STAGES
+# number of samples per radian in a step with a turn above TURN_OF_STAGES
 SAMPLES_PER_RADIAN = 8.0
-# [rad] the largest turn that counts for the number of samples, to bound their cost
+# [rad] a larger turn does not increase the number of samples, to bound their cost
 MOST_SAMPLED_TURN = 1e4
-# The largest pull of a rigid wall that counts as round-off, relative to the chain's mass times the sum of
-# gravity and one link length per s².
+# A wall pulls if the force by which it holds a point is negative. A pull up to PULL_ROUND_OFF is round-off,
+# relative to the chain's mass times the sum of gravity and one link length per s².
 PULL_ROUND_OFF = 1e-11
-# [s] the shortest step that is rejected because, in a stage, a rigid wall pulls too strongly
+# [s] a shorter step is not rejected because of a wall that pulls too strongly in a stage
 LEAST_REJECTED_STEP = 1e-9
 REST_SPEED = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
-# The largest excess of static friction that counts as round-off, relative to a sum: the limit of friction,
-# plus a link's mass times gravity and one link length per s².
+# A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus a link's
+# mass times gravity and one link length per s².
 FRICTION_EXCESS = 1e-10
 
 
@@ -99,17 +99,17 @@ def make_search(
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event.
-        suspected: function of (d, c): whether c may have an event, from the stages and the located points.
+        suspected: function of (d, c): whether stages and located points show that c may have an event.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: two functions: of d, the number of possible c; of (d, k), the k-th possible c.
+        members: two functions: the number of possible c, of d; the k-th possible c, of (d, k).
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location [s], as in ``first_passage``.
 
     Returns:
-        A function of (d, earliest), with ``earliest`` the θ of the event found so far, or −1. If an event of
-        this kind happens earlier in the step, the function drops the other marks, marks this event and
-        returns its θ; otherwise it returns ``earliest``. The points must be located at ``earliest`` (−1: at
-        the end); afterwards the points of contacts are located at the result.
+        A function of (d, earliest); ``earliest`` is the θ of the event found so far, −1 for none. If an event
+        of this kind happens before, the function drops all marks, marks this event and returns its θ, else it
+        returns ``earliest``. The points must be located at ``earliest``, or at the end for −1; afterwards the
+        points of contacts are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)
@@ -164,7 +164,7 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return the kink function of contact c, positive on the side that the step assumes."""
+    """Return the kink function of contact c; it is positive on the side whose force the step uses."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
@@ -182,10 +182,7 @@ def side_of_kink_at(d, c, theta):
 
 
 def relatch_margin(d, c, theta):
-    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of candidate c: below 0, the impact speed v₀ is latched again.
-
-    θ is the fraction of the last step at which the rate is taken.
-    """
+    """Return RELATCH_RATIO v₀ − δ̇ [m/s] of candidate c at θ; below 0 the impact speed v₀ is latched anew."""
     locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
@@ -205,10 +202,10 @@ find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACTS, reso
 
 
 def check_pull(d, _c):
-    """Reject the last step, unless it is very short, if a wall has pulled by more than ``plausible_pull``.
+    """Return whether a rigid wall has pulled in a stage of the last step, which then needs a search.
 
-    Returns:
-        Whether a rigid wall has pulled in a stage of a step that is not rejected.
+    If a wall has pulled by more than ``plausible_pull``, the function rejects the step and returns False,
+    unless the step is very short.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -222,7 +219,7 @@ def check_pull(d, _c):
 
 
 def pull_limit(d):
-    """Return the largest force [N] with which a held contact may pull because of round-off."""
+    """Return the largest pull [N] of a rigid wall that round-off can cause."""
     return (
         PULL_ROUND_OFF
         * d.chain.energy_scale
@@ -232,10 +229,10 @@ def pull_limit(d):
 
 
 def plausible_pull(d):
-    """Return the largest plausible force [N] for gravity and the motion at the start of the last step.
+    """Return the largest plausible pull [N], from gravity and the motion at the start of the last step.
 
-    A stage in which a wall pulls more strongly has passed a toggle position, where forces go to infinity. The
-    step and its time of release are then wrong.
+    If a wall pulls more strongly in a stage, the stage has passed a toggle position, where forces go to
+    infinity. The step and its time of release are then wrong.
     """
     first, turning, carriage = omega_at(d.links), 1.0, 0.0
     if d.slides:
@@ -248,9 +245,9 @@ def plausible_pull(d):
 
 
 def least_force(d, _c, theta):
-    """Return the least force [N] of the held contacts at the fraction θ of the last step.
+    """Return the least force [N] of held contacts at the fraction θ of the last step, plus ``pull_limit``.
 
-    The pull that counts as round-off is added to the result, so it is negative only if a wall really pulls.
+    The result is negative only if a wall pulls by more than round-off.
     """
     interpolate(d.step, theta, d.scratch.y)
     # without `project_state`, the error of the interpolant would cause large forces of stiff joints
@@ -272,8 +269,8 @@ def mark_pulling(d, _c, theta):
 def may_release(d, c):
     """Return whether to search a step, in which inputs turn fast, for the release of a point.
 
-    A turn above TURN_OF_STAGES is fast: a wall may pull between the stages, where ``check_pull`` does not
-    look. So every such step is searched, except a step that ``check_pull`` has just rejected.
+    In such a step (turn above TURN_OF_STAGES) a wall may pull between the stages, where ``check_pull`` does
+    not look. So the step is always searched, unless ``check_pull`` has just rejected it.
     """
     return check_pull(d, c) or accepted(d)
 
@@ -293,7 +290,7 @@ def mode_may_end(d, e):
 
 
 def mark_changes(d, element, theta):
-    """Mark the element found at θ, and every other element whose mode ends at the same time."""
+    """Mark ``element``, whose mode ends at θ, and every other element whose mode ends at the same time."""
     for i in range(d.friction.count):
         e = d.element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0:
@@ -301,7 +298,7 @@ def mark_changes(d, element, theta):
 
 
 def element_error(d, e):
-    """Return the allowed error of element e: of its speed [m/s] if it slides, else of its force [N]."""
+    """Return the error that element e may have: of its speed [m/s] if it slides, else of its force [N]."""
     return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
@@ -311,16 +308,16 @@ def rest_speed(d):
 
 
 def friction_round_off(d, e):
-    """Return the largest excess [N] of the friction of element e above its limit that counts as round-off."""
+    """Return by how much [N] round-off may let the friction force of element e exceed its limit."""
     return FRICTION_EXCESS * (
         d.element.limit[e] + mean_mass(d) * (d.chain.gravity_size + d.chain.longest_link)
     )
 
 
 def element_margin(d, e, theta):
-    """Return how far [m/s or N] element e is from the end of its mode, plus ``element_error``.
+    """Return the margin [m/s or N] of element e to the end of its mode at θ, plus ``element_error``.
 
-    θ is the fraction of the last step at which the element is examined.
+    The margin is the speed in the direction of sliding, or the limit of friction minus the friction force.
     """
     locate_at(d, theta)
     if d.element.mode[e] != STICKS:
@@ -332,11 +329,7 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether the repeated step at least halves the margin of a mode that is marked to end.
-
-    The interpolant of a long implicit step has errors, and may show the end of a mode that a shorter step
-    does not have. Without this check, steps with such false ends could follow each other without end.
-    """
+    """Return whether, for any mode that is marked to end, the repeated step at least halves the margin."""
     near = False
     for i in range(d.friction.count):
         e = d.element.index[i]
@@ -378,8 +371,8 @@ def drive_margin(d, _c, theta):
 def may_pass_limit(d, c):
     """Return whether to search a step, in which inputs turn fast, for the limits of drives.
 
-    It is true if a stage shows that a drive leaves its mode, if a fast signal acts in a drive with a limit,
-    or if the inputs are polynomials and any drive has a limit.
+    The result is true if a stage shows that a drive leaves its mode, if a fast signal acts in a drive with a
+    limit, or if the inputs are polynomials and any drive has a limit.
     """
     if d.signals > 0 and d.inputs.piece.order == 0:
         turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)
@@ -388,7 +381,7 @@ def may_pass_limit(d, c):
 
 
 def mark_limit(d, _c, _theta):
-    """Mark the end of a drive's mode."""
+    """Mark that the mode of a drive ends."""
     mark_saturation(d, 1)
 
 

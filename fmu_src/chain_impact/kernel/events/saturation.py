@@ -1,4 +1,4 @@
-"""The limits of drives: their modes, which change at events (sampled.py)."""
+"""The modes of drives with a limit, at the limit or below it; modes change at events (sampled.py)."""
 
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force
 from chain_impact.kernel.chain.inputs import ensure_inputs
@@ -7,9 +7,9 @@ from chain_impact.kernel.functions import has_dual_rule
 
 
 def clear_saturation(d):
-    """Set the modes of all drives to "below the limit", without marking a change.
+    """Set the modes of all drives to "below the limit", and remove the mark for a change.
 
-    ``chosen`` stays: in a tangent instance it contains the modes of the primal run.
+    ``drive.chosen`` stays: in a tangent instance it contains the modes of the primal run.
     """
     for i in range(drive_count(d)):
         d.drive.mode[i] = 0
@@ -18,7 +18,7 @@ def clear_saturation(d):
 
 @has_dual_rule
 def choose_saturation(d):
-    """Choose the modes of all drives at the end of the last step, from their forces without limits."""
+    """Choose the modes of all drives at the end of the last step, by the forces they would have unlimited."""
     if not d.chain.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)

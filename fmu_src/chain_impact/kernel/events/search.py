@@ -1,8 +1,8 @@
 """The search of a step for the earliest event.
 
-For most steps a test of the two ends excludes any event (exclusion.py), and no dense output is needed. In the
-other steps the first crossing is located, and then the other kinds of event are searched for before it.
-handlers.py lists all kinds of event.
+For most steps a test of the states and rates at both ends excludes any event (exclusion.py), and no dense
+output is needed. In the other steps the first crossing of a clearance is located, and then other kinds of
+event are searched for before it. handlers.py lists all kinds of event.
 """
 
 import math
@@ -42,23 +42,23 @@ from chain_impact.kernel.ode.sundman import time_rate_now
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
-# The largest depth of a point at its onset, relative to a link length. Onsets are located up to round-off,
-# about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J for a depth of 1e-9 m and
-# a stiffness of 1e12 N/m^1.5.
+# The largest depth in the wall, relative to a link length, at which an onset may be located. Onsets are
+# located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
+# for a depth of 1e-9 m and a stiffness of 1e12 N/m^1.5. The step is rejected.
 DEEPEST_ONSET = 1e-9
-# The fraction θ of a step up to which a crossing must agree with the Taylor polynomial of second order at the
-# start of the step. The polynomial has a relative error of 1e-9 there; the interpolant of a stiff step can
-# have larger errors.
+# A crossing before this fraction θ of a step must agree with the Taylor polynomial of second order at the
+# start of the step, whose relative error there is 1e-9; the interpolant of a stiff step can have larger
+# errors.
 EARLY_THETA = 1e-3
-# The largest time between an onset and the end of a step that was repeated to end at the onset, relative to
-# the step's size. With a larger time the step is rejected.
+# A step that was repeated to end at an onset is rejected if the onset is farther from its end than this part
+# of its size.
 LANDING_TIME = 1e-2
-# The largest clearance at an onset that counts as round-off, relative to a link length plus the coordinates
-# of the point. A slow point may need more than LANDING_TIME to move this distance; its time after the onset
-# then counts as 0.
+# A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to a link length plus the
+# coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; its time after
+# the onset then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
-# A step is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the present time: ten times
-# the resolution of time, because the next try may be a tenth as long.
+# A step whose crossing is wrong is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the
+# present time: ten times the resolution of time, because the next try may be a tenth as long.
 TIME_RESOLUTION = 4e-15
 
 
@@ -66,8 +66,9 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1 if there is none. The marks (marks.py)
-        show which kinds of event happen there. A step that is too inaccurate to locate the event is rejected.
+        The fraction θ ∈ [0, 1] of the step at which the event happens, or −1 if there is none. The marks
+        (marks.py) show which kinds of event happen at θ. A step that is too inaccurate to locate the event is
+        rejected.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -90,8 +91,8 @@ def find_event(d):
         if theta < 0.0:
             measure_clearances(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # Without an event the known clearances are those at the end of the step. An event breaks the sequence of
-    # steps, so the next step does not use the clearances.
+    # Without an event, the clearances at the end of the step are known now. After an event they are wrong,
+    # but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES)
     # the error control does not check that time increases in a regularized step
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -124,18 +125,18 @@ def find_sampled_event(d, theta):
 
 
 def is_credible_crossing(d, theta):
-    """Return whether the points of the crossings at the fraction θ of the step really arrive or leave.
+    """Return whether the crossings at the fraction θ of the step are real: points really arrive or leave.
 
     The state, the clearances and their rates must be set at θ. Positions and rates of the interpolant may be
     inconsistent within the tolerance. Three kinds of crossing are errors of a step that is too long: an onset
-    deep inside a wall, an onset of a point that moves away, and a crossing right after the start of the step
-    by a point that cannot have reached the wall yet.
+    deep inside a wall, an onset of a point that moves away from the wall, and a crossing right after the
+    start of the step by a point that cannot have reached the wall yet.
     """
     if theta <= EARLY_THETA and starts_clear(d, d.scratch.y[time_at(d.links)]):
         return False
     if theta == 0.0:
-        # rejection would not help: a point that is inside a wall at the start of the step is inside in a
-        # shorter step as well
+        # a point that is inside a wall at the start of the step is inside in a shorter step as well, so a
+        # rejection would not help
         return True
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
@@ -146,10 +147,11 @@ def is_credible_crossing(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Return whether a candidate with an event still has over half its clearance φ at a time in the step.
+    """Return whether a candidate with an event has, after ``lasted`` [s], still over half its clearance.
 
-    The time is ``lasted`` [s] after the start. φ is extrapolated from the motion at the start, because the
-    interpolant of a step over a stiff motion may have an error as large as the tolerance there.
+    Its crossing in the step is then an error. The clearance φ (or penetration) after this time is
+    extrapolated from the motion at the start of the step, because the interpolant of a step over a stiff
+    motion may have an error as large as the tolerance there.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.scratch.rate_start)
@@ -168,11 +170,12 @@ def starts_clear(d, lasted):
 def onset_fraction(d):
     """Return the fraction θ of the onsets in the last step, which was repeated to end at its events.
 
-    θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    θ; the result may lie a little beyond the end. The result is −1, which means the end of the step, if there
-    is no onset, or if the step is not much longer than the resolution of time. The step is rejected if points
-    at θ are deep inside a wall or far from an onset, or if ``margin_is_halved`` is false for every mode that
-    is marked to end.
+    θ is 1 up to the error of the interpolant with which the events were found; two Newton iterations correct
+    θ, and the result may lie a little beyond the end. The result is −1, for the end of the step, if there is
+    no onset, or if the step is not much longer than the resolution of time.
+
+    The step is rejected if points at θ are deep inside a wall or far from an onset. It is also rejected if
+    friction modes are marked to end but no margin is halved (``margin_is_halved``).
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0
@@ -198,7 +201,7 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """Locate the points for a state y of the last step, and return how late y is after the onsets.
+    """Locate the points for a state y of the last step, and return by how much y is later than the onsets.
 
     Returns:
         Two values. The first is the time from the earliest onset to y, divided by the step size in seconds:
@@ -222,7 +225,7 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Drop the onsets of points that move away; return θ, or −1 if no event is left."""
+    """Remove the marks of onsets at points that move away; return θ, or −1 if no event is left."""
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.phi_end_rate[c] > 0.0:

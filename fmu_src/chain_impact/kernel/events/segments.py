@@ -24,19 +24,20 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
-# The effect of the end of a signal's segment. NO_JUMP: no effect. BENDS: an input or the acceleration of a
-# channel jumps, and with it the accelerations of the chain. JUMPS: the speed of a belt jumps.
+# The effect of the end of a signal's segment on the motion. NO_JUMP: no effect. BENDS: an input or the
+# acceleration of a channel jumps, and with it the accelerations of the chain. JUMPS: the speed of a belt
+# jumps, and with it the speed of sliding.
 NO_JUMP, BENDS, JUMPS = 0, 1, 2
-# The largest difference between the values before and after the end of a segment that counts as round-off.
-# The difference is relative to a sum: the absolute values before and after, the change in a second, and a
+# The values of a signal before and after the end of a segment are equal if their difference is at most
+# VALUE_ROUND_OFF, relative to a sum: the absolute values before and after, the change in a second, and a
 # natural scale of the input.
 VALUE_ROUND_OFF = 1e-9
 
 
 def limit_to_segment(d, h):
-    """Return a size ≤ h of the next step, which ends with a segment or leaves no tiny rest of the segment.
+    """Return a size ≤ h of the next step that ends with the first segment to end, or well before this end.
 
-    The size of a step in fictitious time remains h.
+    A step in the fictitious time of a contact keeps the size h.
     """
     return h if d.step.regularized >= 0 else limit_to_time(d, first_end(d), h)
 
@@ -65,7 +66,7 @@ def has_ended(d, j):
 
 
 def check_segments(d):
-    """Return SIGNAL_JUMPS if a new segment lets the position or velocity of base or wall jump, else OK."""
+    """Return SIGNAL_JUMPS if a new segment makes the position or velocity of base or wall jump, else OK."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and has_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)
@@ -87,7 +88,7 @@ def equal_up_to_round_off(before, after, scale):
 
 
 def begin_next_segment(d, j):
-    """Begin the segment of signal j that follows the segment that has ended."""
+    """Replace the segment of signal j, which has ended, by the one that contains the present time."""
     while has_ended(d, j):
         next_segment(d, j)
 
@@ -95,10 +96,10 @@ def begin_next_segment(d, j):
 def begin_segments(d):
     """Begin the segments that follow those that end at the end of the last step.
 
-    The energy by which a jump loads springs counts as supplied.
+    If an input jumps, springs gain energy at once; this energy counts as supplied.
 
     Returns:
-        NO_JUMP, BENDS or JUMPS: the largest result of ``begin_segment`` for all signals.
+        The largest effect of all signals: NO_JUMP, BENDS or JUMPS, in this order.
     """
     last = -1
     for j in range(d.signals):
@@ -121,7 +122,10 @@ def begin_segments(d):
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return its effect NO_JUMP, BENDS or JUMPS."""
+    """Begin the next segment of signal j; return its effect NO_JUMP, BENDS or JUMPS.
+
+    A jump of the energy balance counts as supplied energy.
+    """
     y = d.step.state_end
     stores = d.signal.input[j] != CHANNEL
     locate_points(d, y)
@@ -134,7 +138,8 @@ def begin_segment(d, j):
     ensure_inputs(d, y)
     size = d.chain.longest_link
     if stores:
-        # a channel adds no energy here, because the position and velocity of base and walls never jump
+        # a signal of a channel adds no energy here, because the position and velocity of base and walls never
+        # jump
         count_supplied(d, energy_balance(d, y) - energy)
         # the energy `energy_scale` [J] serves as the natural scale of torques, forces and angles alike
         return (
@@ -151,7 +156,8 @@ def begin_segment(d, j):
 
 @has_dual_rule
 def shift_start(_d, _delay):
-    """Move the start of the next step to the end of a segment, which is a ``delay`` [s] later.
+    """Delay the start of the next step by ``delay`` [s], the time until the end of a segment.
 
-    The delay is only round-off. In a tangent instance its derivatives move the start.
+    The delay is only round-off, and this function does nothing. In a tangent instance the delay has
+    derivatives, and a rule shifts the start.
     """
