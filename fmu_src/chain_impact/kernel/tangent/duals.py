@@ -4,8 +4,9 @@ The primal instance d is the record of the run. The tangent instance t has the s
 numbers in place of reals. The kernel's functions accept both instances. The compiled kernel uses the dual
 numbers of compilation/dual_numbers.py.
 
-The tangent instances follow the primal instance in memory, DIRECTIONS directions in each. The compiled
-versions of these functions are in compilation/built_in.py.
+A direction is a parameter or input with respect to which derivatives are computed. The tangent instances
+follow the primal instance in memory; each has DIRECTIONS directions. The compiled versions of these functions
+are in compilation/built_in.py.
 """
 
 import numpy as np
@@ -14,7 +15,7 @@ from chain_impact.kernel.record.fields import SETTABLE
 
 # [1/s] the least rate whose reciprocal is computed: 1 divided by a smaller rate may overflow
 LEAST_RATE = 1e-300
-DIRECTIONS = 4  # number of directions of one tangent instance; more directions need several instances
+DIRECTIONS = 4  # number of directions in one tangent instance; more directions need more instances
 
 
 def dual_dtype(dtype):
@@ -33,7 +34,8 @@ def dual_dtype(dtype):
 # kernel/tangent/trust.py
 TRUST = np.dtype(
     [
-        # 0: the derivatives are trusted up to now; else the number in trust.py of the reason why they are not
+        # 0: the derivatives are trusted at present; else the number, in trust.py, of the reason why they have
+        # ended
         ("reason", np.int64),
         ("time", np.float64),  # s, the time after which the derivatives cannot be trusted
         # number of the point or joint whose impact or dry friction is the reason; 0 for the slider; −1: no
@@ -41,13 +43,13 @@ TRUST = np.dtype(
         ("point", np.int64),
         # index of the wall, as in `candidate.wall`; −1: dry friction in a joint or of the slider
         ("wall", np.int64),
-        # sum of the neglected changes of a position that friction has left open, relative to the largest
-        # derivative of a position (friction.py)
+        # the sum of the changes of a position whose derivatives were neglected, because friction stops a
+        # speed soon, relative to the largest derivative of a position (tangent/friction.py)
         ("neglected", np.float64),
         (
             "split",
             np.int64,
-        ),  # 1: the derivatives of the impulses of friction are not known (``mark_split``)
+        ),  # 1: the derivatives of friction impulses are not known (``mark_split``)
         # 1: the motion has no derivative in this direction (rises.py)
         ("missing", np.int64, (DIRECTIONS,)),
     ]
@@ -61,7 +63,7 @@ def tangent_dtype(instance):
 
 
 def value(number):
-    """Return the value of a dual number."""
+    """Return the value of a dual number, without its derivatives."""
     return number.value
 
 
@@ -99,9 +101,9 @@ def block(d, number):
 
 
 def as_words(part):
-    """Return the words of 8 bytes of an instance, or of a part of one, as one array.
+    """Return an instance, or a part of one, as one array of words of 8 bytes.
 
-    A dual number is its value, then its derivatives.
+    A dual number is DIRECTIONS + 1 words: its value, then its derivatives.
     """
     return part.words
 
@@ -109,17 +111,14 @@ def as_words(part):
 def copy_values(source, target):
     """Copy the values of a part of the primal instance to the same part of a tangent instance.
 
-    The derivatives of the tangent instance stay unchanged. All fields are copied, including those of nested
-    records, so a parameter that is added to the record needs no change here.
+    The derivatives in the tangent instance do not change. The function copies all fields, also of nested
+    records, so a new field of the record needs no change here.
     """
     target.copy_values(source)
 
 
 def copy_given(d, t, when):
-    """Copy to t the values of all parts of d that the scene or an importer gives and that apply at ``when``.
-
-    ``when`` is AT_START or AT_ANY_TIME, as the layout of each part declares (record/fields.py).
-    """
+    """Copy from d to t the values that a scene or importer gives, of all parts that apply at ``when``."""
     for part, applies in SETTABLE.items():
         if applies == when:
             copy_values(getattr(d, part), getattr(t, part))

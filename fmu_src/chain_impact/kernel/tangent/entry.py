@@ -21,7 +21,7 @@ from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 def for_all(act):
     """Return a function that calls ``act`` for an instance together with each of its tangent instances.
 
-    Afterwards the derivatives of all tangent instances end at the earliest end among them, if one has ended.
+    If the derivatives of any tangent instance have ended, those of all end at the earliest of these times.
     """
 
     def act_on_all(d):
@@ -36,9 +36,10 @@ def for_all(act):
 
 
 def observe_tangent(d, t):
-    """Set the derivatives of the outputs; NaN after a fault, or if the derivatives cannot be trusted.
+    """Set the derivatives of the outputs at the communication point; NaN if they cannot be trusted.
 
-    After ``mark_split`` the derivatives of the outputs of friction and of loads are also NaN.
+    They are also NaN after a fault of the run. After ``mark_split`` only the derivatives of the outputs of
+    friction and of loads are NaN.
     """
     set_own_output_time(t, d.step.time)
     fill_outputs(t)
@@ -51,7 +52,7 @@ def observe_tangent(d, t):
 
 
 def observe_trial_of_tangent(_d, t):
-    """Set the derivatives of the outputs that change at once in a trial of new values."""
+    """Set the derivatives of those outputs that new input or parameter values, on trial, change at once."""
     return_to_stored_state(t)
     refill_motion(t)
     if not is_trusted(t):
@@ -76,9 +77,9 @@ def forget_slopes(words):
 
 
 def truncate_tangent(d, t):
-    """End the last step of t at the communication point, and log its active contacts up to this point.
+    """Cut the last step of t at the communication point, and log its active contacts up to this point.
 
-    The function stores the state there, so that trials of new input values can return to this state.
+    The state there is stored, so that each trial of new input values can return to it.
     """
     set_own_output_time(t, d.step.time)
     store_output_state(t)
@@ -87,7 +88,7 @@ def truncate_tangent(d, t):
 
 
 def all_valid(d):
-    """Return 1 if all sizes and indices of the tangent instances are valid, else 0."""
+    """Return 1 if the counts and indices of all tangent instances are valid, else 0."""
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
@@ -99,7 +100,7 @@ def all_valid(d):
 
 
 def tangent_word_count(d):
-    """Return the number of words of 8 bytes of all tangent instances."""
+    """Return the number of words, of 8 bytes each, that the tangent instances take."""
     return d.tangents * len(as_words(block(d, 0)))
 
 

@@ -1,8 +1,8 @@
 """The derivatives of event times: the time at which a function φ of the motion is zero depends on parameters.
 
-With φ′ the derivatives with respect to the parameters at a fixed time, and φ̇ the rate of φ in time, the
-delay of the event is 0 with the derivatives −φ′/φ̇. For clearances and their rates, φ̇ is known; for other
-functions φ̇ is found by differences along the motion.
+The delay of an event is a dual number [s] of the value 0. Its derivatives are −φ′/φ̇, with the derivatives φ′
+of φ with respect to the parameters at a fixed time, and the rate φ̇ of φ in time. For clearances and their
+rates, φ̇ is known; for other functions φ̇ is found by differences along the motion.
 """
 
 import math
@@ -19,10 +19,9 @@ from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
-# the time over which a rate is found by differences, relative to the length of the last step
+# φ̇ is found by differences over ± this part of the length of the last step
 TIME_DIFFERENCE = 1e-3
-# number of Newton iterations for a delay: each iteration multiplies the delay's relative error by that of the
-# differences
+# number of Newton iterations for a delay: each multiplies the error of the delay by the relative error of φ̇
 NEWTON_ITERATIONS = 2
 
 
@@ -32,7 +31,7 @@ def step_length(t):
 
 
 def along_motion(function):
-    """Return two functions that give a function φ(t, c) and its rate φ̇ along the motion; ``function`` is φ.
+    """Return two functions, for a function φ(t, c) and its rate φ̇ along the motion; ``function`` is φ.
 
     φ uses located points and known forces. The state after the end of the last step is extrapolated by ẏ.
 
@@ -59,11 +58,7 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Return a function of (t, c, rate) that returns the delay [s] of the zero of φ at the last step's end.
-
-    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the zero.
-    Afterwards points and forces are again those at the end of the last step.
-    """
+    """Return a function of (t, c, rate) for the delay [s] of the event φ = 0 at the end of the last step."""
 
     def delay(t, c, rate):
         time = dual_with_slope(0.0, 0.0, t.step.end)
@@ -76,7 +71,7 @@ def delay_along_motion(after):
 
 
 def evaluate_end(t):
-    """Evaluate points and forces at the end of the last step again."""
+    """Locate the points and evaluate the forces at the end of the last step again."""
     locate_points(t, t.step.state_end)
     rate_from_points(t, t.step.state_end, t.scratch.rate)
     ensure_points(t)
@@ -91,10 +86,10 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """Return the delay [s] of an onset, an end or a new v₀ of candidate c: a dual number of value 0."""
+    """Return the delay [s] of an event of candidate c, of the ``kind`` ONSET, END or RELATCH."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
-        # for a new impact speed v₀, φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀
+        # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the impact speed v₀
         change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
@@ -102,7 +97,7 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_without_force_jump(t, c, kind):
-    """Return the delay [s] of a kink or a release of candidate c, where its force does not jump."""
+    """Return the delay [s] of a KINK or RELEASE of candidate c; there its force does not jump."""
     if kind == KINK:
         rate = _kink_rate(t, c)
         return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)

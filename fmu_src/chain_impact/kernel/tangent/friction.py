@@ -2,15 +2,16 @@
 
 The tangent instance takes the modes of the primal run. Sliding ends where the tangential speed t·v is 0.
 Sticking ends where µ_s F_n − |F_t| = 0, with µ_s the coefficient of static friction, F_n the normal and F_t
-the friction force. These times depend on the parameters. If friction does not jump at the end of sticking,
-the time of this end has no effect, except for the small excess of the force at which the end is found
-(events/sampled.py).
+the friction force. These times depend on the parameters. If the friction force does not drop at the end of
+sticking, the time of this end has no effect on the motion, except through the small excess of the force at
+which the end is found (events/sampled.py).
 
 Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
 whether an event occurs, unless the effect is negligible. The effect is a small tangential speed, which
-friction stops at once or a little later. It changes a position by the speed times the time in which the chain
-settles. If the derivatives of this change are a small part of the largest derivative of a position, they are
-neglected: sticking sets the derivatives of the speed to zero. ``trust.neglected`` is the sum of these parts.
+friction stops at once or a little later. This speed changes a position by itself times the time in which the
+chain settles. If the derivatives of this change are a small part of the largest derivative of a position,
+they are neglected: sticking sets the derivatives of the speed to zero. ``trust.neglected`` is the sum of
+these parts.
 """
 
 import math
@@ -47,26 +48,27 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# The largest difference between the derivatives of two event times that count as one time, relative to the
+# The times of two events count as one time if their derivatives differ by less than this, relative to the
 # largest derivative.
 SAME_TIME_SLOPE = 1e-5
-# The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. The derivatives
-# end at this event if the element is marked STOPPED, and its limit of friction is at most
-# NEARLY_SLIPPING_RATIO times the excess.
+# The end of sticking is located where |F_t| exceeds the limit of friction by a small excess. If the limit
+# itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
+# time is wrong, and the derivatives end there.
 NEARLY_SLIPPING_RATIO = 1000.0
-# The largest ``trust.neglected``: the changes of a position that a run may neglect, relative to the largest
-# derivative of a position. A fit to a position at rest needs an accuracy of some percent.
+# The largest ``trust.neglected``: the changes of a position that a run may neglect in sum, relative to the
+# largest derivative of a position. With more, a fit to a position at rest would lose its accuracy of some
+# percent.
 MOST_NEGLECTED = 1e-2
-# value of ``element.undecided``: the element has stuck since an onset at zero speed; sticking also sets the
-# derivatives of the speed to zero
+# a third value of ``element.undecided``, beside 0 and 1: the element has stuck since an onset at zero speed,
+# and sticking has also set the derivatives of its speed to zero
 STOPPED = 2
 
 
 def delay_of_change(t):
     """Return the delay [s] of the mode changes that end the last step, a dual number of value 0.
 
-    The points must be located at the end of the step. If several modes end there, the function takes any of
-    these (``check_changes`` compares them).
+    The points must be located at the end of the step. If several modes end there, the result belongs to one
+    of them; ``check_changes`` compares it with the others.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -80,10 +82,10 @@ def delay_of_change(t):
 
 
 def delay_of_rest(t, e):
-    """Return the delay −φ′/φ̇ [s] of the end of sliding of element e, with φ the speed t·v.
+    """Return the delay −φ′/φ̇ [s] of the time at which element e stops sliding; φ is its speed t·v.
 
-    φ′ is the derivative of φ by a parameter. The delay is 0 if the acceleration φ̇ is so small that it may be
-    an error.
+    φ′ is the derivative of φ with respect to a parameter. The delay has no derivatives if the acceleration φ̇
+    is so small that it may be an error.
     """
     rate = value(tangential_acceleration(t, e))
     return dual_with_slope(
@@ -97,22 +99,24 @@ def acceleration_may_be_error(t, e):
 
 
 def largest_acceleration_error(t, e):
-    """Return the acceleration [m/s²] of element e up to which the acceleration may be an error of the solver.
+    """Return the acceleration [m/s²] of element e that an error of the solver may cause at most.
 
-    The result is OPEN_DISTANCE times the tolerance times the acceleration that the element's friction could
-    cause.
+    It is OPEN_DISTANCE times the tolerance times the acceleration that the element's friction could cause.
     """
     return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
 
 
-# margin φ = µ_s F_n − |F_t| of static friction as a function of time, and its rate φ̇, for
-# ``delay_of_sliding``
+# functions for φ = µ_s F_n − |F_t|, the margin of static friction, after the end of a step, and for its rate
+# φ̇
 margin_after, margin_rate = along_motion(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
 delay_of_margin = delay_along_motion(margin_after)
 
 
 def delay_of_sliding(t, e):
-    """Return the delay −φ′/φ̇ [s], φ = µ_s F_n − |F_t|, of the time at which element e begins to slide."""
+    """Return the delay −φ′/φ̇ [s] of the time at which element e begins to slide; φ = µ_s F_n − |F_t|.
+
+    The derivatives of the run end if this time is too uncertain.
+    """
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
         end_derivatives(t, FROM_REST, e)
@@ -120,8 +124,8 @@ def delay_of_sliding(t, e):
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
         if friction_drops(t, e) and step_length(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
-            # the drop of friction is early or late by the delay, and so changes the speed: negligibly, or the
-            # derivatives end
+            # The friction drops at this time, and a delay of the drop changes the speed of the element. If
+            # this change is not negligible, the derivatives end.
             if not (rate < 0.0 and negligible(t, delay_of_margin(t, e, rate) * (drop / value(mean_mass(t))))):
                 end_derivatives(t, SLOW_CHANGE, e)
         rate = -math.inf
@@ -129,10 +133,11 @@ def delay_of_sliding(t, e):
 
 
 def negligible(t, speed):
-    """Return whether the derivatives of a ``speed`` [m/s], now zero, may be neglected.
+    """Return whether the derivatives of a ``speed`` [m/s] of the value 0 may be neglected.
 
-    Their product with the settling time, relative to the largest derivative of a position, is then added to
-    ``trust.neglected``; the sum must not exceed MOST_NEGLECTED.
+    The speed times the settling time is a change of a position. The derivatives of this change, relative to
+    the largest derivative of a position, are then added to ``trust.neglected``; the sum must not exceed
+    MOST_NEGLECTED.
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -157,14 +162,14 @@ def settling_time(t):
 
 
 def friction_drops(t, e):
-    """Return whether the friction force of element e drops when the element begins to slide."""
+    """Return whether the friction force of element e drops when it begins to slide (µ < µ_s)."""
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
 
 
 def check_changes(t, time):
-    """End the derivatives unless all mode changes at the last step's end have the delay ``time`` [s].
+    """End the derivatives if mode changes at the last step's end have other delays than ``time`` [s].
 
     A change with another delay is allowed if its effect is negligible.
 
@@ -183,8 +188,8 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
                 end_derivatives(t, SLOW_CHANGE if acceleration_may_be_error(t, e) else TOGETHER, e)
-    # the derivatives of the impulses of friction are then not known: for example, the times at which the two
-    # ends of a rod on a floor stop determine the friction of each end
+    # The derivatives of friction impulses are then not known: for example, the friction at each end of a rod
+    # on a floor depends on the times at which the two ends stop.
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -197,9 +202,10 @@ def check_changes(t, time):
 
 
 def slips_for_nearby_parameters(t, e, time):
-    """Return whether the margin of element e, now zero, stays zero for nearby parameters.
+    """Return whether the margin of element e, whose value is zero, has no derivatives at a delayed time.
 
-    The margin is examined a ``time`` [s] later: all of its derivatives at that time must be small.
+    Then element e begins to slide at the delayed time for nearby parameters, too. ``time`` [s] is the delay,
+    a dual number of value 0; derivatives up to SAME_TIME_SLOPE of their scale count as zero.
     """
     margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
     for k in range(DIRECTIONS):
@@ -218,9 +224,9 @@ def any_stops_sliding(t):
 
 
 def stays_at_rest(t, after, time):
-    """Return whether an element at rest is still at rest a ``time`` [s] later, for nearby parameters.
+    """Return whether an element at rest is at rest after a delay ``time`` [s] for nearby parameters, too.
 
-    ``after`` is the element's speed at that time; all derivatives of this speed must be small.
+    ``after`` is the element's speed then, of the value 0; its derivatives must be almost zero.
     """
     most = value(largest_component(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
@@ -231,7 +237,7 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative, number ``direction``, of any component of the vectors of all points."""
+    """Return the largest derivative in one ``direction`` of any component of the vectors of all points."""
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -239,17 +245,17 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative, number ``direction``, of points' coordinates over the longest link."""
+    """Return the largest derivative of a point's coordinate in one ``direction``, over the longest link."""
     return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 
 def choose_modes(t):
-    """Take the modes of dry friction from the primal run, in place of those in ``element.mode``.
+    """Set the modes of dry friction to those of the primal run.
 
-    The derivatives end if errors leave such a mode open.
+    The derivatives end if errors of the run, not the forces, have decided such a mode.
     """
     for e in range(t.elements):
-        # the element slides because its sticking has ended, so its mode is not undecided
+        # an element that has stuck and now slides does so because its sticking ended, so its mode is certain
         if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
         t.element.mode[e] = t.element.chosen[e]
@@ -266,7 +272,7 @@ def choose_modes(t):
 
 
 def any_begins_to_stick(t):
-    """Return whether any element sticks now that slid before this event."""
+    """Return whether any element begins to stick at this event after it has slid."""
     for i in range(t.friction.stuck_count):
         before = t.element.before[t.element.stuck[i]]
         if before not in (STICKS, NO_FRICTION):
@@ -275,10 +281,10 @@ def any_begins_to_stick(t):
 
 
 def clear_sticking_speeds(t):
-    """Set the derivatives of the speeds of sticking elements to zero; contacts do not resist this change.
+    """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
 
-    The projection of the state would not reach zero: contacts resist the projection, so a part of the
-    derivatives would stay as long as the elements stick, for example for a rod that lies almost flat.
+    In the projection of the state, contacts with a force law resist, so a part of the derivatives would stay
+    as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     set_start_to_state(t, 1)
@@ -290,10 +296,10 @@ def clear_sticking_speeds(t):
 
 
 def check_onsets_at_rest(t):
-    """Check elements whose friction begins at a speed that is zero, but not for nearby parameters.
+    """Check elements whose friction begins now at a speed that is zero, but has derivatives.
 
-    Sticking stops such a speed: the element is marked STOPPED. Sliding would leave the speed in one direction
-    and stop it in the other: the derivatives end.
+    If the element sticks, sticking stops the speed also for nearby parameters, and the element is marked
+    STOPPED. If it slides, friction would stop the speed in one direction only, and the derivatives end.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -307,10 +313,10 @@ def check_onsets_at_rest(t):
 
 
 def contact_resistance(t):
-    """Return the contacts' resistance [kg] to a projection: 0 at an onset where an element is STOPPED.
+    """Return the resistance [kg] of contacts to a projection; 0 at an onset where an element is STOPPED.
 
-    Friction stops the speed there while the forces of the contacts are still small. Elsewhere the resistance
-    is the result of the function that this one replaces.
+    There the forces of the contacts are still small while friction stops the speed. Elsewhere the result is
+    that of the function which this one replaces.
     """
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
@@ -320,7 +326,10 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """Note directions without a derivative by the friction of an active contact, a joint or the slider."""
+    """Mark the directions that change a friction of 0: of an active contact, a joint or the slider.
+
+    Such friction has one-sided derivatives only (``check_coefficient``).
+    """
     if t.elements == 0:
         return
     for c in range(t.candidates):
@@ -333,7 +342,8 @@ def check_coefficients(t):
 def is_nearly_at_limit(t, e):
     """Return whether the force that would hold element e at rest nearly equals the limit of friction.
 
-    If the effect of the choice between sticking and sliding is negligible, the result is false.
+    Errors then decide between sticking and sliding. If the effect of this choice is negligible, the result is
+    false.
     """
     limit, errors = value(t.element.limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):
@@ -348,9 +358,9 @@ def is_nearly_at_limit(t, e):
 
 
 def end_derivatives(t, reason, e):
-    """Record that derivatives do not exist from the end of the last step on, because of element e.
+    """End the derivatives at the end of the last step because of element e, unless they have ended before.
 
-    Nothing changes if the derivatives have ended before. ``reason`` says why they end.
+    ``reason`` is one of the numbers in trust.py.
     """
     if t.trust.reason == TRUSTED:
         mark_untrusted(t, reason, e, value(t.step.end))

@@ -1,7 +1,7 @@
-"""Peaks without derivatives: those at two events whose order depends on the parameters.
+"""Peaks without derivatives: peaks at two simultaneous events whose order depends on the parameters.
 
-Two signals may jump at one time. If a parameter moves one of them, a force has a third value between the
-jumps, which may be larger than the values on both sides.
+Two signals may jump at one time. If a parameter moves one jump, a force has a third value between the jumps,
+which may be larger than the values before and after both.
 """
 
 import math
@@ -13,15 +13,15 @@ from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value, with_slope
 
-# the largest difference of a contact's forces at the end of a step that counts as round-off, relative to the
-# contact's peak force
+# a contact's force at the end of a step counts as its peak if it is less by at most this part of the peak
 FORCE_ROUND_OFF = 1e-9
 
 
 def forget_peaks(t, delay):
-    """Set the derivatives of peaks at the end of the last step, and at the start of the next one, to NaN.
+    """Set derivatives of peaks to NaN if the peak lies at the end of the last step, or at the next start.
 
-    This applies to the directions in which the ``delay`` [s] of an event there has derivatives.
+    Only the derivatives in directions in which the ``delay`` [s] of an event at this time has derivatives are
+    set.
     """
     set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
     for i in range(t.links if t.loads > 0 else 0):
@@ -40,7 +40,7 @@ def forget_peaks(t, delay):
         if k >= t.touch.compliant_count:
             at_end = value(t.constraints.sample[1, k])
         else:
-            # the force does not jump, because the position and the velocity of the point do not
+            # the force of a force law does not jump, because position and velocity of the point do not
             gap, gap_rate = clearance(t, c)
             at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):
@@ -48,7 +48,7 @@ def forget_peaks(t, delay):
 
 
 def with_unknown_slopes(number, delay):
-    """Return a number whose derivatives are NaN in the directions in which ``delay`` has derivatives.
+    """Return ``number`` with NaN as derivatives in the directions in which ``delay`` has derivatives.
 
     The other derivatives stay.
     """

@@ -3,24 +3,23 @@
 t has the same layout as d, with dual numbers in place of reals: the values of d, and the derivatives in some
 directions of the parameters. After each step that d has accepted, t makes the same step with the same
 functions, and so differentiates the step. Rejected steps and the search for events are not repeated: t takes
-the size of the step, the method and the events from d. These are choices of the discretization, and have no
-derivatives.
+the size of the step, the method and the events from d, and these choices have no derivatives.
 
 An event ends a step where a function φ of the state passes through zero. The time of the event depends on the
-parameters, too. With φ′ the derivatives of φ where the step of d ends, this time has the derivatives −φ′/φ̇,
-and those of the state at the event grow by −ẏ φ′/φ̇. Time is part of the state, and the change of the state
-at an event is differentiated like the rest of the run. At the kink of a force the rate is continuous, so the
-derivative of the event time affects only a peak at the kink, not the motion. The dense output of a step is
-computed before the end of the step moves, so its derivatives are those at fixed times. Peaks are searched for
-between the events with which a step begins and ends: a force that jumps with a signal may have its largest
-value there.
+parameters, too. With φ′ the derivatives of φ where the step of d ends, the time has the derivatives −φ′/φ̇;
+−ẏ φ′/φ̇ is added to the derivatives of the state at the event. Time is part of the state, and the change of
+the state at an event is differentiated like the rest of the run. At the kink of a force the rate is
+continuous, so the derivative of the event time affects only a peak at the kink, not the motion. The dense
+output of a step is computed before the end of the step moves, so its derivatives are those at fixed times.
+The search for peaks in a step covers exactly the time between the events with which the step begins and ends:
+a force that jumps with a signal may have its largest value at one of these.
 
 In an implicit step, t repeats the iteration, started from the stages that d has found. The result does not
 depend on the approximate Jacobian A, so the linear systems of d, in the scratch memory of d, give the
-derivatives in each direction. The derivatives of the stages are first extrapolated from the last step. In
-each iteration their error falls by another factor θ than that of the values: where d is at rest, the values
-converge at once, however long the step is, but the derivatives do not. So the iteration goes on until the
-derivatives have converged, relative to the state's derivatives in the same direction.
+derivatives in each direction. The derivatives of the stages are first extrapolated from the last step. They
+converge at another rate θ than the values: where d is at rest, the values converge at once, however long the
+step is, but the derivatives do not. So the iteration goes on until the last correction of the derivatives in
+each direction is small, relative to the state's derivatives in this direction.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -101,7 +100,7 @@ from chain_impact.kernel.tangent.trust import (
 
 
 def start_tangent(d, t):
-    """Initialize t from d, which is initialized; t already contains the derivatives of the parameters."""
+    """Initialize t like the initialized d; t already contains the derivatives of the parameters."""
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
@@ -119,11 +118,11 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Re-initialize t as d was, at the communication point, where ``truncate_tangent`` has ended its step."""
+    """Re-initialize t at the communication point, as d was; ``truncate_tangent`` has ended its step there."""
     reset_step(t, t.step.end, t.step.state_end)
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
-    # the part of the run after this point is dropped, so derivatives that ended only in this part are valid
-    # again
+    # if derivatives have ended only after this point, they are valid again, because that part of the run is
+    # dropped
     if t.trust.time > value(t.step.end):
         mark_trusted(t)
     copy_given_and_modes(d, t)
@@ -133,10 +132,10 @@ def reinit_tangent(d, t):
 
 
 def copy_given_and_modes(d, t):
-    """Copy given values, prescribed motions and modes of d to t; the derivatives of t stay.
+    """Copy the values of given data, prescribed motions and modes of d to t; derivatives in t stay.
 
-    The derivatives of a prescribed motion are with respect to constants that are added to its position,
-    velocity and acceleration.
+    The derivatives with respect to a prescribed motion are those with respect to constants that are added to
+    its position, velocity and acceleration.
     """
     copy_given(d, t, AT_ANY_TIME)
     if d.channels > 0:
@@ -149,7 +148,7 @@ def copy_given_and_modes(d, t):
 
 
 def copy_modes(d, t):
-    """Copy the modes of friction and drives of d to t, which takes them in place of a choice (rules.py)."""
+    """Copy the modes of friction and drives of d to t, for which t chooses none itself (rules.py)."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
     if d.chain.has_drive_limits:
@@ -157,31 +156,31 @@ def copy_modes(d, t):
             t.drive.chosen[i] = d.drive.mode[i]
 
 
-# The iteration of derivatives ends if the last correction, relative to the derivatives, is at most this
-# factor times the tolerance.
+# The iteration of derivatives has converged if the last correction, relative to the derivatives, is at most
+# CONVERGED_SLOPES times the tolerance.
 CONVERGED_SLOPES = 0.01
-# The rule to stop an iteration of derivatives that does not converge. The least correction must fall by the
-# factor LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; it may rise in between, as the direction of
-# the correction changes. If it does not fall, a correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is
-# round-off and accepted; a larger one is a failure.
+# An iteration of derivatives stops if the least correction so far has not fallen by the factor
+# LARGEST_FALL_FACTOR within STALLED_ITERATIONS iterations; corrections may rise in between, as their
+# direction changes. A last correction ≤ SLOPE_ROUND_OFF, relative to the derivatives, is then round-off and
+# accepted; after a larger one the iteration has failed.
 LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: with θ = 0.95 the error falls to about 1e-9
-# A correction is relative to the derivatives or, if larger, to this part of ``speed_by_friction``: smaller
-# derivatives may be round-off.
+# Derivatives below LEAST_SLOPE times ``speed_by_friction`` may be round-off: a correction is then relative to
+# this product.
 LEAST_SLOPE = 1e-3
-# value of a relative correction if the derivatives are zero or not finite, which never counts as converged
+# relative correction that stands for "not converged", if the derivatives are zero or not finite
 UNLIMITED_CORRECTION = 1e300
 
 
 def make_implicit(d, t, h):
-    """Make the last step of d, of size h, in dual numbers; ``trial`` of t gets the end state."""
+    """Make the last step of d, an implicit one of size h, in dual numbers; ``trial`` of t gets its end."""
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
     copy_stages(d, t, size)
     copy_jacobian_data(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
-    # the derivatives are not needed: they cannot be trusted from an earlier time on
+    # if the derivatives have already ended, they are not needed, and not iterated
     if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
@@ -190,7 +189,7 @@ def make_implicit(d, t, h):
 
 
 def copy_stages(d, t, size):
-    """Set the values of the stages of t to the stages of d; their derivatives stay."""
+    """Set the values of the stages of t to the stages of d; the derivatives of the stages in t stay."""
     for i in range(RADAU_STAGES):
         for j in range(size):
             t.implicit.stages[i, j] = dual_with_slope(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
@@ -228,7 +227,10 @@ def iterate_slopes(d, t, h, size):
 
 
 def solve_slopes(d, t, h, size):
-    """Solve the linear systems of the step for the derivatives in t, in place, direction by direction."""
+    """Replace the derivatives of the right-hand sides in t by the solutions of the step's linear systems.
+
+    The systems are solved for one direction of derivatives at a time, in the scratch memory of d.
+    """
     for k in range(DIRECTIONS):
         for i in range(RADAU_STAGES):
             for j in range(size):
@@ -240,7 +242,7 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """Return the largest last correction of the derivatives in any direction, relative to the derivatives."""
+    """Return the largest last correction of derivatives, relative to the derivatives in its direction."""
     implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
@@ -258,9 +260,9 @@ def last_correction(d, t, size):
 
 
 def speed_by_friction(d, t, direction):
-    """Return the derivative of the speed that friction at its limits could give in the step.
+    """Return the derivative of the speed that friction at its limits could cause in the step, times a weight.
 
-    The result is multiplied by the largest error weight of a speed.
+    The derivative belongs to a ``direction``; the weight is the largest error weight of a speed.
     """
     force, weight = 0.0, 0.0
     if d.friction.stuck_count == 0:
@@ -273,14 +275,15 @@ def speed_by_friction(d, t, direction):
 
 
 def replay(d, t):
-    """Repeat the last step of d in dual numbers."""
+    """Repeat the last step of d in t, with dual numbers, including the events at its start."""
     copy_modes(d, t)
     limit_ends_step, segment_ends_step = ends_at_limit(t), ends_with_segment(t)
     apply_pending_events(t)
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
     if limit_ends_step:
         fix_start(t)
-    # the derivatives of the inputs stay: they are with respect to constants that are added to the inputs
+    # only values are copied: the derivatives in t are those with respect to constants that are added to the
+    # inputs
     copy_values(d.inputs, t.inputs)
     if d.channels > 0:
         copy_values(d.moved, t.moved)
@@ -311,7 +314,7 @@ def replay(d, t):
 
 
 def repeat_step(d, t, h):
-    """Make a step of size h as the primal instance did, but without error control."""
+    """Make a step of size h in t with the method of d's step, without error control."""
     begin_trial(t, h)
     if t.step.method == IMPLICIT:
         make_implicit(d, t, h)
@@ -323,19 +326,18 @@ def repeat_step(d, t, h):
 
 
 def ends_regularized(d):
-    """Return whether the last step ends where the regularized contact ends.
+    """Return whether the last step of d was truncated where its regularized contact ends.
 
-    d has taken this step beyond the end of the contact, where the force has a kink, and has then truncated
-    the step.
+    The force has a kink there, and d has computed the step beyond it. t makes only the part up to the kink.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
 
 def copy_end_values(d, t):
-    """Set the values of t at the end of the last step to the values of d; the two differ by round-off.
+    """Set the values of t at the end of the last step to the values of d; they differ by round-off only.
 
-    The rate there is the first stage of the next explicit step. If t kept its own rate, long steps at rest
-    would multiply the round-off of this rate from step to step, although the motion itself is stable.
+    The rate at the end is the first stage of the next explicit step. If t kept its own rate, long steps at
+    rest would multiply the round-off of this rate from step to step, although the motion itself is stable.
     """
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = dual_with_slope(d.step.state_end[j], 1.0, t.step.state_end[j])

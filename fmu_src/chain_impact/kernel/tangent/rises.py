@@ -1,14 +1,15 @@
-"""Derivatives by the rise of a sine without a rise, which are one-sided: a rise ρ cannot be less than 0.
+"""Derivatives by the rise time of a sine signal that has none; they are one-sided, as no rise time is < 0.
 
-At its start the sine differs from its mean m by J = a sin ψ. With a rise the input is m + r J, where r grows
-from 0 to 1 in the time ρ. To first order in ρ the motion lacks the effect of J for the time ∫ (1 − r) dt =
-½ ρ: the input jumps from m to m + J a time ½ ρ after the start. So the rates ẏ with the two inputs give
-y′ = ½ (ẏ(m) − ẏ(m + J)) ρ′, as at any other jump.
+At its start the sine differs from its mean m by J = a sin ψ, with the amplitude a and the phase ψ. With a
+rise time ρ the input is m + r J, where r grows from 0 to 1 in the time ρ. To first order in ρ the motion
+lacks the effect of J for the time ∫ (1 − r) dt = ½ ρ: the input jumps from m to m + J a time ½ ρ after the
+start. So the rates ẏ with the two inputs give y′ = ½ (ẏ(m) − ẏ(m + J)) ρ′, as at any other jump.
 
-This applies if ẏ is linear in the input. Contacts, dry friction and limits of drives may change in the rise,
-so there is no derivative if there are any. There is none either where the motion with a short rise is not
-near the motion without one: where the velocity of the base, or the target of a servo, jumps at the start of
-the sine, and where a sine starts within the run, as its value before the start is m with a rise, else m + J.
+This is valid if ẏ is linear in the input. Contacts, dry friction and limits of drives may change during the
+rise, so with any of these there is no derivative. There is none either where the motion with a short rise is
+not near the motion without one: where the velocity of the base, or the target of a servo, jumps at the start
+of the sine; and where a sine starts within the run, as its value before the start is m with a rise, but m + J
+without.
 """
 
 import math
@@ -23,14 +24,15 @@ from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
-# ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the lacking part of the rise
+# ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the part of the rise time for
+# which the full jump is late
 LACKING = 0.5
-# the largest sine or cosine of a phase that counts as round-off of 0
+# a sine or cosine of a phase below this is round-off of 0
 PHASE_ROUND_OFF = 1e-12
 
 
 def check_rises(t):
-    """Mark in ``trust.missing`` the directions in which a rise of 0 leaves no derivative."""
+    """Mark in ``trust.missing`` the directions in which a rise time of 0 leaves no derivative."""
     for k in range(DIRECTIONS):
         t.trust.missing[k] = 0
     for j in range(t.signals):
@@ -42,19 +44,19 @@ def check_rises(t):
 
 
 def is_sudden(t, j):
-    """Return whether signal j is a sine whose rise is 0 but has derivatives."""
+    """Return whether signal j is a sine whose rise time has the value 0 but is differentiated."""
     rise = t.signal.rise[t.signal.source[j]]
     return t.signal.form[j] == SINE and value(rise) == 0.0 and has_slope(rise)
 
 
 def is_differentiable(t, j):
-    """Return whether the motion has a derivative by the rise of signal j, which is 0."""
+    """Return whether the motion has a derivative by the rise time of signal j, whose value is 0."""
     signal = t.signal
     begins = value(signal.start[signal.source[j]]) - value(t.step.end)
     if begins < 0.0:
         return True
     jump, speed = at_begin(t, j)
-    # the input is a position: the signal moves a base or a wall directly
+    # `moves`: the input is a position, so the signal moves a base or a wall directly
     moves = signal.input[j] == CHANNEL and signal.integrals[j] == 0
     if jump == 0.0 and (speed == 0.0 or not moves):
         return True
@@ -62,12 +64,12 @@ def is_differentiable(t, j):
         return False
     if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
-    # a wall that goes to its place at once, back by −J, must not meet a point on the way
+    # with a rise the wall starts −J farther inward than without: no point may be in between
     return is_linear(t) and (not moves or nearest(t) > -jump)
 
 
 def at_begin(t, j):
-    """Return the jump a sin ψ of signal j at its start, and its rate there, without derivatives."""
+    """Return the jump J = a sin ψ of signal j at its start, and its rate there, both without derivatives."""
     signal, i = t.signal, t.signal.source[j]
     cosine, sine = direction(signal.phase[i])
     a, omega = value(signal.amplitude[i]), TAU * value(signal.frequency[i])
@@ -82,7 +84,7 @@ def is_linear(t):
 
 
 def nearest(t):
-    """Return the least clearance of all candidates [m]."""
+    """Return the least clearance [m] of all candidates at the end of the last step."""
     least = math.inf
     locate_points(t, t.step.state_end)
     for c in range(t.candidates):
@@ -92,7 +94,7 @@ def nearest(t):
 
 
 def delay_jumps(t):
-    """Apply the derivatives by rises of 0 at the start of the run: sines begin with a delayed jump."""
+    """Apply the derivatives by rise times of 0 at the start of the run: such sines begin with a late jump."""
     for j in range(t.signals):
         i = t.signal.source[j]
         jump, _ = at_begin(t, j)
@@ -101,7 +103,7 @@ def delay_jumps(t):
 
 
 def delay_jump(t, j, jump, delay):
-    """Move the state at the start of the run, as signal j begins with a ``jump`` a ``delay`` [s] later."""
+    """Give the state the derivatives of a ``delay`` [s] of the ``jump`` with which signal j begins."""
     k, m = t.signal.segment[j], t.signal.integrals[j]
     if t.signal.input[j] != CHANNEL or m == 2:
         powers = t.knot.powers[k, m]

@@ -16,9 +16,9 @@ from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, recipr
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
-# relative increment of an argument of a user's law, by which differences give derivatives
+# the increment, relative to an argument of a user's law, of the differences that give the derivatives by it
 ARGUMENT_DIFFERENCE = 1e-3
-# number of iterations for the forces of constraints, in which their derivatives converge
+# number of iterations for the forces of constraints after which their derivatives have converged
 FORCE_ITERATIONS = 3
 
 
@@ -58,8 +58,8 @@ def power(x, y):
 def power_of_depth(depth, exponent):
     """Return δ^n of a penetration δ, with derivatives with respect to δ and n.
 
-    The replaced function has special cases of n that would lose the derivatives with respect to n. At δ = 0
-    the derivatives are set to 0 if n ≠ 1, although for n < 1 they are infinite.
+    The function that this one replaces has special cases of n, in which the derivatives with respect to n
+    would be lost. At δ = 0 the derivatives are set to 0 if n ≠ 1, although for n < 1 they are infinite.
     """
     base, n = value(depth), value(exponent)
     result = force_formula.power_of_depth(base, n)
@@ -72,9 +72,9 @@ def power_of_depth(depth, exponent):
 
 
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ.
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with the angles φ in y from ``first`` on.
 
-    Dual numbers in the reduction of the angle would give wrong derivatives.
+    Dual numbers in the reduction of an angle to a quarter turn would give wrong derivatives.
     """
     for i in range(len(radius)):
         cosine, sine = direction(y[first + i])
@@ -82,9 +82,9 @@ def set_polar(radius, y, first, horizontal, vertical):
 
 
 def direction(angle):
-    """Return the cosine and sine of an angle.
+    """Return the cosine and sine of an angle [rad].
 
-    Dual numbers in the reduction of the angle would give wrong derivatives.
+    Dual numbers in the reduction of the angle to a quarter turn would give wrong derivatives.
     """
     cosine, sine = angles.direction(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)
@@ -96,13 +96,13 @@ def has_effect(constant):
 
 
 def choose_saturation(t):
-    """Take the modes of drives from the primal instance, in place of a choice."""
+    """Set the modes of drives to the modes that the primal instance has chosen."""
     for i in range(drives.drive_count(t)):
         t.drive.mode[i] = t.drive.chosen[i]
 
 
 def shift_start(t, delay):
-    """Move the start of the next step by the derivatives of the ``delay`` [s]."""
+    """Give the start of the next step the derivatives of a ``delay`` [s]: move the state along the motion."""
     y, rate, time = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
     if has_slope(time):
         forget_peaks(t, time)
@@ -118,8 +118,8 @@ def shift_start(t, delay):
 def fraction(t, time):
     """Return the fraction of the last step at a time; one Newton step from the value gives all derivatives.
 
-    The iteration of the replaced function stops when the value is exact, although the derivatives may not be
-    exact yet.
+    Dual numbers in the iteration of the replaced function would not do: it stops when the value is exact, and
+    the derivatives may not be exact then.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -131,14 +131,14 @@ def fraction(t, time):
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
-    # dt/dθ; where a contact begins or ends, ṫ = 0, and the derivatives of θ are set to 0
+    # dt/dθ; where a contact begins or ends ṫ = 0, and ``reciprocal`` sets the derivatives of θ to 0
     return dual_with_slope(theta, -reciprocal(max(0.0, rate)), error)
 
 
 def event_fraction(t):
-    """Return 0, with the derivatives of the fraction at which the first event of the last step lies.
+    """Return 0, the fraction of the last step at which its first event lies, with derivatives.
 
-    The last step begins with this event.
+    The derivatives are those of ``start_delay``, the delay of this event, divided by the length of the step.
     """
     step = t.step
     rate = value(step.size)
@@ -148,16 +148,16 @@ def event_fraction(t):
 
 
 def iterated_enough(_t, iterations):
-    """Return whether so many ``iterations`` reduce the derivatives of any residual to round-off.
+    """Return whether ``iterations`` of the residual reduce the derivatives of constraint forces to round-off.
 
-    Each iteration reduces the derivatives to a millionth. The value of a residual is no measure: where it is
-    zero, its derivatives may be large.
+    Each iteration reduces the derivatives of a residual to a millionth. The value of a residual is no
+    measure: where it is zero, its derivatives may be large.
     """
     return iterations >= FORCE_ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """Return the force of a user's law; its derivatives are found by differences."""
+    """Return the force [N] of a user's law; differences of the law give the derivatives by each argument."""
     at = (
         value(depth),
         value(rate),
@@ -177,18 +177,20 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def slope_along(argument, h, at):
-    """Return the derivative of the user's law along one argument, by central differences of order 4."""
+    """Return the derivative of the user's law with respect to one ``argument``, by central differences.
+
+    The differences are of order 4, with the increment h; ``at`` has the values of all arguments.
+    """
     if h == 0.0:
         return 0.0
-    # central difference, with the forces F_j after changes by j times the increment h: (8 (F₁ − F₋₁) − (F₂ −
-    # F₋₂))/(12 h)
+    # with the forces F_j after changes by j h, the derivative is (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
     near = force_after_change(argument, h, at) - force_after_change(argument, -h, at)
     far = force_after_change(argument, 2.0 * h, at) - force_after_change(argument, -2.0 * h, at)
     return (8.0 * near - far) / (12.0 * h)
 
 
 def force_after_change(argument, by, at):
-    """Return the force of the user's law after a change of one argument."""
+    """Return the force [N] of the user's law if ``by`` is added to entry number ``argument`` of ``at``."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),

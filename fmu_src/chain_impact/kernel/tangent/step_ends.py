@@ -1,8 +1,8 @@
 """The derivatives of the time at which a step ends with an event, and the next step begins.
 
 The time of an event depends on the parameters (event_times.py). The end of the last step gets the derivatives
-of this time, so the search for peaks ends at the event: a force that jumps there may have its largest value
-before the jump.
+of this time, and the state there moves with it. So the search for peaks ends exactly at the event: a force
+that jumps there may have its largest value before the jump.
 """
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
@@ -32,8 +32,8 @@ from chain_impact.kernel.tangent.trust import check_onsets
 def move_end(t):
     """Give the end of the last step the derivatives of the time of the event that ends the step.
 
-    The dense output stays that of the step with the old end. If a force only has a kink at the event, the
-    time of the event affects a peak and the end of a contact, but not the motion.
+    The dense output does not change; its derivatives are those at fixed times. If a force only has a kink at
+    the event, the time of the event affects a peak and the end of a contact, but not the motion.
     """
     for c in range(t.candidates):
         if is_crossing(t, c):
@@ -47,8 +47,7 @@ def move_end(t):
         check_changes(t, time)
         move_along(t, time)
         return
-    # a jump at the start of a step causes the event of a step without length, so this event has no delay of
-    # its own
+    # if the step has no length, its event is caused by a jump at its start, and has no delay of its own
     if not step_length(t) > 0.0:
         return
     for c in range(t.candidates):
@@ -62,10 +61,7 @@ def move_end(t):
 
 
 def move_to_segment(t):
-    """Give the end of the last step the derivatives of the end of a signal's segment.
-
-    This applies if the end of the segment ends the step.
-    """
+    """Give the end of the last step the derivatives of the end of a signal's segment, if both coincide."""
     delay = delay_of_segment(t)
     if ends_with_segment(t) and has_slope(delay):
         prepare_end(t)
@@ -75,21 +71,25 @@ def move_to_segment(t):
 def is_crossing(t, c):
     """Return whether candidate c has an event at the end of the last step whose time changes the motion."""
     kind = t.touch.event[c]
-    # at the end of a regularized contact dt/ds = 0, so a delay in s, the step's variable, changes nothing
+    # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s
+    # changes nothing
     if kind == END:
         return c != t.step.regularized
     return kind == ONSET or (kind == RELATCH and step_length(t) > 0.0)
 
 
 def prepare_end(t):
-    """Compute rate, points and dense output at the end of the last step, before derivatives move this end."""
+    """Compute rate, points and dense output at the end of the last step, before ``move_along`` moves it."""
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)
 
 
 def move_along(t, time):
-    """Move the end of the last step along the motion by a ``time`` [s], a dual number of the value 0."""
+    """Give the state and time at the end of the last step the derivatives of a shift along the motion.
+
+    ``time`` [s] is the shift, a dual number of the value 0, so no value changes.
+    """
     y, rate = t.step.state_end, t.scratch.rate_end
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
@@ -102,15 +102,15 @@ def move_along(t, time):
 
 
 def ends_at_limit(t):
-    """Return whether the last step ends where a drive reaches or leaves its limit.
+    """Return whether the last step ends where a drive reaches its limit or falls below the limit.
 
-    No other event may end the step.
+    The result is false if an event of a contact or of dry friction ends the step, too.
     """
     return t.drive.event != 0 and not ends_with_contact(t)
 
 
 def ends_with_segment(t):
-    """Return whether the last step ends where a segment of a signal ends, without any other event."""
+    """Return whether the last step ends where a segment of a signal ends, and with no other event."""
     if t.drive.event != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
@@ -128,11 +128,11 @@ def ends_with_contact(t):
 
 
 def fix_start(t):
-    """Move the state after an event, along the motion, to a start time that has no derivatives.
+    """Move the start of the next step, after an event, along the motion to a time without derivatives.
 
-    Otherwise, until the next event, the derivatives at a fixed time would contain the error of the
-    interpolant's slope times the derivatives of the start time. The search for peaks in the next step begins
-    at the event.
+    Without this, until the next event, the derivatives at a fixed time would contain the error of the dense
+    output's slope times the derivatives of the start time. The event itself keeps its derivatives, as the
+    ``start_delay`` of the step: the search for peaks in the next step begins at the event.
     """
     delay = t.step.start_delay + dual_with_slope(0.0, 1.0, t.step.end)
     mark_jump(t)

@@ -1,8 +1,8 @@
-"""The time up to which derivatives can be trusted; after it they do not exist, or are too inaccurate.
+"""The time after which derivatives cannot be trusted, because they do not exist or are too inaccurate.
 
-The cause is an onset (``check_onsets``), a jump of a user's force, dry friction whose mode is left open
-(tangent/friction.py), or an implicit step whose equations for the derivatives could not be solved.
-simulation/reasons.py has a sentence for each cause.
+There are four causes: an onset (``check_onsets``); a jump of a user's force; a mode of dry friction that
+errors decide (tangent/friction.py); and an implicit step in which the iteration of the derivatives does not
+converge. simulation/reasons.py has a sentence for each reason.
 """
 
 import math
@@ -18,12 +18,12 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 
 TRUSTED, GRAZING, AT_FLOOR, AT_ONE_TIME, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 SLOW_CHANGE, AT_LIMIT, TOGETHER, FROM_REST = 6, 7, 8, 9
-NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if the reason is neither an impact nor an element
+NO_IMPACT = -1  # value of ``c`` in ``mark_untrusted`` if no candidate and no element is the reason
 JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint or of the slider
-# A choice is open if a quantity is so near its bound that errors of the run may decide: at most OPEN_DISTANCE
-# times the tolerance away, relative to the scale of the bound.
+# Errors of the run may decide a choice if a quantity is at most OPEN_DISTANCE times the tolerance away from
+# the bound that decides it, relative to the scale of the bound. The derivatives then end.
 OPEN_DISTANCE = 100.0
-# The force of a law counts as jumping at rest if its values at the rates ±NEAR_REST v₀ differ by more than
+# A force jumps at rest if its values at the rates ±NEAR_REST v₀ of the penetration differ by more than
 # RELATIVE_JUMP, relative to the force.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
@@ -31,8 +31,8 @@ NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 def check_onsets(t):
     """End the derivatives if they do not exist at an onset at the end of the last step.
 
-    Such an onset grazes, is at the least speed of its law, or is one of several at one time. The points must
-    be located at this end.
+    They do not exist if the point grazes the wall, if its speed is the least impact speed of the law, or if
+    several contacts begin at the same time. The points must be located at this end.
     """
     onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
@@ -54,18 +54,19 @@ def check_onsets(t):
 
 
 def near_least_speed(t, c, speed):
-    """Return whether the approach ``speed`` [m/s] of candidate c equals the least v₀ of its law up to errors.
+    """Return whether an approach ``speed`` [m/s] equals the least impact speed of candidate c's law.
 
-    At a smaller speed the law uses the least v₀, at a larger speed this speed.
+    Equal means up to errors. At the least speed the law changes from a constant impact speed to the approach
+    speed.
     """
     errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
 
 
 def check_coefficient(t, friction):
-    """Note in ``trust.missing`` the directions without a derivative, as a friction with derivatives is 0.
+    """Mark in ``trust.missing`` the directions that change a coefficient of friction whose value is 0.
 
-    Friction cannot be less, so the motion has a derivative on one side only.
+    Friction cannot be less than 0, so the motion has a derivative on one side only.
     """
     if value(friction) == 0.0:
         for k in range(DIRECTIONS):
@@ -99,7 +100,7 @@ def check_turns(t):
 
 
 def jumps_at_rest(t, c, depth):
-    """Return whether the force of contact c jumps where its rate is zero."""
+    """Return whether the force of contact c jumps at a penetration ``depth`` [m] where its rate is zero."""
     rate = NEAR_REST * t.touch.impact_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
@@ -107,7 +108,10 @@ def jumps_at_rest(t, c, depth):
 
 
 def mark_untrusted(t, reason, c, time):
-    """End the derivatives at a ``time`` [s], because of candidate or element c, or NO_IMPACT."""
+    """End the derivatives at a ``time`` [s]; the cause is candidate or element c, or NO_IMPACT.
+
+    ``reason`` is one of the numbers above.
+    """
     trust = t.trust
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
@@ -118,12 +122,12 @@ def mark_untrusted(t, reason, c, time):
 
 
 def mark_trusted(t):
-    """Mark the derivatives as valid, and clear the reason for which they have ended, if there is one."""
+    """Mark the derivatives as valid, whether they have ended before or not."""
     t.trust.reason = TRUSTED
 
 
 def begin_trust(t):
-    """Mark the derivatives as valid at the start of a run, where friction has not left anything open."""
+    """Mark the derivatives as valid at the start of a run, with nothing neglected."""
     t.trust.neglected, t.trust.split = 0.0, 0
     mark_trusted(t)
 
@@ -131,14 +135,14 @@ def begin_trust(t):
 def mark_split(t):
     """Record that the derivatives of friction impulses are not known from now on.
 
-    The stop of a neglected speed changes these impulses, and the distribution of friction between sticking
-    elements.
+    If a speed with neglected derivatives stops, these impulses change, and so does the distribution of
+    friction between sticking elements.
     """
     t.trust.split = 1
 
 
 def copy_reason(t, other):
-    """End the derivatives of t where those of tangent instance ``other`` end, if that time is earlier."""
+    """End the derivatives of t where those of the tangent instance ``other`` end, if this is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
