@@ -1,7 +1,8 @@
 """Contact of points with walls: onset, forces on the points, and the list of active contacts.
 
 A candidate is a stop, or a point paired with a wall. The clearance g of a candidate is positive while point
-and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression.
+and wall are apart; the penetration is δ = −g, with the rate δ̇ > 0 during compression. An active candidate is
+in contact.
 """
 
 from chain_impact.kernel.forces.force_formula import (
@@ -32,15 +33,16 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def clear_impacts(d, time):
-    """Set the count and the data of impacts to those of a run that starts at ``time`` [s]."""
+    """Clear the count and the data of impacts at the start of a run at ``time`` [s]."""
     clear_numbers(d.impact)
     d.impact.last_time, d.impact.last_point = time, -1
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Return the true force [N] of an active candidate, for outputs and peaks.
+    """Return the true force [N] of active candidate c, for outputs and peaks.
 
-    The arguments are its clearance [m] and the rate of the clearance [m/s].
+    A step may use the force of the other side of a kink; this function does not. The arguments are the
+    clearance ``gap`` [m] of c and its rate ``gap_rate`` [m/s].
     """
     # A clearance that is > 0 by round-off at the onset counts as 0: a force that jumps at the onset already
     # acts at the clearance 0.
@@ -48,9 +50,10 @@ def contact_force(d, c, gap, gap_rate):
 
 
 def apply_contact(d, c, gap, gap_rate):
-    """Add the force of an active candidate to the load on its point.
+    """Add the force of active candidate c, as a step uses it, to the load on its point.
 
-    Return the power [W] that this force dissipates.
+    The arguments are the clearance ``gap`` [m] and its rate ``gap_rate`` [m/s]. Return the power [W] that the
+    force dissipates.
     """
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     store_force(d, c, force)
@@ -66,7 +69,7 @@ def store_force(d, c, force):
 
 
 def clear_loads(d):
-    """Clear the loads at all places, except the force at the tip, which is an input."""
+    """Set the loads at all places to zero, except at the tip, which gets the input force."""
     clear_loads_of(d, d.scratch.load)
     tip = d.links
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
@@ -74,10 +77,7 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads: the input at the tip, contact forces and sliding friction, for the located points.
-
-    Return the power [W] that contact forces and sliding friction dissipate.
-    """
+    """Set the loads to the input at the tip, contact forces and sliding friction, at the located points."""
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.compliant_count):
@@ -88,7 +88,10 @@ def apply_contacts(d):
 
 
 def apply_true_contacts(d):
-    """Set the loads as ``apply_contacts`` does, but with the true contact forces, of which none pulls."""
+    """Set the loads as ``apply_contacts`` does, but with the true contact forces, which never pull.
+
+    A step continues the force of one side of a kink beyond it; the true force does not.
+    """
     clear_loads(d)
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -100,9 +103,9 @@ def apply_true_contacts(d):
 
 
 def contact_slopes(d, c):
-    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points.
+    """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of active candidate c, for the located points.
 
-    F is the force and δ the penetration. Both slopes are 0 while the force is cut off at 0.
+    F is the contact force and δ the penetration. Both slopes are 0 while the force is cut off at 0.
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -112,7 +115,7 @@ def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
     The function fixes the impact speed v₀, the effective mass, the expected penetration and the damping of
-    the contact.
+    the contact until its end.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
@@ -120,7 +123,7 @@ def latch_onset(d, c):
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    set_rates(d, c, -gap_rate, 1.0)  # the argument 1.0 says that the force rises at the onset
+    set_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
     set_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     touch.effective_mass[c] = effective_mass(d, c)
@@ -136,9 +139,9 @@ def latch_onset(d, c):
 
 
 def begin_force_contact(d, c):
-    """Begin the contact of candidate c with a force law.
+    """Begin the contact of candidate c, which has a force law, at the located points.
 
-    The function fixes the values of the onset, the side of the kink and the mode of friction.
+    The function fixes the values of the onset, the side of the kink and a first mode of friction.
     """
     latch_onset(d, c)
     set_kink_side(d, c)
@@ -147,19 +150,16 @@ def begin_force_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the expected penetration and, for a force law, the damping of candidate c's contact.
-
-    Both values follow from the law, the impact speed and the effective mass.
-    """
+    """Fix the expected penetration of candidate c's contact and, for a force law, its damping."""
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
 
 
 def relatch(d, c, factor):
-    """Multiply v₀, the fixed impact speed of candidate c, by a ``factor``; update the data that depend on v₀.
+    """Multiply v₀, the fixed impact speed of candidate c, by ``factor``; update the values that depend on v₀.
 
-    These data are the expected penetration, the damping and the side of the law's kink.
+    These values are the expected penetration, the damping and the side of the law's kink.
     """
     d.touch.impact_speed[c] *= factor
     latch(d, c)
@@ -177,9 +177,9 @@ def deactivate(d, c):
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set the rates δ̇ [m/s] of the penetration and dF/dt [N/s] of the force of candidate c.
+    """Set the rates δ̇ [m/s] of the penetration and dF/dt [N/s] of the force at the start of the next step.
 
-    The search for the next peaks starts from these rates.
+    From their signs the search of the next step decides whether it contains a peak.
     """
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
@@ -187,14 +187,14 @@ def set_rates(d, c, speed, force_rate):
 def expect_peaks(d):
     """Let the next step be searched for peaks of all contact forces.
 
-    The caller has changed modes of friction, and so the forces may rise.
+    This is needed after changes of friction modes, because the forces may rise then.
     """
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0
 
 
 def set_extremes(d, c, peak_force, max_penetration):
-    """Set the peak force [N] and the largest penetration [m] of candidate c up to now."""
+    """Set the peak force [N] and the largest penetration [m] of candidate c since its onset."""
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
 
 
@@ -210,26 +210,26 @@ def cross_kink(d, c):
     """Switch candidate c, at the kink of the force, to the force on the other side of the kink."""
     touch = d.touch
     if is_cut_off(d, c):
-        touch.force_rate[c] = 1.0  # the value 1.0 says that the force rises
+        touch.force_rate[c] = 1.0  # 1.0: the force rises
     if d.law.approach_only[c]:
-        # at this kink the rate of the penetration is 0, and the largest penetration has been recorded
+        # at this kink δ̇ = 0, and the largest penetration has already been recorded
         touch.speed[c] = 0.0
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 
 def kink_height(d, c):
-    """Return ``height_over_kink`` of candidate c at the located points; the value is < 0 beyond the kink."""
+    """Return ``height_over_kink`` of candidate c at the located points; it is negative beyond the kink."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Set on which side of its force's kink candidate c is, for the located points."""
+    """Set ``touch.beyond_kink`` of candidate c: whether its force is beyond its kink, at located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Set on which side of its force's kink each active contact with a force law is."""
+    """Set ``touch.beyond_kink`` of all active contacts with a force law, for the located points."""
     for k in range(d.touch.compliant_count):
         set_kink_side(d, d.touch.active_index[k])
 
@@ -237,8 +237,8 @@ def set_kink_sides(d):
 def list_touching(d):
     """List the active contacts in ``touch.active_index``; contacts with a force law come first.
 
-    The function also counts the joints' stops among the active contacts, and lists the elements with dry
-    friction.
+    The function also counts the stops of joints among the active contacts, and lists the elements that have
+    dry friction.
     """
     touch = d.touch
     touch.active_count = 0

@@ -1,9 +1,9 @@
 """The contact law of each candidate: a wall may have another material, and joints' stops another law.
 
-The law of a joint's stop acts on the angle φ beyond the stop, with a moment M. For the kernel the stop is a
+The law of a joint's stop gives a moment M for the angle φ beyond the stop. For the kernel the stop is a
 contact at a lever arm s, the longest link (geometry.py), with the penetration δ = s φ and the force F = M/s.
-So a moment M = K φⁿ gives this contact the stiffness K/sⁿ⁺¹, and its minimum impact speed in m/s is s times
-the given speed in rad/s.
+So M = K φⁿ becomes a contact with the stiffness K/sⁿ⁺¹. The given minimum impact speed [rad/s] times s is the
+one of the contact [m/s].
 
 Candidates whose parameters have the same origin, such as the same wall, have the same law. The kernel sets
 the law of the first of these candidates; the others copy it (``law.same_as``).
@@ -39,12 +39,12 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# The largest depth in a wall at which a point still counts as apart, relative to the longest link; 0 at rigid
-# walls. For K = 1e8, n = 3/2 and links of 1 m this depth neglects a force of 1e-10 N; the round-off of
-# positions is about 1e-15 m. Without this margin, the solver would search every step of a point that slides
-# along a wall at zero clearance for an onset.
+# A point at most this deep in a wall counts as apart, relative to the longest link; 0 at rigid walls. For K =
+# 1e8, n = 3/2 and links of 1 m this neglects a force of 1e-10 N; the round-off of positions is about 1e-15 m.
+# Without this margin, the solver would search every step for an onset if a point slides along a wall at zero
+# clearance.
 HARMLESS_DEPTH = 1e-12
-# origins of laws that are no walls, see ``law_origin``
+# results of ``law_origin`` for a law that does not belong to a wall
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with such a law
 
@@ -52,7 +52,7 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates have the same law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        # the number 0 lets ``derive_damping`` derive the constants again, because any parameter may have
+        # with the number 0 ``derive_damping`` derives the constants again, because any parameter may have
         # changed
         d.law.number[c] = 0
         first, source = 0, law_origin(d, c)
@@ -63,12 +63,7 @@ def start_laws(d):
 
 
 def law_origin(d, c):
-    """Return a number for the origin of the law of candidate c.
-
-    Returns:
-        The number of the wall if the wall has its own material; OF_CONTACT for the material of `contact`;
-        OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
-    """
+    """Return a number that tells where the law of candidate c is given."""
     if at_stop(d, c):
         return OF_JOINTS if at_joint_stop(d, c) else OF_SLIDER
     wall = d.candidate.wall[c]
@@ -81,7 +76,7 @@ def law_origin(d, c):
 def update_laws(d):
     """Set the laws of all candidates to the given parameters; return a status.
 
-    If the status is not OK, nothing is changed.
+    If the status is not OK, no law changes.
     """
     status = check_laws(d)
     if status != OK:
@@ -100,9 +95,9 @@ def update_laws(d):
 
 
 def check_laws(d):
-    """Check the given laws; return a status.
+    """Check the given laws, and return a status.
 
-    The status is RIGID_WHILE_TOUCHING if the law of an active contact would become rigid.
+    RIGID_WHILE_TOUCHING means that the law of an active contact would become rigid.
     """
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
@@ -116,7 +111,7 @@ def check_laws(d):
 
 
 def laws_in_use(d):
-    """Return whether the laws of all candidates already use the given values."""
+    """Return whether the laws of all candidates already have the given parameters."""
     for c in range(d.candidates):
         if d.law.same_as[c] == c and not is_in_use(d, c):
             return False
@@ -124,7 +119,7 @@ def laws_in_use(d):
 
 
 def is_in_use(d, c):
-    """Return whether the law of candidate c already uses the given values."""
+    """Return whether the law of candidate c already has the given parameters."""
     law, (sliding, static) = d.law, given_friction(d, c)
     same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
     return is_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
@@ -148,7 +143,7 @@ def given_number(d, c):
 def given_stiffness(d, c):
     """Return the given stiffness K [N/mⁿ] of candidate c.
 
-    For a joint's stop, K is the stiffness of the contact at the lever arm.
+    For a joint's stop, the given moment is converted to a contact at the lever arm.
     """
     if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)
@@ -213,7 +208,7 @@ def check_values(d, c):
 
 
 def is_derived(d, c):
-    """Return whether the derived constants of candidate c were derived from the given law and restitution."""
+    """Return whether the constants of candidate c were derived from the given law number and restitution."""
     return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
 
 
@@ -236,7 +231,7 @@ def derive_damping(d, c):
 
 
 def set_parameters(d, c):
-    """Set the parameters of candidate c's law to the given parameters."""
+    """Set the parameters of candidate c's law to the given values, in units of lengths also at a stop."""
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)

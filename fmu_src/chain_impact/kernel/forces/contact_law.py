@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
-# table from an exponent to the power of δ as text; other powers are written like δ^1.2
+# exponent of δ → the power of δ as text; other powers are written like δ^1.2
 DEPTHS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
@@ -19,8 +19,8 @@ class ContactLaw:
     formula: str  # the factor f(e) as text; for the Hunt–Crossley family this is λ(e)
     limits: str  # range of use, limits and known errors of the law
     # The quality of the source of the formula, as a letter or a word. A: an open source that cites the paper.
-    # B: public code that follows a review. C: the standard literature. Derived, recomputed: the formula also
-    # follows from an integration of a free impact.
+    # B: public code that follows a review. C: the standard literature. Derived or recomputed: the formula
+    # also follows from an integration of a free impact.
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
     accurate_to: float  # largest restitution e up to which the realised restitution is within 5 % of e
@@ -30,7 +30,7 @@ class ContactLaw:
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
     # exponent s in d = f K^(1−s) m^s with the effective mass m; 0 for the Hunt–Crossley family: d = λ K/v₀
     mass_power: float = 0.0
-    # whether the damping acts only during compression, while the penetration grows
+    # whether the damping acts only while the penetration grows
     approach_only: bool = False
     impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
 
@@ -57,7 +57,7 @@ class ContactLaw:
 
     @property
     def damping(self) -> str:
-        """How the damping d follows from the factor f, as text."""
+        """The relation of the damping d to the factor f, as text."""
         power = self.mass_power
         return "–" if self.impulsive else DAMPINGS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 

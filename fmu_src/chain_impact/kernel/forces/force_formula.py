@@ -5,9 +5,9 @@ the onset. The laws in laws.py differ only in d and the exponents n and p. A use
 the whole force.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
-across a kink would lose its order of accuracy. So a step uses the smooth force of one side of the kink, also
-beyond the kink, and is repeated to end at the kink (events/sampled.py); ``touch.beyond_kink`` tells this
-side. Outputs and peaks use the true force.
+across a kink would lose its order of accuracy. So a step uses the smooth formula of one side of the kink on
+both sides; ``touch.beyond_kink`` tells which. If the step crosses the kink, it is repeated to end there
+(events/sampled.py). Outputs and peaks use the true force.
 """
 
 import math
@@ -19,12 +19,12 @@ from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
-# The relative increment of penetration and speed for the central differences of a user's law. The increment
-# is about the cube root of round-off, so that truncation and round-off cause equal errors.
+# The increment of penetration and speed, relative to these, for the central differences of a user's law:
+# about the cube root of round-off, with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
-# The largest rate |δ̇| at which a contact counts as turning from compression to restitution, relative to v₀
-# √(tolerance/max(1, damping_over_elastic)). The relative error of the impulse is then at most a tenth of the
-# tolerance.
+# A contact turns from compression to restitution while |δ̇| is at most TURNING_RATE times v₀
+# √(tolerance/max(1, damping_over_elastic)). A force of the wrong side up to this rate changes the impulse by
+# at most a tenth of the tolerance, relative to the impulse.
 TURNING_RATE = 0.3
 
 
@@ -64,7 +64,7 @@ def elastic_energy(d, c, penetration):
 
 
 def elastic_depth(d, c, mass, speed):
-    """Return the penetration [m] at which K δⁿ stores the kinetic energy of a mass [kg] at a speed [m/s]."""
+    """Return the penetration [m] at which K δⁿ stores the energy ½ m v² of a mass [kg] and a speed [m/s]."""
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # the elastic energy equals the kinetic energy: K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
@@ -72,7 +72,7 @@ def elastic_depth(d, c, mass, speed):
 
 
 def set_expected_depth(d, c):
-    """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
+    """Set the expected penetration [m] of candidate c, from v₀ and the effective mass of its contact."""
     touch = d.touch
     if d.law.impulsive[c]:
         # a rigid wall has no penetration, so the longest link serves as the scale
@@ -82,7 +82,10 @@ def set_expected_depth(d, c):
 
 
 def set_damping(d, c):
-    """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
+    """Set the damping d [N·s/m^(p+1)] of candidate c, from v₀ and the effective mass of its contact.
+
+    The function also sets the speed up to which the kink of a law that damps on approach only is ignored.
+    """
     law, touch, number = d.law, d.touch, d.law.number[c]
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
@@ -100,11 +103,11 @@ def set_damping(d, c):
 def unit_of_damping(d, c, mass_power):
     """Return the factor by which the damping of candidate c differs from f K^(1−s) m^s.
 
-    The factor is 1 except at a joint's stop.
+    The factor is 1 except at a joint's stop. It is also 1 there if f has no unit.
 
-    f and s belong to the law (laws.py), and m is the effective mass. The law of a joint's stop is that of the
-    angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
-    kernel's damping at the lever arm r is d = d'/rᵖ⁺². The factor is also 1 if f has no unit.
+    f and s belong to the law (laws.py), and m is the effective mass. A joint's stop has the law in terms of
+    the angle, with the stiffness K' = K rⁿ⁺¹ and the moment of inertia m' = m r²: d' = f K'^(1−s) m'^s. The
+    kernel uses lengths at the lever arm r, so its damping is d = d'/rᵖ⁺².
     """
     if not at_joint_stop(d, c):
         return 1.0
@@ -114,11 +117,11 @@ def unit_of_damping(d, c, mass_power):
 
 
 def turning_margin(d, c):
-    """Return the largest |δ̇| [m/s] up to which a step may use the force of the wrong side of the kink.
+    """Return the rate |δ̇| [m/s] up to which a step may use the force of the wrong side of the kink δ̇ = 0.
 
-    If |δ̇| reaches the speed v on the wrong side, the relative error of the impulse is (v/v₀)² times the
-    result of ``damping_over_elastic``. The result also includes the tolerance times the longest link per
-    second, because at rest errors change the sign of δ̇ again and again.
+    If |δ̇| reaches the speed v on the wrong side, the impulse has the relative error (v/v₀)² times the result
+    of ``damping_over_elastic``. The tolerance times the longest link per second is added, because at rest
+    errors change the sign of δ̇ again and again.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
@@ -136,9 +139,9 @@ def law_force(d, c, depth, rate):
 
 
 def continued_force(d, c, depth, rate):
-    """Return the values of ``law_force``, but with the smooth force of one side of the kink on both sides.
+    """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
 
-    ``touch.beyond_kink`` tells the side. The function also records whether the kink is crossed.
+    ``touch.beyond_kink`` tells the side of the kink. The function also records whether the kink is crossed.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -150,8 +153,8 @@ def continued_force(d, c, depth, rate):
 def force_on_side(d, c, depth, rate):
     """Return the true force ≥ 0 [N] of candidate c, for outputs and peaks.
 
-    For a law that damps on approach only, ``touch.beyond_kink`` tells the side of the kink. The sign of δ̇
-    cannot tell the side, because at rest δ̇ is 0 up to errors.
+    For a law that damps on approach only, ``touch.beyond_kink`` tells whether the damping acts. The sign of
+    δ̇ cannot tell this, because at rest δ̇ is 0 up to errors.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)
@@ -159,7 +162,7 @@ def force_on_side(d, c, depth, rate):
 
 
 def note_crossing(d, c, height):
-    """Record that candidate c has crossed its kink, if ``height`` lies beyond the margin on the other side.
+    """Record that candidate c has crossed its kink, if ``height`` is on the other side by more than a margin.
 
     ``height`` is the result of ``height_over_kink``.
     """
@@ -169,7 +172,7 @@ def note_crossing(d, c, height):
 
 
 def clear_crossings(d):
-    """Forget which active contacts have crossed their kinks."""
+    """Clear the records of ``note_crossing`` for all active contacts."""
     for k in range(d.touch.active_count):
         d.touch.kink_crossed[d.touch.active_index[k]] = 0
 
@@ -187,7 +190,7 @@ def height_over_kink(d, c, depth, rate):
 
 
 def is_cut_off(d, c):
-    """Return whether the force of candidate c in a step is 0, because the law alone would give a pull."""
+    """Return whether a step uses the force 0 for candidate c, because the uncut force is a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
@@ -207,7 +210,8 @@ def uncut_force(d, c, depth, rate, leaves):
 def user_contact_force(d, c, depth, rate):
     """Return the force [N] of a user's law for candidate c, before it is cut off at 0.
 
-    The law of a joint's stop takes the angle beyond the stop and returns a moment; both are converted.
+    The law of a joint's stop takes angles and returns a moment; the function converts from lengths and to a
+    force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
@@ -228,9 +232,9 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def may_jump(d, c):
-    """Return whether the force may jump where a contact begins or ends.
+    """Return whether the force of candidate c may jump where its contact begins or ends.
 
-    This is so for a user's law, and for the exponent p = 0.
+    This is possible for a user's law, and for a damping d δᵖ δ̇ with the exponent p = 0.
     """
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
@@ -238,7 +242,7 @@ def may_jump(d, c):
 def damping_slope(d, c, depth, leaves, spring):
     """Return the slope ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
 
-    The result is 0 if the point ``leaves`` and the law damps on approach only.
+    The result is 0 if the point moves outward (``leaves``) and the law damps on approach only.
     """
     law = d.law
     if law.approach_only[c] and leaves:
@@ -285,7 +289,7 @@ def damping_over_elastic(d, c):
     """Return the damping force of candidate c divided by its elastic force, a number ≥ 0.
 
     Both forces are evaluated at the impact speed v₀ and the expected penetration. For the Hunt–Crossley
-    family the result is the damping λ of the law.
+    family the result is the damping factor λ of the law.
     """
     force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
     return max(0.0, force / elastic - 1.0)

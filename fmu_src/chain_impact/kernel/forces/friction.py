@@ -8,11 +8,11 @@ t = (n_y, −n_x). Each element with friction has a mode, which changes at event
     sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
 
 with F_t the friction force along t, F_n the normal force, t·a the tangential acceleration, µ the coefficient
-of sliding and µ_s ≥ µ that of static friction. Within a step the sign s is latched (fixed); the sign of the
-tangential speed is not evaluated. In a joint, µ F_n and µ_s F_n are both the friction moment divided by the
-lever arm of the joint's place, and for the slider its friction force. The normal force of a force law depends
-on the state alone, so modes and accelerations that satisfy these laws exist; for µ_s = µ the accelerations
-are unique.
+of sliding friction and µ_s ≥ µ the coefficient of static friction. Within a step the sign s is latched
+(fixed); the sign of the tangential speed is not evaluated. In a joint, µ F_n and µ_s F_n both stand for the
+friction moment divided by the lever arm of the joint's place; for the slider they stand for its friction
+force. The normal force of a force law depends on the state alone, so modes and accelerations that satisfy
+these laws exist; for µ_s = µ the accelerations are unique.
 
 Where several constraints are dependent, the forces of the sticking elements are not unique. The solver then
 chooses forces in proportion to the limits (constraints.py), or forces that do not exceed their limits
@@ -33,8 +33,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# The largest distance between a sticking element and its anchor, after a projection, that counts as
-# round-off, relative to the largest coordinate. A projection that leaves more has missed the anchor.
+# After a projection, a sticking element may be this far from its anchor, relative to the largest coordinate:
+# this is round-off. If a projection leaves more, it has failed for this anchor.
 ANCHOR_ROUND_OFF = 1e-13
 
 
@@ -54,42 +54,40 @@ def joint_number(d, e):
 
 
 def set_friction_used(d):
-    """Record whether any wall, joint or slider has dry friction, in a record with room for friction."""
+    """Set ``friction.used`` to 1 if any wall, joint or slider has dry friction, else 0.
+
+    It is 0, too, if the record has no room for friction.
+    """
     has_friction = max(d.contact.any_friction, d.chain.has_drive_friction)
     d.friction.used = has_friction if d.elements > 0 else 0
 
 
 def clear_friction(d):
-    """Start without friction anywhere: no element has a mode."""
+    """Set all modes to "no friction"."""
     for e in range(d.elements):
         set_mode(d, e, NO_FRICTION)
 
 
 def sliding_sign(force):
-    """Return the sign, along t, of the sliding that a friction ``force`` along t opposes: minus its sign."""
+    """Return the sign ±1 along t of the sliding that a friction ``force`` along t opposes: minus its sign."""
     return 1 if force < 0.0 else -1
 
 
 def set_mode(d, e, mode):
-    """Set the mode of element e."""
+    """Set the mode of element e: STICKS, NO_FRICTION, or the sign ±1 of its sliding along t."""
     d.element.mode[e] = mode
 
 
 def set_anchor(d, e):
-    """Set the anchor of element e to its present coordinate along t, for the located points.
+    """Set the anchor of element e to its present coordinate along t, at the located points.
 
-    A sticking element is held at its anchor.
+    While the element sticks, it is held at its anchor.
     """
     d.element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
-    """List the elements that have friction now, and the sticking elements.
-
-    Both lists are packed: contacts come first, then joints, then the slider.
-
-    A free base has no joint, so the element of the first joint has no friction.
-    """
+    """List the elements that have dry friction at present, and those of them that stick."""
     friction = d.friction
     friction.count = 0
     for k in range(d.touch.compliant_count):
@@ -107,9 +105,9 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """List the sticking elements, packed.
+    """List the sticking elements, packed, and count the joints among them.
 
-    Each sticking element is a constraint; these constraints follow those of the contacts.
+    Each sticking element is a constraint; its number follows those of the active contacts.
     """
     friction = d.friction
     friction.stuck_count, friction.stuck_joints = 0, 0
@@ -130,9 +128,9 @@ def suspend_sticking(d):
 
 
 def clear_other_forces(d):
-    """Set the forces of elements without friction to 0.
+    """Set the stored forces of elements without friction to 0.
 
-    An old force remains, for example, where the friction of a wall has been set to 0.
+    Otherwise the output would keep an old force, for example if the friction of a wall has been set to 0.
     """
     for e in range(d.elements):
         if d.element.mode[e] == NO_FRICTION:
@@ -140,33 +138,31 @@ def clear_other_forces(d):
 
 
 def begin_friction(d, c):
-    """Set the anchor and a first mode of contact c, which begins.
+    """Set the anchor and a first mode of friction for contact c, which begins, at the located points.
 
-    events/friction_modes.py decides the mode later.
+    events/friction_modes.py chooses the final mode later.
     """
     speed = tangential_rate(d, c)
-    # a projection of the state before the decision moves a sticking element to its anchor
+    # the anchor is needed now, because a projection before the final choice moves a sticking element to its
+    # anchor
     set_anchor(d, c)
     set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
 
 def friction_load(d, c):
-    """Return the normal force [N] of candidate c from which its friction follows.
+    """Return the normal force [N] of candidate c that determines its friction.
 
-    A step continues the contact force, and so the friction, smoothly beyond the kink. The force of a law that
-    damps on approach only may be a pull there. Friction in proportion to a pull would add energy, so for such
-    a law a pull counts as 0.
+    A step continues the contact force, and so the friction, smoothly beyond the kink. There the force of a
+    law that damps on approach only may be a pull. Friction in proportion to a pull would add energy, so for
+    such a law a pull counts as 0.
     """
     return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
 
 
 def apply_friction(d):
-    """Add sliding friction of contacts with a force law, joints and slider to the loads.
+    """Add the sliding friction of contacts with a force law, joints and slider to the loads.
 
-    The friction of a sticking element is the force of a constraint, which is found later.
-
-    Returns:
-        The dissipated power [W].
+    The friction of a sticking element is not added: it is a constraint force, which is computed later.
     """
     friction = d.friction
     friction.power = 0.0
@@ -184,7 +180,7 @@ def apply_friction(d):
 
 
 def apply_sliding_friction(d, e, size):
-    """Add friction of the ``size`` [N] of the sliding element e to the loads.
+    """Add friction of the ``size`` [N] to the loads, against the sliding of element e.
 
     Return the power [W] that the friction dissipates.
     """
@@ -198,7 +194,11 @@ def apply_sliding_friction(d, e, size):
 
 
 def store_static_forces(d):
-    """Store the constraint forces [N] of sticking elements, and how far they exceed their limits."""
+    """Store the constraint forces [N] of sticking elements, and their least margins to the limits.
+
+    A margin is the limit of static friction minus the force; a step with a negative margin is searched for
+    the end of sticking.
+    """
     friction, first = d.friction, d.touch.active_count
     for i in range(friction.stuck_count):
         e = d.element.stuck[i]
@@ -210,8 +210,8 @@ def static_power(d):
     """Return the power [W] that the forces of sticking elements dissipate.
 
     A sticking element has a speed only by the error of a step; a projection then moves the element back
-    (ode/last_step.py). The stages of an implicit step do not contain this power, because their last
-    correction changes the speeds. Instead, ode/friction_work.py finds the work along the corrected motion.
+    (ode/last_step.py). An implicit step does not use this power, because the last correction of its stages
+    changes the speeds; ode/friction_work.py computes the work along the corrected motion.
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):
@@ -222,7 +222,7 @@ def static_power(d):
 
 
 def work_of_holding(d):
-    """Return the work [J] of the present sticking forces along the way from the anchors to the elements."""
+    """Return the work [J] of the present sticking forces along the way from each anchor to its element."""
     work = 0.0
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
@@ -231,10 +231,10 @@ def work_of_holding(d):
 
 
 def move_missed_anchors(d):
-    """Move each anchor that a projection has missed to the located coordinate of its sticking element.
+    """Move an anchor to its sticking element where a projection has not moved the element to the anchor.
 
-    A projection misses an anchor only where impulses can hardly move the element (constraints.py). A
-    correction in each step would do work, and change the energy of a chain at rest.
+    A projection fails only where impulses can hardly move the element (constraints.py). To try again in each
+    step would do work, and change the energy of a chain at rest.
     """
     friction, tolerance = d.friction, ANCHOR_ROUND_OFF * largest_coordinate(d)
     for i in range(friction.stuck_count):
@@ -244,6 +244,6 @@ def move_missed_anchors(d):
 
 
 def clear_margins(d):
-    """Set the margins of all elements with friction to 0; afterwards the stages of a step lower them."""
+    """Set the margins of elements with friction to 0 before a step, whose stages reduce them."""
     for i in range(d.friction.count):
         d.element.margin[d.element.index[i]] = 0.0

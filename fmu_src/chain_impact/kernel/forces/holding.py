@@ -1,8 +1,8 @@
 """Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-The module rows/constraints.py finds the impulses that bring the motions along constraints from ``start`` to
+rows/constraints.py computes the impulses that bring the motions along constraints from ``start`` to
 ``target``. This module sets ``start`` to clearances, speeds or accelerations, and applies the impulses to the
-rate ẏ or to the state.
+rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
 """
 
 import math
@@ -46,28 +46,28 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
-# a point stays deeper while walls or the base move, the walls leave no room for the chain.
+# A projection may leave a point this deep in a rigid wall, relative to the longest link. If a point stays
+# deeper while walls or the base move, the walls leave no room for the chain, and the step is rejected.
 SQUEEZED_DEPTH = 1e-6
-# A point leaves a wall only if it rises at least to this height, relative to the longest link. A lower height
-# could not be distinguished from round-off, and the next onset could not be located.
+# A point leaves a rigid wall only if its speed lifts it at least to this height, relative to the longest
+# link. A lower height could not be distinguished from round-off, and the next onset could not be located.
 LEAST_RISE = 1e-14
-# The largest plausible correction of a coordinate in a projection, relative to the tolerance plus the largest
-# residual. Angles are in rad, lengths in units of the longest link. A motion that needs more can hardly be
-# constrained.
+# A projection may change an angle [rad], or a length relative to the longest link, by at most
+# LARGEST_CORRECTION times the sum of the tolerance and the largest residual. A residual that needs a larger
+# change can hardly be removed by constraint forces.
 LARGEST_CORRECTION = 10.0
-# The largest part of the residual that a projection onto the constraints of sticking elements may leave. A
-# projection that would leave more moves nothing.
+# If a projection onto the constraints of sticking elements alone would leave more than this part of the
+# residual, it is not done.
 LARGEST_REMAINING_RESIDUAL = 0.5
-# The impedance with which contacts with a force law resist the projection onto the constraints of sticking
-# elements, relative to the mean mass of a link.
+# The impedance, relative to the mean mass of a link, with which contacts with a force law resist a projection
+# of sticking elements: a change of their clearance at a stiff wall would act as an impact.
 CONTACT_RESISTANCE = 1e3
 
 
 def set_start_to_state(d, derivative):
     """Set ``start`` to clearances of contacts and distances of sticking elements from their anchors.
 
-    If ``derivative`` is 1, set ``start`` to the rates of these values.
+    If ``derivative`` is 1, the function sets ``start`` to the rates of these.
     """
     constraints, first = d.constraints, d.touch.active_count
     for k in range(first):
@@ -82,7 +82,7 @@ def set_start_to_state(d, derivative):
 
 
 def set_start_to_load_motion(d):
-    """Set ``start`` to the components along all constraints of the motion caused by ``scratch.load``.
+    """Set ``start`` to the motion along all constraints that the impulses in ``scratch.load`` cause.
 
     Return the largest component of the motion of any place.
     """
@@ -94,22 +94,19 @@ def set_start_to_load_motion(d):
 
 
 def clear_least_forces(d):
-    """Set the least forces of contacts without a force law to 0, before the stages of a step lower them."""
+    """Set the least forces of contacts at rigid walls to 0 before a step, whose stages reduce them."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.constraints.least_force[d.touch.active_index[k]] = 0.0
 
 
 def add_change(d, y, first):
-    """Add to y, from index ``first`` on, the change of the coordinates that the impulses cause."""
+    """Add the change of the coordinates that the impulses cause to y, from index ``first`` on."""
     for j in range(coordinate_count(d.links)):
         y[first + j] += d.constraints.change[j]
 
 
 def set_start_to_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations along all constraints, for the rate ẏ of the state y.
-
-    Return the largest component of the acceleration of any place or moving wall.
-    """
+    """Set ``start`` to the accelerations along all constraints that the rate ẏ of the state y contains."""
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
         d.constraints.start[k] = constraint_acceleration(d, k)
@@ -117,12 +114,12 @@ def set_start_to_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to the rate ẏ of the free motion the accelerations that the constraint forces cause.
+    """Add the effect of the constraint forces to ``rate``, the rate ẏ of the motion without them.
 
-    Held points get g̈ = 0 for the clearance g, sticking elements t·a = 0 along t. Afterwards
+    Afterwards held points have g̈ = 0 for the clearance g, sticking elements t·a = 0 along t, and
     ``d.constraints.impulse`` contains the forces [N]; at walls at rest they do no work, apart from errors.
-    The fault MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the
-    tolerance.
+    MOVING (rows/constraints.py) is recorded if a held point still accelerates by more than the tolerance; the
+    step is then rejected.
     """
     constraints = d.constraints
     copy_factors(d, joints_loaded(d))
@@ -138,7 +135,7 @@ def add_constraint_forces(d, y, rate):
 
 
 def store_constraint_forces(d):
-    """Store the forces in ``d.constraints.impulse`` as those of the held contacts and sticking elements."""
+    """Store the forces in ``d.constraints.impulse`` as the forces of held contacts and sticking elements."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         store_force(d, d.touch.active_index[k], d.constraints.impulse[k])
     if any_sticking(d):
@@ -146,16 +143,16 @@ def store_constraint_forces(d):
 
 
 def project_state(d, y):
-    """Project the located state y onto the constraints, so that no drift accumulates.
+    """Project the state y, whose points are located, onto the constraints, so that errors do not add up.
 
     Held contacts get the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along t
-    and loses its tangential speed. If any element sticks, the contacts with a force law resist the change,
+    and loses its tangential speed. If any element sticks, the contacts with a force law resist this change,
     because a change of a clearance at a stiff wall would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. If a wall would pull by more than the errors explain, points may leave their walls, with ġ > 0 in
-    ``d.constraints.reached``. The kinetic energy lost counts as dissipated, the work of moving walls, belts
-    and base as supplied. Afterwards the points are located in the projected state.
+    size. If a wall would have to pull more strongly than the errors explain, points may leave their walls,
+    with ġ > 0 in ``d.constraints.reached``. The kinetic energy that is lost counts as dissipated, the work of
+    moving walls, belts and base as supplied. Afterwards the points are located in the projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):
@@ -189,9 +186,9 @@ def project_state(d, y):
 def power_of_motion(d, y, rate):
     """Return the power [W] that moving walls, belts and base supply, for a state y and its rate ẏ.
 
-    It is the sum of force times speed. The force on the base follows from Newton's law for the whole chain,
-    with the accelerations in ẏ, which include all forces. If the base moves, the function sets the
-    accelerations of the points.
+    The power is the sum of force times speed over walls, belts and base. The force on the base follows from
+    Newton's law for the whole chain, with the accelerations in ẏ, which include all forces. If the base
+    moves, the function sets the accelerations of the points.
     """
     power, fx, fy = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -220,7 +217,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] that moving walls, belts and base do by the impulses in a jump of velocities."""
+    """Return the work [J] of moving walls, belts and base in the last computed jump of velocities."""
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_count(d)):
         sticks = k >= d.touch.active_count
@@ -253,17 +250,17 @@ def momentum(d, vectors):
 
 @has_dual_rule
 def contact_resistance(d):
-    """Return the resistance [kg] of a contact with a force law against a projection."""
+    """Return the impedance [kg] with which a contact with a force law resists a projection."""
     return CONTACT_RESISTANCE * mean_mass(d)
 
 
 def solve_positions(d):
-    """Find the change of the coordinates that brings clearances g and sticking elements to their targets.
+    """Compute the change of coordinates that brings clearances and sticking elements to their targets.
 
-    If the change is larger than residuals and errors explain, the constraints hardly act on the motion that
-    would remove the residuals. Then only points in a rigid wall, with g < target, are moved. If no rigid wall
-    holds a point, nothing is moved, also where the change would hardly reduce the residuals of sticking
-    elements, for example at two corners of a box. Otherwise each step would change the energy.
+    Where constraint forces can hardly cause the motion that would remove the residuals, the change is larger
+    than residuals and errors explain. Then only points in a rigid wall, with g < target, are moved out. If no
+    rigid wall holds a point, nothing is moved then, nor where the change would hardly reduce the residuals of
+    sticking elements, for example at two corners of a box. Otherwise each step would change the energy.
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,
@@ -290,7 +287,11 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Find the impulses that stop the active set, where no wall pulls by more than ``tolerated_momentum``."""
+    """Compute the impulses that stop the motion along all constraints.
+
+    If a wall would pull by more than ``tolerated_momentum``, only pushing impulses are used, and points may
+    leave.
+    """
     speed = largest_velocity(d)
     factorize_free(d)
     solve_equality(d, speed)
@@ -307,10 +308,10 @@ def least_impulse(d):
 
 
 def tolerated_momentum(d, speed):
-    """Return the largest momentum [N·s] of the chain that counts as zero.
+    """Return the largest impulse [N·s] that counts as zero for the chain.
 
-    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE, and the tolerated error of
-    ``speed`` [m/s].
+    It is the chain's mass times a sum: the speed after a fall by LEAST_RISE, and the tolerated error of the
+    largest speed, ``speed`` [m/s].
     """
     size = d.chain.longest_link
     mass = d.chain.energy_scale / (size * size)

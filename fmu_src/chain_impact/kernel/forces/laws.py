@@ -39,7 +39,7 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
 def contact_law(title, source, formula, accurate, evidence, **properties):
-    """Register the decorated function f(e) as the next contact law, under the function's name.
+    """Return a decorator that registers a function f(e) as the next contact law, under its name.
 
     The docstring of f states the limits of the law. If the source begins with a year, the title is put before
     it, as the authors.
@@ -120,8 +120,7 @@ def zhang_sharf(e):
     if e >= 1.0:
         return 0.0
     u = 1.0 - e
-    # near e = 1 the root is a difference of nearly equal numbers; this series in u = 1 − e is accurate up to
-    # u⁵
+    # near e = 1 the root is a difference of nearly equal numbers; this series in u = 1 − e has an error ∝ u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
     # With d = λe = 1 − e^{−s}, λ the damping, the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. The root s
@@ -286,7 +285,7 @@ __all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor", "is_imp
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# A value is None in EXPONENTS if any exponent n is allowed, and in RATE_EXPONENTS if p = n.
+# ANY in EXPONENTS: any exponent n is allowed; ANY in RATE_EXPONENTS: p = n.
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
@@ -313,9 +312,10 @@ def is_impulsive(law):
 def wall_friction(sliding, static, own_sliding, own_static):
     """Return the coefficients of sliding and of static friction at a wall.
 
-    ``sliding`` and ``static`` are common to all walls. If ``own_sliding`` or ``own_static`` is negative, the
-    wall has no such coefficient of its own. A static coefficient of 0 means that it equals the sliding
-    coefficient. A wall that has only a sliding coefficient of its own has the static coefficient 0.
+    ``sliding`` and ``static`` are common to all walls, ``own_sliding`` and ``own_static`` belong to the wall;
+    a negative value means that the wall has no such coefficient. A static coefficient of 0 means that it
+    equals the sliding coefficient. A wall that has only a sliding coefficient of its own has the static
+    coefficient 0.
     """
     if own_sliding >= 0.0:
         sliding, static = own_sliding, 0.0

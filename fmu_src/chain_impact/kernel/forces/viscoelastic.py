@@ -1,16 +1,16 @@
-"""f(e) of Kuwabara and Kono: the damping g of an impact that realises the restitution e.
+"""f(e) of Kuwabara and Kono: the damping g with which an impact realises the restitution e.
 
 The impact has m = K = v₀ = 1 and F = max(0, δ^{3/2} + g δ^{1/2} δ̇). With z = √δ, w = δ̇ and a variable s,
 where dt = 2z ds, the right-hand sides are polynomials: dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w
-falls; the minimum of w is −e.
+falls; when F reaches 0, w has its minimum −e.
 
     f(e) = (1 − e) e^(−3/5) P(r),   r = √(1 − e^(1/8))
 
-is the product of factors that are singular at e = 0 and e = 1, and of a smooth function P. For e → 1 the
-speed −e at the end is a series in the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e). For e → 0 this
-speed is proportional to g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. A
-polynomial in r replaces P, with a relative error below 2e-11 for all e. Its coefficients come from solutions
-of the impact by Taylor series of order 24, at 64 Chebyshev points.
+The first two factors are singular at e = 1 and e = 0; P is smooth. For e → 1 the speed −e at the end is a
+series in the powers 0, 1, 2, 5/2 … of g, and P is smooth in √(1 − e). For e → 0 this speed is proportional to
+g^(−5/3), with terms of e ln e. P falls from 1.1761 at e = 0 to 1/1.15345 at e = 1. A polynomial in r replaces
+P, with a relative error below 2e-11 for all e. Its coefficients come from solutions of the impact by Taylor
+series of order 24, at 64 Chebyshev points.
 """
 
 import math
@@ -55,13 +55,13 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# The least 1 − e for which P is evaluated at e; closer to e = 1, the value of P at e = 1 is used, because the
-# derivative of r with respect to e grows without bound.
+# For 1 − e up to this, P is evaluated at e = 1 instead of e, because the derivative of r with respect to e
+# grows without bound toward e = 1.
 NEAREST_TO_ONE = 1e-12
 
 
 def viscoelastic_factor(e):
-    """Return f(e), for 0 < e ≤ 1."""
+    """Return f(e), the damping factor of the law of Kuwabara and Kono, for 0 < e ≤ 1."""
     exponent = log(e)
     root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST_TO_ONE else 0.0 * e
     return (1.0 - e) * exp(-0.6 * exponent) * series(2.0 * root - 1.0)

@@ -1,14 +1,16 @@
 """The response of the chain to impulses: a linear solver for implicit steps, rigid walls and sticking.
 
 J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
-diag(D_k) are the impedances of the constraints, and K = s C + s² S is the resistance of the joints for a time
-s, with the damping matrix C and the stiffness matrix S of the joints. The module solves in O(N) the equation
+diag(D_k) contains an impedance [kg] for each constraint: a mass that resists motion along the row. K = s C +
+s² S is the resistance of the joints for a time s, with their damping matrix C and stiffness matrix S. With
+the mass matrix M, the module solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + q,
 
-where p are impulses along the constraints and q are impulses in the joints. The impedances are added to the
-articulated inertia at their points, and a joint with the resistance κ_i, or with a stop that has an
-impedance, is one more term of the elimination (chain/response.py). No matrix is formed.
+for the response Δ, changes of the coordinates' rates; p are impulses along the constraints, q impulses in the
+joints. The impedances are added to the articulated inertia at their points, and a joint with the resistance
+κ_i, or with a stop that has an impedance, is one more term of the elimination (chain/response.py). No matrix
+is formed.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points
@@ -28,12 +30,12 @@ from chain_impact.kernel.rows.geometry import (
     normal_row,
 )
 
-# The least mobility (1/effective mass) of a point, relative to 1/(mass of the chain): it bounds the effective
-# mass. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
+# A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of the chain), is raised
+# to it. In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass would be
 # infinite. A mass a million times the chain's has the same effect.
 LEAST_MOBILITY = 1e-6
-# The number of iterations, in constraints.py, for sticking elements if no rigid wall holds a point. The
-# number is fixed, because the forces would jump if it varied.
+# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. The number
+# does not depend on the residual: if it did, the forces would jump from one state to the next.
 STICKING_ITERATIONS = 5
 # The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py reduces
 # the residual to about 1/(D W) of it, with the mobility W, so two or three iterations suffice. A larger D
@@ -42,9 +44,9 @@ RELATIVE_IMPEDANCE = 1e6
 
 
 def mean_mass(d):
-    """Return the mean mass of a link [kg].
+    """Return the mean mass of a link [kg]: the mass of chain, carriage and armatures, divided by N.
 
-    It is the mass of chain, carriage and armatures, divided by the number of links.
+    An armature counts as its inertia divided by the square of the longest link.
     """
     return d.chain.energy_scale / (d.chain.longest_link * d.chain.longest_link * d.links)
 
@@ -55,11 +57,11 @@ def holding_impedance(d):
 
 
 def held_mobility(d, mobility):
-    """Return the mobility W′ [1/kg] of one constraint: m/W′ is the impulse of STICKING_ITERATIONS iterations.
+    """Return the mobility W′ [1/kg] with which m/W′ is the impulse that the iteration gives one constraint.
 
-    With n = STICKING_ITERATIONS, the mobility W and the impedance D, the iterations reduce a residual m to
-    m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can hardly be
-    constrained: in a toggle position, where W = 0, W′ is 1/(n D).
+    STICKING_ITERATIONS = n iterations with the impedance D reduce a residual m to m/(1 + D W)ⁿ, with the
+    mobility W of the constraint, so that W′ = W/(1 − (1 + D W)⁻ⁿ). W′ equals W, except for a motion that can
+    hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
     left = compliance / (compliance + max(0.0, mobility))
@@ -70,7 +72,7 @@ def held_mobility(d, mobility):
 
 
 def factorize_contacts(d, slot, impedance):
-    """Factorize M + Jᵀ D J, with the mass matrix M; store the factors in a ``slot`` of ``scratch.factors``.
+    """Factorize M + Jᵀ D J, with the mass matrix M, into a ``slot`` of ``scratch.factors``.
 
     ``impedance`` contains the impedance D_k [kg] of each constraint k.
     """
@@ -87,14 +89,15 @@ def joints_loaded(d):
 
 
 def solve_space(d, link_vectors, space, slot, change):
-    """Find the response Δ to the impulses in ``space.load`` at the places and in the joints.
+    """Compute the response Δ to the impulses in ``space.load`` at the places and in the joints.
 
     Args:
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the vectors L_i [m] (entry N is not used).
-        space: record of the factors and loads; the motion of the places is stored in ``space.motion``.
+        space: record of the factors and loads. The function stores the motion of the places in
+            ``space.motion``.
         slot: the slot of the factors.
-        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s].
+        change: result Δ, changes of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
     add_joint_loads(d, space.load)
     move_site_loads(d, link_vectors, space.load)
@@ -103,7 +106,10 @@ def solve_space(d, link_vectors, space, slot, change):
 
 
 def solve_contacts(d, slot, impulse, change):
-    """Find the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k."""
+    """Compute the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k.
+
+    The function stores Δ in ``change``, and the motion of the places in ``scratch.motion``.
+    """
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):
         add_along(constraint_row(d, k), d.scratch.load, impulse[k])
@@ -111,11 +117,11 @@ def solve_contacts(d, slot, impulse, change):
 
 
 def accelerations_with_armatures(d, y, rate):
-    """Solve for the accelerations of a chain with armatures: here M also contains the inertia of the rotors.
+    """Compute the accelerations of a chain with armatures: M also contains the inertia of the rotors.
 
     The force m (g − a_C) of each link is divided between its two ends according to the position of its centre
-    of mass; a_C is the acceleration that this centre has at constant angular velocities. The loads at the
-    points are unchanged afterwards; the factors of M stay in ``scratch.factors``.
+    of mass; a_C is the acceleration that the centre of mass has at constant angular velocities. The loads at
+    the points have their old values afterwards; the factors of M stay in ``scratch.factors``.
     """
     scratch, n = d.scratch, d.links
     load, link, before = scratch.load, scratch.link, scratch.motion
@@ -169,6 +175,7 @@ def effective_mass(d, c):
     clear_loads_of(d, scratch.load)
     add_along(row, scratch.load, 1.0)
     solve_space(d, scratch.link, scratch, FREE, scratch.change)
-    # in a toggle position no impulse moves the point: the point's mobility is 0
+    # in a toggle position no impulse moves the point, so its mobility is 0; the least mobility keeps the
+    # result finite
     mobility = LEAST_MOBILITY * d.chain.longest_link * d.chain.longest_link / d.chain.energy_scale
     return 1.0 / max(mobility, along(row, scratch.motion))

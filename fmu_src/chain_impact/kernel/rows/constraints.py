@@ -1,8 +1,8 @@
 """Constraints: the impulses or forces that bring touching points to a target motion.
 
-A rigid wall has no force law. The touching candidates k have normal motions u_k, which are positions, rates
-or accelerations, and impulses p_k change these motions by the response of the chain: M Δ = Jᵀ p, u = u⁻ + J Δ
-= u⁻ + W p, W = J M⁻¹ Jᵀ. Two problems come up:
+A rigid wall has no force law. The touching candidates k have normal motions u_k: positions, rates or
+accelerations. Impulses p_k change these from u⁻ by the response Δ of the chain: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻
++ W p, with the mass matrix M and the mobility W = J M⁻¹ Jᵀ. There are two problems:
 
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
@@ -14,16 +14,15 @@ formed. With an impedance D at the points of the active set the recursion solves
 
 the iteration of an augmented Lagrangian. Each iteration divides the residual m by 1 + D W, down to round-off.
 The constraints may be dependent. D is a million times a link's mass, so a few iterations suffice. At rigid
-walls the iteration continues until the residual is round-off, and D grows if the residual falls too slowly.
+walls the iteration continues until the residual is round-off, and D is increased if m falls too slowly.
 
-A sticking element of dry friction (friction.py) is also a constraint, of its tangential motion. This
-constraint is always in the active set. For dependent constraints the iteration finds the solution with the
-least Σ p²/D. With D in proportion to the limits of friction the sticking elements therefore carry the load
-in the same proportion. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a
-straight chain on a floor. The iteration leaves these motions free, because their constraint forces could have
-any size. Where D W is about 1, the forces are the result of a fixed number of iterations, and so a smooth
-function of the state. If the number depended on the residual, forces would jump within a step by a part of
-the residual.
+A sticking element of dry friction (friction.py) also has a constraint, of its tangential motion, which is
+always in the active set. For dependent constraints the iteration finds the solution with the least Σ p²/D.
+With D in proportion to the limits of friction, the forces of sticking elements are in proportion to the
+limits, too. Some motions can hardly be constrained (D W ≪ 1), such as a change in the length of a straight
+chain on a floor. The iteration leaves them free, because their constraint forces could have any size. Where D
+W is about 1, a fixed number of iterations makes the forces a smooth function of the state; if the number
+depended on the residual, forces would jump within a step by a part of the residual.
 """
 
 import math
@@ -49,46 +48,45 @@ from chain_impact.kernel.rows.geometry import (
     constraint_row,
 )
 
-# The limits on the growth of the impedance D near a toggle position, where the effective mass 1/W is far
-# larger than the mass of a link. If an iteration leaves more than SLOW_DECREASE of the residual, D is
-# multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass of a link; with a larger D the
-# residual would only be round-off.
+# If an iteration leaves more than SLOW_DECREASE of the residual, as near a toggle position, where 1/W is far
+# larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
+# of a link; with a larger D the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # near a fold (folds.py), the first iteration leaves more of the residual
+FOLD_RESIDUAL = 1e-3  # near a fold (folds.py) the first iteration leaves more of the residual
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
-# mean mass of a link. This iteration finds the forces up to a relative error of a thousandth. Without this
-# iteration, the round-off of the whole motion, times the large D of the other iterations, would remain in the
-# forces against motions that can hardly be constrained, and steps at tight tolerances would be short.
+# mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
+# times the large D of the other iterations, would stay in the forces against motions that can hardly be
+# constrained, and steps at tight tolerances would be short.
 FIRST_IMPEDANCE = 1e3
-# The least product of the mobility W and the mean mass of a link for which the force on a single held point
-# is m/W. Near a toggle position W is smaller and has lost digits, and the iteration finds the force instead.
+# The force on a single held point is m/W if W times the mean mass of a link is at least this. Near a toggle
+# position W is smaller and has lost digits, and the iteration finds the force.
 LEAST_SINGLE_MOBILITY = 1e-3
-# The factor on the impedance D of sticking elements for one solution in place of n = STICKING_ITERATIONS.
-# With x = D W, these leave (1 + x)⁻ⁿ of a motion. One solution with the factor a leaves 1/(1 + a x), as much
-# if a = ((1 + x)ⁿ − 1)/x: n for small x, and this factor for x = 0.36. For a larger x both leave little.
+# The factor on D of sticking elements with which one solution replaces n = STICKING_ITERATIONS. With x = D W,
+# n iterations leave (1 + x)⁻ⁿ of a motion; one solution with the factor a leaves 1/(1 + a x). Both are equal
+# for a = ((1 + x)ⁿ − 1)/x: n for small x, and 10 for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
-SOLVED_RESIDUAL = 1e-15  # the largest residual that is accepted, relative to the largest motion
-# The largest residual of a constrained motion that counts as round-off, relative to the largest motion. With
-# a much smaller limit, the forces of sticking elements contain round-off times D, and a chain at rest changes
-# its energy.
+SOLVED_RESIDUAL = 1e-15  # a residual up to this, relative to the largest motion, is round-off
+# A residual of sticking elements up to this, relative to the largest motion, is round-off, and no impulse is
+# removed for it. With a much smaller limit, their forces would contain round-off times D, and a chain at rest
+# would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
 UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
-# The largest motion that sticking elements may keep, relative to the squared tolerance times the largest
-# motion. Impulses against smaller motions, which can hardly be constrained, would end the sticking again and
-# again.
+# Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
+# removed, if the motions can hardly be constrained. They would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
-# the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
-# relative to the largest impulse or motion
+# an impulse or motion of the wrong sign up to this, relative to the largest, is round-off and does not change
+# the active set
 SIGN_TOLERANCE = 1e-12
-# The number of successive pivots that may fail to reduce the violations. After more such pivots only one
-# candidate changes in a pivot. Single changes terminate for a positive definite W, but take longer.
+# After this number of successive pivots that do not reduce the number of violations, each pivot changes only
+# one candidate. Such pivots terminate for a positive definite W, but take longer.
 MAX_STALLED_PIVOTS = 3
-# the least impedance of a sticking element, relative to that of the element with the largest limit
-LEAST_STICKING_IMPEDANCE = 1e-2  # with a smaller impedance, the residual would fall too slowly
+# the least impedance of a sticking element, relative to that of the element with the largest limit of
+# friction
+LEAST_STICKING_IMPEDANCE = 1e-2  # with less, the residual would fall too slowly
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
+# a search has failed after this number of pivots plus 4 for each constraint
 EXTRA_PIVOTS = 30
 
 
@@ -124,7 +122,7 @@ def set_single_solution_impedances(d):
 
 
 def factorize_free(d):
-    """Factorize M, with the resistances of contacts outside the active set, for the response to impulses."""
+    """Factorize M for the free motion, with the resistances of contacts that are not in the active set."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.constraints.impedance)
 
@@ -135,7 +133,7 @@ def solve_equality(d, scale):
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
             problem and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
-        scale: the largest motion of a point, to which round-off is relative.
+        scale: the largest motion of any point; round-off is relative to it.
 
     Returns:
         The largest residual that rigid walls leave, or 0 if they hold no point.
@@ -165,9 +163,10 @@ def solve_equality(d, scale):
 def iterate_impulses(d, scale, impedance):
     """Iterate until the residual is round-off, or no larger ``impedance`` [kg] reduces the residual.
 
-    The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual, makes
-    D grow, or follows one in which D has grown; D grows at most twice. The first one with a larger D adds
-    round-off, which the next removes. Sticking elements without a rigid wall get STICKING_ITERATIONS of them.
+    The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual,
+    increases D, or follows an increase of D; D increases at most twice. The first iteration with a larger D
+    adds round-off, which the next one removes. If no rigid wall holds a point, there are STICKING_ITERATIONS
+    iterations.
 
     Returns:
         The largest residual.
@@ -192,11 +191,10 @@ def iterate_impulses(d, scale, impedance):
 
 
 def reduce_free_impulses(d, fraction, noise):
-    """Remove a ``fraction`` of the impulses against motions that the iteration leaves free.
+    """Remove a ``fraction`` of the impulses against motions that can hardly be constrained (D W ≪ 1).
 
-    Along such a motion the product of impedance D and mobility W is far below 1, and each of the
-    STICKING_ITERATIONS adds D m to the impulse. A residual m below the ``noise`` may be the round-off of a
-    constrained motion, and its impulse stays.
+    Along such a motion each of the STICKING_ITERATIONS has added D m to the impulse, with the residual m. A
+    residual below ``noise`` may be the round-off of a constrained motion, and its impulse stays.
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
@@ -240,12 +238,12 @@ def solve_single(d, only):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return whether enough iterations are done if the residual is round-off; dual numbers need more."""
+    """Return True: if the residual is round-off, values need no more iterations; dual numbers may."""
     return True
 
 
 def clear_impulses(d):
-    """Set all impulses to zero, and each constraint's motion to its motion without impulses."""
+    """Set all impulses to zero, and the motion ``reached`` of each constraint to its ``start``."""
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0
@@ -254,7 +252,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Find the residual target − motion of each constraint in the active set; return the largest size."""
+    """Set the residual target − motion of each constraint in the active set; return its largest size."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_count(d)):
         left = constraints.target[k] - constraints.reached[k]
@@ -280,7 +278,7 @@ def correct_impulses(d):
 
 
 def move_by_impulses(d):
-    """Find the change of the coordinates, and the motions along all constraints, that the impulses cause."""
+    """Compute the change of the coordinates, and the motions along all constraints, due to the impulses."""
     constraints = d.constraints
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
@@ -289,7 +287,7 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Replace the impulses by those in ``impulse``, and find the resulting change of the coordinates."""
+    """Replace the impulses by ``impulse``; set ``change`` to the effect of the difference of both."""
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
@@ -326,7 +324,7 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Clear the note of an unsolved problem; a tried step with such a note is rejected."""
+    """Clear the record of an unsolved problem; a tried step with such a record is rejected."""
     d.constraints.unsolved = SOLVED
 
 
@@ -350,7 +348,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of violated candidates, and how many pivots may still not reduce it."""
+    """Return the least number of violations so far, and how many more pivots may fail to reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
@@ -389,7 +387,7 @@ def activate_all(d):
 
 
 def add_to_active_set(d, k, target):
-    """Put constraint k into the active set; ``target`` is the least motion that the constraint requires."""
+    """Put constraint k into the active set with the ``target`` that its motion must reach."""
     d.constraints.in_active_set[k] = 1
     d.constraints.target[k] = target
 

@@ -1,8 +1,8 @@
 """Geometry of contact: at which places and in which directions points touch walls, and joints stops.
 
 A candidate is a pair of a point and a wall, a stop in a joint, or an end of the slider's line. Every wall is
-a half-plane, with an inward normal n of length 1 and n·p = offset for the points p on it. The clearance of a
-point is positive while point and wall are apart:
+a half-plane, with an inward normal n of length 1 and n·p = offset for the points p on it. The clearance g of
+a point at p is positive while point and wall are apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ − w,   g̈ = n·p̈ − ẇ,
 
@@ -13,8 +13,8 @@ The normals are computed once, at initialization, so that the code in loops has 
 
 A row is a place (chain/kinematics.py) and a direction (n_x, n_y) at this place: the normal of a contact or
 stop, the tangent along which dry friction acts, or a joint's own angle. J of a row maps the vectors of all
-places to the component, at this place, along this direction. The functions of this module return g, ġ, g̈ and
-the tangential motion relative to a moving wall, so contacts need not know its motion.
+places to the component along this direction of the vector at this place. The functions of this module return
+g, ġ, g̈ and the tangential motion relative to a moving wall, so other modules do not need the wall's motion.
 
 A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has its own place at x = s ψ_i, with the
 longest link s as a lever arm (chain/kinematics.py), and the stop is a wall for this place. So lengths,
@@ -35,16 +35,16 @@ from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_pla
 from chain_impact.kernel.chain.slider import along_slider
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
-"""The walls of the box in the order of their numbers, from 0. The walls at any angle follow."""
+"""The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
 
 
-# [m] the largest depth in a wall at which a point, or a base, at the start of a run counts as touching the
-# wall: the round-off of positions and sines
+# [m] a point or base that is at most this deep in a wall at the start of a run touches the wall: the depth
+# may be the round-off of positions and sines
 OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The inward normals of the box's walls."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
-"""Name of a stop → the value of candidate.stop; its sign is the side of the stop, see ``stop_sign``."""
+"""Name of a stop → the value of candidate.stop; its sign is that of the normal, see ``stop_sign``."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
 STOP_COUNT = len(STOP_CODES)
 AT_WALL = 0  # value of candidate.stop for a candidate at a wall, which is no stop
@@ -98,7 +98,7 @@ def set_stop(d, c):
         d.candidate.point[c] - 1 if at_joint_stop(d, c) else d.links,
     )
     candidate.place[c], x, y = row_of_drive(d, i)
-    # a sum with 0.0 is never −0.0, which outputs would show
+    # a sum with 0.0 is never −0.0, which outputs would print
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
     limit = lever_of_candidate(d, c) * (d.drive.min[i] if sign > 0.0 else d.drive.max[i])
     if not at_joint_stop(d, c):
@@ -127,17 +127,18 @@ def stop_sign(d, c):
 
 
 def joint_stop_moment(d, c, force):
-    """Return the moment [N·m] of the ``force`` [N] of a joint's stop, or the angular impulse of an impulse.
+    """Return the moment [N·m] on the link that follows from the ``force`` [N] of a joint's stop.
 
-    The result is positive at the lower limit, and negative at the upper limit.
+    For an impulse [N·s] the result is the angular impulse. The result is positive at the lower limit of the
+    joint's angle, and negative at the upper limit.
     """
     return stop_sign(d, c) * lever_of_candidate(d, c) * force
 
 
 def first_stop(d, c):
-    """Return the index of the first stop, at the lower limit, of a joint with two stops.
+    """Return the index of the lower stop of the joint whose upper stop is candidate c.
 
-    ``c`` is one of its stops. For any other candidate the result is c.
+    If the joint has no lower stop, or c is any other candidate, the result is c.
     """
     candidate = d.candidate
     second = (
@@ -150,7 +151,7 @@ def first_stop(d, c):
 
 
 def candidate_within_bounds(d, c):
-    """Return whether the numbers of stop, point, place and wall of candidate c are valid in this scene."""
+    """Return whether stop, point, place and wall of candidate c, read from outside, are valid numbers."""
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
     first, last = (1, d.links) if at_joint_stop(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
@@ -172,7 +173,8 @@ def normal_row(d, c):
 def tangent_row(d, e):
     """Return the row of element e in the direction t, along which dry friction acts.
 
-    At a wall t = (n_y, −n_x). The elements after the candidates are the joints and the slider.
+    At a wall t = (n_y, −n_x), with the inward normal n. The elements after the candidates are the joints,
+    then the slider; their rows are along their coordinates.
     """
     if e < d.candidates:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
@@ -196,7 +198,7 @@ def constraint_count(d):
 
 
 def any_sticking(d):
-    """Return whether any element sticks."""
+    """Return whether any element sticks by dry friction."""
     return d.friction.stuck_count > 0
 
 
@@ -217,14 +219,14 @@ def along(row, vectors):
 
 
 def add_along(row, vectors, amount):
-    """Add Jᵀ F of a row to the vectors of all places; ``amount`` is F."""
+    """Add a force or impulse ``amount`` along a row to the ``vectors`` of loads at all places."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
     vectors.y[place] += ny * amount
 
 
 def add_impedance(row, impedance, amount):
-    """Add Jᵀ D J of a row to the impedances of all places; ``amount`` is D [kg]."""
+    """Add an impedance ``amount`` [kg] along a row to the impedances at all places, 2×2 matrices."""
     place, nx, ny = row
     impedance.xx[place] += nx * nx * amount
     impedance.xy[place] += nx * ny * amount
@@ -277,9 +279,10 @@ def constraint_acceleration(d, k):
 
 
 def add_joint_loads(d, load):
-    """Add the load at each joint's place, times its lever arm, the longest link, to the moment in the joint.
+    """Add the moment of the load at each joint's place to the moment in this joint.
 
-    The place of a joint is no point of the chain: x of this place is the joint's angle times the lever arm.
+    The place of a joint is no point of the chain: its coordinate x is the joint's angle times a lever arm,
+    the longest link, so a force at the place is a moment at this lever arm.
     """
     if d.chain.has_joint_places:
         for i in range(d.links):
@@ -297,7 +300,7 @@ def add_joint_impedances(d, impedance):
 
 
 def clear_loads_of(d, load):
-    """Set to zero the loads at all places and, in a scene that uses them, the moments in all joints."""
+    """Set ``load`` to zero at all places and, if any drive can resist in this scene, in all joints."""
     clear_vectors(d, load)
     if joints_resist(d):
         clear_joints(load)
@@ -330,14 +333,11 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return a bound on the lengths of the velocities or accelerations of all places.
-
-    Only places with clearances count.
-    """
+    """Return an upper bound of the lengths of velocities or accelerations at all places with clearances."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    if d.chain.has_joint_stops:  # the places of joints without stops have no clearances
+    if d.chain.has_joint_stops:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
             most = max(most, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
@@ -346,7 +346,10 @@ def length_bound(d, vectors):
 
 
 def coordinates_size(d, c, y):
-    """Return the sum [m] of the sizes of the coordinates whose round-off enters candidate c's clearance g."""
+    """Return the sum [m] of the sizes of the coordinates from which candidate c's clearance is computed.
+
+    The round-off of the clearance is relative to this sum.
+    """
     point = d.candidate.point[c]
     if at_joint_stop(d, c):
         return d.chain.longest_link * coordinates_of_drive(d, y, point - 1)
@@ -364,14 +367,15 @@ def link_of(d, c):
 
 
 def lever_of_candidate(d, c):
-    """Return the lever arm [m] of a joint's stop, the ratio of clearance to angle; 1 for other candidates."""
+    """Return the clearance [m] per angle [rad] of a joint's stop, its lever arm; 1 for other candidates."""
     return lever_of_drive(d, d.candidate.point[c] - 1) if at_joint_stop(d, c) else 1.0
 
 
 def faces_base(d, c):
-    """Return whether candidate c is the first one of its wall, and the wall can meet the pinned base.
+    """Return whether c is the first candidate of a wall that can meet the pinned base.
 
-    Wall and base can meet if one of them moves.
+    Wall and base can meet if one of them moves. Only the first candidate of each wall counts, so that each
+    wall is checked once.
     """
     # the candidates of each wall are in the order of the points
     first = at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]

@@ -18,13 +18,13 @@ The method of multipliers finds the solution also where W is singular (Rockafell
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
 which has a unique solution, because W + D⁻¹ is positive definite. If no limit is reached, this is the
-iteration in constraints.py. The forces of the constraints I inside their limits follow from the recursion;
-the other forces are at their limits:
+iteration in constraints.py. Let I be the constraints whose forces are inside their limits; all other forces
+are at their limits. The forces of I follow from the recursion:
 
     (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ_{others} Jᵀ (limit − p),    p⁺ = p + D (m − J z).
 
-The constraints inside are found one by one, as in bounded least squares (Stark & Parker 1995, Comput Stat
-10:129).
+The set I is found by changes of one constraint at a time, as in bounded least squares (Stark & Parker 1995,
+Comput Stat 10:129).
 """
 
 import math
@@ -42,10 +42,10 @@ from chain_impact.kernel.rows.geometry import along, constraint_count, constrain
 
 
 def find_limited_forces(d):
-    """Find forces within the limits of friction that satisfy the constraints as far as possible.
+    """Find forces within the limits of friction that satisfy the constraints as well as possible.
 
-    The caller must call ``add_constraint_forces`` of forces/holding.py before, which sets the constraints.
-    Afterwards ``at_limit`` is the sign of each sticking element's force that is at its limit, else 0.
+    ``add_constraint_forces`` of forces/holding.py must have set the constraints before. Afterwards
+    ``at_limit`` of a sticking element is 0 if its force is below its limit, else the sign of the force.
     """
     limited, scale = d.limited_forces, largest_start(d)
     set_impedance(d, holding_impedance(d))
@@ -62,7 +62,7 @@ def find_limited_forces(d):
 
 
 def largest_start(d):
-    """Return the largest size of an acceleration [m/s²] in ``start``, to which round-off is relative.
+    """Return the largest |acceleration| [m/s²] in ``start``; round-off is relative to it.
 
     The accelerations are those of points at rigid walls and of sticking elements, before the constraint
     forces act. Contacts with a force law do not count.
@@ -74,9 +74,9 @@ def largest_start(d):
 
 
 def sign_at_limit(d, k):
-    """Return the sign of the force of constraint k, a sticking element, if it is at its limit, else 0.
+    """Return the sign of the force of sticking constraint k if the force is at its limit, else 0.
 
-    If the limit is 0, the sign is that of the residual.
+    If the limit is 0, the sign is that of the residual, the acceleration that the force should cause.
     """
     limited, limit = d.limited_forces, upper_limit(d, k)
     if limit == 0.0:
@@ -92,8 +92,8 @@ def lower_limit(d, k):
 def upper_limit(d, k):
     """Return the upper limit [N] of the force of constraint k.
 
-    For an element the limit is µ F_n of sliding friction, because an element at its limit slides. For a point
-    at a rigid wall the limit is infinite.
+    For a sticking element the limit is µ F_n with the coefficient of sliding friction, because an element at
+    its limit slides. For a point at a rigid wall the limit is infinite.
     """
     first = d.touch.active_count
     if k < first:
@@ -111,10 +111,10 @@ def clipped(d, k, force):
 def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
-    The forces inside their limits move toward the solution with the other forces fixed. The first force that
-    reaches a limit stays there. When the solution is reached, the constraint at a limit whose force tends
-    inward most is released. The minimized function decreases with each change, so no set of constraints
-    inside occurs twice, and the search ends.
+    The forces inside their limits move toward the values that minimize the function with the other forces
+    fixed. The first force that reaches a limit stays at this limit. When these values are reached, the
+    constraint whose force tends most from its limit to the inside is released. Each change reduces the
+    function, so no set of constraints inside their limits occurs twice, and the search ends.
     """
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
@@ -133,9 +133,11 @@ def minimize_within_limits(d, scale):
 
 
 def first_at_limit(d):
-    """Return the constraint whose force reaches a limit first on the way to the unlimited forces, or −1.
+    """Return which constraint's force reaches a limit first as the forces move to the unlimited forces.
 
-    Also return the part of the way at which this force reaches its limit, or 1.
+    Returns:
+        The constraint, or −1 if no force reaches a limit; and the fraction of the way at which it is reached,
+        or 1.
     """
     limited, first, part = d.limited_forces, -1, 1.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
@@ -148,9 +150,9 @@ def first_at_limit(d):
 
 
 def constraint_to_release(d, scale):
-    """Return the constraint whose force most tends from its limit to the inside.
+    """Return the constraint at a limit whose unlimited force lies farthest inside its limits.
 
-    The result is −1 if no force does so by more than round-off.
+    The result is −1 if no force lies inside by more than round-off.
     """
     limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.touch.compliant_count, constraint_count(d)):
@@ -164,9 +166,9 @@ def constraint_to_release(d, scale):
 
 
 def solve_inside(d):
-    """Store in ``unlimited`` the forces p + D m⁺ of all constraints, before they are limited.
+    """Store in ``unlimited`` the forces p + D m⁺ of all constraints, which may be beyond their limits.
 
-    The residuals m⁺ belong to these forces, with the forces of constraints at their limits unchanged.
+    m⁺ are the residuals with these forces in place of those inside the limits; forces at limits stay.
     """
     limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):
@@ -184,7 +186,7 @@ def solve_inside(d):
 
 
 def update_residuals(d):
-    """Set the forces p and the residuals with which the next iteration begins, from the present forces."""
+    """Begin the next iteration from the present forces: set p (``center``) and the residuals to them."""
     limited = d.limited_forces
     solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):

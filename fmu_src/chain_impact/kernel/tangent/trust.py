@@ -86,7 +86,7 @@ def fastest_speed(t):
 
 
 def check_turns(t):
-    """End the derivatives if a user's force jumps where a contact's rate changed sign in the last step."""
+    """End the derivatives if a user's force jumps where a contact's rate changed its sign in this step."""
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
     if not t.scratch.at_end:
