@@ -6,20 +6,20 @@ inertia. The force or torque of a drive is
 
     F = u − c (ψ̇ − ψ̇_t) − k (ψ − ψ_t)
 
-u is the force or torque of the motor, c the damping and k the stiffness. With targets ψ_t, ψ̇_t a drive is a
-servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A drive with a
-limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the limit, 1 or −1
-while F is at the positive or the negative limit. The rotor of a joint's drive has the armature I_a, its
-inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
+u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, targets,
+the drive is a servo; otherwise ψ_t is the rest position of the spring, and ψ̇_t is 0. F may have a limit. A
+drive with a limit has a mode, which only events change (events/saturation.py): 0 while |F| is below the
+limit, 1 or −1 while F is at the positive or the negative limit. The rotor of a joint's drive has the armature
+I_a, its inertia reflected through the gear, so the joint transmits F − I_a ψ̈.
 
-Only this module has the formulas of motor, damper, spring and rotor. Other modules ask it for sums: force,
-power, energy, inertia, the slopes of the force in a state, their bounds over all states, and
-``set_effect_flags`` for what the drives of a scene have. The slopes may depend on the state: the implicit
-method, the error norm and the choice of the method evaluate them where they need them.
-Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
+Only this module has the formulas of motor, damper, spring and rotor. Other modules call it for the sum of
+their effects: force, power, energy, inertia, the slopes of the force in a state, and bounds of the slopes
+over all states. ``set_effect_flags`` records which effects the drives of a scene have. The slopes may depend
+on the state, so the implicit method, the error norm and the choice of the method evaluate them in their own
+states. Dry friction is in forces/friction.py, and events/saturation.py changes the modes.
 
-The angles of links and joints include full turns. The base of a pinned chain has the angle 0.
-A free base has no joint and no drive.
+The angles of links and joints include full turns. At a pinned base, joint 1 turns relative to the angle 0. A
+free base has no joint and no drive.
 """
 
 import math
@@ -28,15 +28,15 @@ from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule
 
-# the largest excess of a drive's force F over its limit that counts as round-off, relative to the limit
+# an excess of a drive's force F over its limit up to this, relative to the limit, is round-off
 DRIVE_EXCESS = 1e-12
-# the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
-# position and target, k (|ψ| + |ψ_t|)
+# an error of a spring's force up to this is round-off, relative to the stiffness times the sizes of position
+# and target, k (|ψ| + |ψ_t|)
 SPRING_ROUND_OFF = 1e-14
 
 
 def first_joint(d):
-    """Return the index of the first joint, and so of the first drive: 0, or 1 if the base is free."""
+    """Return the index of the first joint, which is that of the first drive: 0, or 1 if the base is free."""
     return 0 if d.chain.has_base_joint else 1
 
 
@@ -51,10 +51,10 @@ def is_slider(d, i):
 
 
 def along_drive(d, values, first, i):
-    """Return the component of ``values``, a state or changes of coordinates, along the coordinate of drive i.
+    """Return the component of ``values`` along the coordinate of drive i.
 
-    The entries of the base begin at index ``first`` of ``values``: 0 for coordinates, and velocity_at(N) for
-    their rates.
+    ``values`` is a state, a rate or a change of the coordinates. The entries of the base begin at index
+    ``first``: 0 for coordinates, and velocity_at(N) for their rates.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -62,46 +62,43 @@ def along_drive(d, values, first, i):
 
 
 def spring_stretch(d, y, i):
-    """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i.
-
-    The rest or target position of the spring is ψ_t.
-    """
+    """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i; ψ_t is the rest or target position."""
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
     return relative(y, ANGLES, i) - d.inputs.target[i]
 
 
 def coordinates_of_drive(d, y, i):
-    """Return the sum [rad or m] of the absolute coordinates whose round-off enters ψ of drive i."""
+    """Return the sum [rad or m] of the |coordinates| from which ψ of drive i is computed.
+
+    The round-off of ψ is relative to this sum.
+    """
     if is_slider(d, i):
         return abs(y[0]) + abs(y[1])
     return abs(y[ANGLES + i]) + (abs(y[ANGLES + i - 1]) if i > 0 else 0.0)
 
 
 def lever_of_drive(d, i):
-    """Return the lever arm [m] at which a force stands for the torque of a joint; 1 for the slider."""
+    """Return the lever arm [m] at which a force at a joint's place is a torque; 1 for the slider."""
     return 1.0 if is_slider(d, i) else d.chain.longest_link
 
 
 def moment_factor(d, i):
-    """Return the factor that turns the force of drive i into a moment.
+    """Return the factor that makes the force of drive i comparable with moments.
 
-    The factor is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
+    It is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
     """
     return d.chain.longest_link if is_slider(d, i) else 1.0
 
 
 @has_dual_rule
 def has_effect(constant):
-    """Return whether a damping, a stiffness or an armature is not zero, so that its terms are needed."""
+    """Return whether a damping, stiffness or armature differs from 0, so that its terms must be computed."""
     return constant != 0.0
 
 
 def set_effect_flags(d):
-    """Set the flags for the effects that drives have, for the values in use.
-
-    ``has_joint_stops`` must be set.
-    """
+    """Set the flags in ``chain`` that tell which effects the drives have with the values in use."""
     chain = d.chain
     chain.has_springs, chain.has_springs_or_dampers, chain.has_armatures = 0, 0, 0
     chain.has_joint_places, chain.has_drive_friction, chain.has_drive_limits = chain.has_joint_stops, 0, 0
@@ -121,9 +118,9 @@ def set_effect_flags(d):
 
 
 def joints_resist(d):
-    """Return whether some joint has an impedance, at its place or from its drive.
+    """Return whether any joint may have an impedance in this scene, at its place or from its drive.
 
-    Stops and dry friction give an impedance at the joint's place.
+    Stops and dry friction act at the joint's place.
     """
     chain = d.chain
     return chain.has_joint_places or chain.has_springs_or_dampers or chain.has_armatures
@@ -144,7 +141,7 @@ def rotor_energy(d, y):
 
 
 def is_below_limit(d, i):
-    """Return whether the force of drive i follows from its motion: drive i exists and is not at its limit."""
+    """Return whether drive i exists and is not at its limit, so that its force depends on its motion."""
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
@@ -157,14 +154,14 @@ def drive_slopes(d, y, i):
 
 
 def slopes_below_limit(d, _y, i):
-    """Return the slopes c and k of drive i in a state, below its limit; they are the same in all states."""
+    """Return the slopes c and k of drive i below its limit in the state y; they do not depend on y."""
     return largest_slopes(d, i)
 
 
 def largest_slopes(d, i):
     """Return the largest slopes that drive i has in any state, in the units of ``drive_slopes``.
 
-    They are 0 without a joint, and ∞ if there is no bound.
+    They are 0 if the joint does not exist.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -172,26 +169,26 @@ def largest_slopes(d, i):
 def is_powered(d, i):
     """Return whether drive i is powered: a servo, or a drive with a limit; other drives are passive.
 
-    The whole work of a powered drive counts as supplied energy. The spring of a passive drive stores energy,
-    the damper dissipates, and only the motor supplies.
+    All work of a powered drive counts as supplied energy. In a passive drive the spring stores energy, the
+    damper dissipates energy, and only the motor supplies energy.
     """
     return d.chain.has_servos != 0 or d.drive.limit[i] < math.inf
 
 
 def unlimited_spring_force(d, y, i):
-    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i, not reduced by the drive's limit."""
+    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i, regardless of the drive's limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
 def spring_force(d, y, i):
-    """Return the force [N·m or N] of the spring of drive i; 0 at a limit, and without a joint."""
+    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i; 0 at a limit and without a joint."""
     return unlimited_spring_force(d, y, i) if is_below_limit(d, i) else 0.0
 
 
 def passive_spring_force(d, y, i):
-    """Return ``spring_force`` [N·m or N] of a passive drive i, whose spring stores energy.
+    """Return the spring force [N·m or N] of drive i if the drive is passive; 0 if it is powered.
 
-    For a powered drive the result is 0.
+    Only the spring of a passive drive stores energy.
     """
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
@@ -232,7 +229,7 @@ def transmitted_moment(d, y, rate, i):
 def drive_power(d, y, i):
     """Return the force or torque [N·m or N] of drive i, and the powers [W] that it dissipates and supplies.
 
-    The force of a passive drive is returned without the force of its spring.
+    The force of a passive drive lacks the force of its spring, whose energy is stored.
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
@@ -243,7 +240,7 @@ def drive_power(d, y, i):
 
 
 def drive_mode(unlimited, limit):
-    """Return the mode of a drive that follows from its force without a limit.
+    """Return the mode of a drive with the force ``unlimited`` and a ``limit``: 0 below the limit, else ±1.
 
     With the limit 0, the mode is 1 or −1.
     """
@@ -253,11 +250,10 @@ def drive_mode(unlimited, limit):
 
 
 def mode_margin(d, y):
-    """Return the least distance [N·m] of a drive with a limit > 0 from the end of its mode.
+    """Return the least margin [N·m] of all drives with a limit > 0 to the end of their modes.
 
-    Round-off is added, so the result is negative only where a mode has surely ended. The result is ∞ if no
-    drive has such a limit. The forces of a slider are multiplied by the longest link, to compare them with
-    torques.
+    Round-off is added, so the result is negative only if a mode has surely ended. The result is ∞ if no drive
+    has such a limit. The forces of a slider are multiplied by the longest link, to compare them with torques.
     """
     least = math.inf
     for i in range(drive_count(d)):
@@ -275,7 +271,7 @@ def mode_margin(d, y):
 
 
 def load_drive(d, load, i, force):
-    """Set the load along the coordinate of drive i to a ``force`` or a torque [N·m or N]."""
+    """Set ``load`` along the coordinate of drive i to ``force``: a force [N], torque [N·m] or impulse."""
     if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy
     else:

@@ -6,9 +6,9 @@ a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that 
 equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
-equations remain. The accelerations are then found from the middle outward. The arms are independent, so a
-processor overlaps their operations, which halves the time of a short chain. In a pinned chain the base takes
-the place of the middle joint.
+equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are
+independent, so a processor overlaps their operations, which halves the time of a short chain. In a pinned
+chain the base takes the place of the middle joint.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
 appears: L is the vector along a link from the link's joint nearer to the middle, r_C the vector from that
@@ -33,12 +33,9 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 @inlined
 def arm_of_link(d, link, i, outward):
-    """Return data of link i, relative to its joint that is nearer to the middle of the chain.
+    """Return data of link i relative to its inner joint, the one that is nearer to the middle of the chain.
 
-    ``outward``: whether that joint is the proximal joint.
-
-    Returns:
-        L [m], x and y; m r_C [kg·m], x and y; and I + m r_C² [kg·m²].
+    ``outward`` tells whether the inner joint is the proximal joint.
     """
     lx, ly = link.x[i], link.y[i]
     beside_x, beside_y = 0.0, 0.0
@@ -71,10 +68,7 @@ def hinge_inertia(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate the angular acceleration α_i of a link between two joints.
-
-    Returns A and b at the link's inner joint, from A' and b' at its outer joint.
-    """
+    """Eliminate the angular acceleration α_i of link i, which is not at a free end."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
     w2 = omega * omega
@@ -86,9 +80,9 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """Eliminate the angular acceleration α_i of a link at a free end of the chain, where A' = 0 and b' = 0.
+    """Eliminate the angular acceleration α_i of link i, which is at a free end, where A' = 0 and b' = 0.
 
-    The inertia H of this link is a constant.
+    H of this link is a constant. Returns A and b at the link's inner joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link, i, outward)
@@ -100,7 +94,8 @@ def eliminate_end(d, y, i, outward):
 def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b at the inner joint of link i, from A' at its outer joint and the force d there.
 
-    The function stores h/H, 1/H and h₀/H of the link for ``accelerate_link`` and ``copy_factors``.
+    d is the force at the outer joint without accelerations. The function stores h/H, 1/H and h₀/H of the link
+    for ``accelerate_link`` and ``copy_factors``.
     """
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.chain.mass[i], d.chain.gravity[0], d.chain.gravity[1]
@@ -122,10 +117,7 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate_link(d, y, i, outward, ax, ay, rate):
-    """Set the angular acceleration α_i of a link from the acceleration of its inner joint.
-
-    Returns the acceleration of the outer joint.
-    """
+    """Set the angular acceleration α_i of a link from the acceleration ``ax, ay`` of its inner joint."""
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
     a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])
@@ -149,7 +141,7 @@ def accelerations(d, y, rate):
             links [rad/s²]. The function also stores the factors that ``copy_factors`` needs for the response
             to other loads.
     """
-    # The first of these two calls has a constant middle joint, so the compiler makes faster code for it.
+    # In the first call ``middle`` is a constant, so the compiler makes faster code for it.
     if d.chain.has_base_joint:
         arms(d, y, rate, 0)
     else:
@@ -191,10 +183,10 @@ def arms(d, y, rate, middle):
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
 
-    # accelerations from the middle outward: a is the acceleration of a joint toward the last link, c of a
-    # joint toward the base; the base gets the last c. A base that inputs move is itself the middle joint: the
-    # links get its given acceleration, but the rate of the base is 0, because the solver does not integrate
-    # its motion.
+    # Accelerations from the middle outward: a is the acceleration of a joint of the arm toward the tip, c of
+    # a joint of the arm toward the base; the base gets the last c. A base that inputs move is the middle
+    # joint: the links get its given acceleration, but the rate of the base is 0, because the solver does not
+    # integrate its motion.
     cx, cy = ax, ay
     if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.moved.acceleration[0], d.moved.acceleration[1]

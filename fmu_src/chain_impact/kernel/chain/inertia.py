@@ -1,8 +1,8 @@
 """The inertia of a link without a given inertia, and a check that the mass matrix is always regular.
 
-A scene derives some values, such as the inertia, from others, and these values stay derived: a change of a
-length also changes the centre of mass and the inertia. So the record has a field for the given value, which
-is DERIVED if no value is given, and a field for the value in use. The kernel sets the field in use at
+A scene derives values that are not given, such as the inertia, from others, and they stay derived: a change
+of a length also changes the centre of mass and the inertia. So the record has a field for the given value,
+which is DERIVED if no value is given, and a field for the value in use. The kernel sets the field in use at
 initialization. If the value can be set at any time, the kernel also sets the field in use when new values are
 applied. ``Chain.set`` and FMUs write a value into both fields, for example into ``given_inertia`` and
 ``inertia``, so that the new value can be read at once. Sweeps and the page write only the field of the given
@@ -21,23 +21,20 @@ positive, as in the elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308
-"""The number that replaces a given value if no value is given.
-
-DERIVED is the lowest double; no scene gives this number as a value.
-"""
+"""Stands for a given value if no value is given: the lowest double, which no scene gives as a value."""
 
 
 def given_or_derived(given, derived):
     """Return the given value, or the derived value if no value is given.
 
-    If no value is given, the term ``given − DERIVED`` is 0. In a tangent instance this term has the
-    derivatives with respect to the value, as if the derived value had been given.
+    If no value is given, the term ``given − DERIVED`` is 0. In a tangent instance it has derivatives with
+    respect to the given value: those as if the derived value had been given.
     """
     return derived + (given - DERIVED) if given == DERIVED else given
 
 
 def middle_of_rod(length):
-    """Return the centre of mass [m] of a uniform rod, from its end, for the rod's ``length`` [m]."""
+    """Return the distance [m] of the centre of mass of a uniform rod from its end; ``length`` in m."""
     return length / 2
 
 
@@ -65,21 +62,15 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# The largest distance between a joint and a centre of mass, relative to the link's length, up to which both
-# count as one point. The inertia about the joint, which is proportional to the square of this distance, is
-# then only round-off.
+# A joint and a centre of mass count as one point up to this distance, relative to the link's length. The
+# inertia about the joint is proportional to the square of the distance, so it would be round-off only.
 SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
-    """Return the first and last link of a sequence that can move without kinetic energy in some position.
+    """Return the first and the last link of a sequence that can move without kinetic energy, or −1, −1.
 
-    The links are counted from 0. The result is −1, −1 if no such sequence exists.
-
-    Args:
-        chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
-            ``inertia`` [kg·m²] of each link, and ``has_base_joint``.
-        free_base: whether link 1 hangs in a joint at a base that can slide and has no mass.
+    Such a sequence makes the mass matrix singular in some position. The links are counted from 0.
     """
     begin, count = -1, len(chain.length)
     for i in range(count):

@@ -1,11 +1,12 @@
 """The inputs of the chain: torques, forces, and the targets of servos. Each is an array of the record.
 
-`given` has the given values, and `inputs` the values in use. A piece of the inputs has the coefficients of
-polynomials, one column for each value. The prescribed motions of base and walls are in motion.py.
+The part `given` of the record has the given values, and `inputs` the values in use. A piece of the inputs has
+the coefficients of polynomials, one column for each value. The prescribed motions of base and walls are not
+inputs in this sense; they are in motion.py.
 """
 
-EACH_DRIVE = 0  # value in place of a number of values: the input has one value for each drive (drives.py)
-# table of the inputs: the field of the record → the number of its values
+EACH_DRIVE = 0  # stands for a number of values: one value for each drive (drives.py)
+# the inputs: name of the field in the record → the number of its values
 FIELDS = {
     # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
     "motor": EACH_DRIVE,
@@ -16,16 +17,13 @@ FIELDS = {
 }
 NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
-# Numbers of inputs: the number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
+# The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
-CHANNEL = len(NAMES)  # value in place of the number of an input: a prescribed motion of base, wall or belt
+CHANNEL = len(NAMES)  # stands for the number of an input: a prescribed motion of base, wall or belt
 
 
 def input_field(part, k):
-    """Return the array of input k in a part of the record: its values, or a table of coefficients.
-
-    The compiled version is in compilation/built_in.py.
-    """
+    """Return the array of input k in a ``part`` of the record: its values, or a table of coefficients."""
     return getattr(part, NAMES[k])
 
 

@@ -2,18 +2,18 @@
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.piece` is the next piece and `inputs.piece` the present piece; u₀ of the next piece is the value in
+`given.piece` is the next piece and `inputs.piece` the piece in use; u₀ of the next piece is the value in
 `given`. Inputs of order 0 are constant, and no polynomial is evaluated.
 
 Prescribed motions (chain/motion.py) have the given coefficients in `motion.piece`, and the coefficients in
-use in `moved.piece`. The coefficients are set together with `given.piece` or, if `motion.interpolates`, they
-follow from the values at the communication points: position s, velocity v and acceleration a at a time t₀.
-The motion to the next communication point, at t₁ = t₀ + h, is a cubic. The cubic begins with the present
-position and velocity, and ends with the position s + v h + ½ a h² and the velocity v + a h of a uniform
-acceleration. So position and velocity are continuous, and a uniform acceleration is followed exactly. Errors
-do not add up, because the end depends on the given position s only. A motion without new values continues.
-If a velocity is given without a position, as always for a belt, the speed changes at a uniform rate to the
-given value, and the position is the integral of the speed.
+use in `moved.piece`. The caller sets the coefficients together with `given.piece`; or, if
+`motion.interpolates` is 1, they follow from the values given at the communication points: position s,
+velocity v and acceleration a at a time t₀. The motion to the next communication point, at t₁ = t₀ + h, is a
+cubic. The cubic begins with the present position and velocity, and ends with the position s + v h + ½ a h²
+and the velocity v + a h of a uniform acceleration. So position and velocity are continuous, and a uniform
+acceleration is followed exactly. Errors do not add up, because the end depends on the given position s only.
+A motion without new values continues. If a velocity is given without a position, as always for a belt, the
+speed changes at a uniform rate to the given value, and the position is the integral of the speed.
 """
 
 import math
@@ -25,28 +25,28 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
 DEGREE = 9  # the highest degree of the polynomials
-# values of given.changed. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES: the inputs
-# go on without a jump
+# values of given.changed beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
+# the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
-# The largest part of a given displacement that the given velocities v and v′ before and after it may leave
-# unexplained, relative to |v| + |v′| times the time between the two velocities. A larger part is a
-# contradiction, of which the user is warned; a part beyond 1 is a jump of the position of a wall.
+# The velocities v and v′ before and after a given displacement may leave this part of it unexplained,
+# relative to (|v| + |v′|) times the time between them. A larger part is a contradiction, of which the user is
+# warned; a part beyond 1 is a jump of the position of a wall.
 UNEXPLAINED_PART = 0.05
-# the displacement, relative to the longest link, that may be unexplained in addition, whatever the speeds are
+# a displacement that may always be unexplained, whatever the speeds are, relative to the longest link
 UNEXPLAINED_DISPLACEMENT = 1e-9
-# The largest jump of an acceleration, times the squared time of the cubic, that counts as round-off, relative
-# to the positions at the cubic's ends and its travel. Also the largest third coefficient that counts as 0.
+# A jump of an acceleration, times the squared duration of the cubic, is round-off up to this, relative to the
+# positions at the cubic's ends and its travel. A third coefficient up to this counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
-# the value of `change_rate` for a cubic motion that lasts a time h, relative to 1/h; the value is small
-# because a cubic has no sixth derivative
+# `change_rate` [rad/s] of a cubic motion that lasts a time h is CUBIC_CHANGE/h; the value is small because a
+# cubic has no sixth derivative
 CUBIC_CHANGE = 0.5
-# the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
-# relative to the present time
+# the end of a step and the end of a piece of the inputs count as equal up to this time, relative to the
+# present time
 SAME_TIME = 4e-15
 
 
 def apply_inputs(d):
-    """Use the given inputs from now on, and clear the mark `given.changed` that they are new."""
+    """Use the given inputs from now on, and set `given.changed` to 0."""
     d.given.changed = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
@@ -69,7 +69,7 @@ def apply_inputs(d):
 
 
 def withdraw_request(d):
-    """Clear the mark `given.changed`, so that the given values are not applied."""
+    """Set `given.changed` to 0 without applying the given values, which are in use already."""
     d.given.changed = 0
 
 
@@ -119,10 +119,7 @@ def set_inputs(d, time):
 
 
 def set_from_signals(d, time):
-    """Set the inputs that signals drive to their values at a ``time`` [s].
-
-    Prescribed motions are left out.
-    """
+    """Set the inputs that signals drive to their values at a ``time`` [s], except prescribed motions."""
     for j in range(d.signals):
         k, i = d.signal.input[j], d.signal.index[j]
         if k == CHANNEL:
@@ -142,12 +139,12 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Return whether the next piece of the inputs continues the present piece at the end of the last step."""
+    """Return whether the next piece of the inputs continues the piece in use, where the last step ends."""
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step, which ends with the piece of the inputs or leaves no tiny rest.
+    """Return a size ≤ h of the next step that ends with the piece of the inputs, or well before its end.
 
     A step in the fictitious time of a contact, or with constant inputs, has the size h.
     """
@@ -157,7 +154,7 @@ def limit_to_piece(d, h):
 
 
 def limit_to_time(d, time, h):
-    """Return a size ≤ h of the next step, which ends at a ``time`` [s] or leaves no tiny step before."""
+    """Return a size ≤ h of the next step that ends at a ``time`` [s], or leaves no tiny step before it."""
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
         return h
@@ -165,12 +162,15 @@ def limit_to_time(d, time, h):
 
 
 def belts_jump(d):
-    """Return whether the speed of a belt jumped at the start of the present piece of the inputs."""
+    """Return whether the speed of a belt has jumped where the piece of the inputs in use begins."""
     return d.channels > 0 and d.motion.jumps != 0
 
 
 def begin_motion(d, time):
-    """Begin all prescribed motions at a ``time`` [s], with the given values or with the given polynomials."""
+    """Begin all prescribed motions at a ``time`` [s], the start of a run, with the given values.
+
+    The motions go on with the given velocity and acceleration, or with the given polynomials.
+    """
     given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
     for j in range(d.channels):
@@ -209,7 +209,7 @@ def interpolate_motion(d, time):
     if d.channels == 0 or not given.interpolates or not time > d.step.time:
         return OK
     if time == moved.until and d.given.changed != REINITIALIZE:
-        return OK  # nothing to set: the same communication step continues after a pause
+        return OK  # the same communication step continues after a pause, so all is set
     now, h = d.step.time, time - d.step.time
     move_channels(d, now)
     for j in range(d.channels):
@@ -235,7 +235,7 @@ def interpolate_motion(d, time):
 
 
 def refuse_channel(d, j):
-    """Store the first candidate at the wall of channel j as the reason of WALL_JUMPS; return this status."""
+    """Store the first candidate at the wall that channel j moves as the cause; return WALL_JUMPS."""
     first = 0
     for c in range(d.candidates):
         if d.shift.channel[d.candidates - 1 - c] == j:
@@ -244,9 +244,9 @@ def refuse_channel(d, j):
 
 
 def set_cubic(d, j, time, h):
-    """Set the cubic of channel j from the present time until a ``time`` [s], which is ``h`` [s] later.
+    """Set the cubic of channel j from now until a ``time`` [s], which is ``h`` [s] later.
 
-    Return whether the acceleration continues without a jump.
+    Return whether the acceleration of the channel does not jump now.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
@@ -270,10 +270,10 @@ def set_cubic(d, j, time, h):
 
 
 def record_given(d, j, now):
-    """Record the values given to channel j at the present communication point, at the time ``now`` [s].
+    """Record the values that are given to channel j at the communication point ``now`` [s].
 
-    Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
-    velocity since its previous given position.
+    Return False if the position of a wall jumps, else True. A channel of the base without a given velocity
+    gets the mean velocity since its previous given position.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
@@ -286,7 +286,8 @@ def record_given(d, j, now):
     moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
     moved.anchored[j] = 1
     if as_before:
-        # the position continues from its present value; a velocity that is not given again stays the same
+        # only velocity or acceleration is new: the position continues from its present value; a velocity that
+        # is not given again stays
         moved.from_position[j], moved.anchored[j] = moved.position[j], 0
         moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True

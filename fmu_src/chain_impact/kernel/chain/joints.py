@@ -1,21 +1,24 @@
 """The rates of the fast motions that dampers and springs of drives (drives.py) cause.
 
-With C = Σ c_i χ_i χ_iᵀ, c_i the damping of drive i, χ_i the gradient of the rate of its coordinate, which is
-ω_i − ω_{i−1} at a joint, and M the mass matrix, damped motions decay with the eigenvalues of M⁻¹ C. The
-damper of drive i alone, without all other dampers, causes a motion that decays with the rate
+C = Σ c_i χ_i χ_iᵀ is the damping matrix, with the damping c_i of drive i and the gradient χ_i of the rate of
+its coordinate, which is ω_i − ω_{i−1} at a joint. With the mass matrix M, damped motions decay with the
+eigenvalues of M⁻¹ C. The damper of drive i alone, without all other dampers, causes a motion that decays with
+the rate
 
     ρ_i = c_i χ_iᵀ M⁻¹ χ_i.
 
-The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way S = Σ k_i χ_i χ_iᵀ
-determines the squares of the frequencies of springs, and the spring of drive i alone has
+The largest eigenvalue is at least the largest ρ_i, and not much larger. In the same way the stiffness matrix
+S = Σ k_i χ_i χ_iᵀ determines the squares of the angular frequencies of springs, and the spring of drive i
+alone has
 
     ω_i² = k_i χ_iᵀ M⁻¹ χ_i.
 
-With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no
-row sum exceeds (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. A carriage adds
-its mass m to diag(I) and only its own drive to the sums: c/m and k/m. With damper and spring, a rate λ solves
-λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c + √k. This bound does not depend on
-the angles. A damper or spring at a link without inertia makes the bound infinite.
+With I the inertias of the links, M ≥ diag(I), so no eigenvalue exceeds the largest eigenvalue of diag(I)⁻¹ C.
+This does not exceed the largest row sum (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i +
+k_{i+1})/I_i. A carriage adds its mass m to diag(I) and only its own drive to the sums: c/m and k/m. With
+damper and spring, a rate λ solves λ² + λ c + k = 0, where c and k are at most these bounds, hence |λ| ≤ c +
+√k. This bound does not depend on the angles. A damper or spring at a link without inertia makes the bound
+infinite.
 """
 
 import math
@@ -61,7 +64,7 @@ def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
     ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module. The function
-    stores the link vectors in ``scratch.link``.
+    sets ``scratch.link``, and overwrites the loads at all places.
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0

@@ -3,8 +3,8 @@
 Vectors of all places are records with ``x, y``, shape (2N+1+P,), for N links and P sites. The first N + 1
 places are the points 0…N. The next N places belong to the joints 1…N and are used in scenes with stops or dry
 friction in joints. At such a place x is the joint's own angle θ_i − θ_{i−1} times a lever arm, the length of
-the longest link, and y is 0. So all other modules treat a stop like a wall at a point. The last P places are
-the sites (chain/sites.py).
+the longest link, and y is 0. So other modules treat a stop like a wall that a point at this place touches.
+The last P places are the sites (chain/sites.py).
 """
 
 from chain_impact.kernel.chain.motion import move_channels_to_state
@@ -23,11 +23,9 @@ from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sin
 
 @has_dual_rule
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set x = r cos φ and y = r sin φ of vectors, for radii r and the angles φ in the state.
+    """Set x = r cos φ and y = r sin φ for radii r and the angles φ in y, from index ``first`` on.
 
-    The angles begin at index ``first`` of the state y.
-
-    All arrays are as long as ``radius``, shape (N,), or longer.
+    All arrays are as long as ``radius``, shape (N,), or longer; ``horizontal`` gets x, ``vertical`` gets y.
     """
     count = len(radius)
     if not in_sine_range(y, first, count):
@@ -36,9 +34,9 @@ def set_polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # The copy of the angles shows the compiler that the results do not overwrite the angles.
+    # the copy of the angles shows the compiler that the results do not overwrite them, so it uses vector
+    # instructions in the next loop
     copy_entries(y, first, count, vertical)
-    # With this copy, the compiler uses vector instructions in this loop.
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -47,11 +45,10 @@ def set_polar(radius, y, first, horizontal, vertical):
 
 @inlined
 def copy_entries(y, first, count, out):
-    """Copy ``count`` numbers of y, from index ``first`` on, with vector instructions.
+    """Copy ``count`` numbers of y, from index ``first`` on, in groups that the compiler moves as vectors.
 
-    Other functions read the copy as vectors. A processor reads a vector slowly if its numbers were just
-    written one by one. The function reads a group of numbers before it writes the group, so the compiler
-    moves the group as one vector.
+    Code that reads the copy as vectors would be slow if the numbers had just been written one by one. So the
+    function reads a group of numbers before it writes the group.
     """
     fours, pairs = count - count % 4, count - count % 2
     for i in range(0, fours, 4):
@@ -65,10 +62,9 @@ def copy_entries(y, first, count, out):
 
 
 def in_sine_range(y, first, count):
-    """Return whether all angles of the state are surely in the range of ``cosine_and_sine``.
+    """Return whether ``count`` angles of y, from index ``first`` on, surely suit ``cosine_and_sine``.
 
-    The angles begin at index ``first`` of y. The sum of their absolute values must be below LARGEST_ANGLE.
-    The result is False if an angle is NaN.
+    The sum of their absolute values must be below LARGEST_ANGLE. The result is False if an angle is NaN.
     """
     total = 0.0
     for i in range(count):
@@ -77,9 +73,9 @@ def in_sine_range(y, first, count):
 
 
 def locate_points(d, y):
-    """Set positions [m] and velocities [m/s] of all places, and the link vectors, for the state y.
+    """Set positions [m] and velocities [m/s] of all places, and the link vectors, to those of state y.
 
-    A moving base and moving walls are moved to their positions at the time of y.
+    Moving base and walls are set to their positions at the time of y.
     """
     if d.channels > 0:
         move_channels_to_state(d, y)
@@ -87,13 +83,13 @@ def locate_points(d, y):
 
 
 def locate_points_now(d, y):
-    """Locate the points as ``locate_points`` does, with the base and the walls where they are."""
+    """Locate the points as ``locate_points`` does, but leave moving base and walls where they are."""
     set_link_vectors(d, y)
     locate_from_link_vectors(d, y)
 
 
 def locate_from_link_vectors(d, y):
-    """Locate the points for the link vectors in the record, with the base and the walls where they are."""
+    """Locate the points with the stored link vectors; leave moving base and walls where they are."""
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -117,17 +113,16 @@ def locate_from_link_vectors(d, y):
 
 
 def set_joint_places(d, values, first, vectors):
-    """Set x of the joints' places to the lever arm times the joints' own angles.
+    """Set x of each joint's place to the lever arm times the joint's own angle, its rate or its change.
 
-    In place of angles, ``values`` may have their rates or changes. The values of the N links begin at index
-    ``first``.
+    The angles, rates or changes of the links begin at index ``first`` of ``values``.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)
 
 
 def accelerate_points(d, y, rate):
-    """Set the accelerations [m/s²] of all places, which must be located, for the state y and its rate."""
+    """Set the accelerations [m/s²] of all places, which must be located, for state y and its rate ẏ."""
     n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.chain.base_moves:
@@ -147,7 +142,7 @@ def accelerate_points(d, y, rate):
 
 def clear_vectors(d, vectors):
     """Set the vectors of all places to zero."""
-    # The numbers of links and points are constants for the compiler, so it unrolls this loop.
+    # the numbers of links and points are constants for the compiler, which unrolls this loop
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.chain.has_joint_places:
@@ -179,11 +174,7 @@ def note_points_elsewhere(d):
 
 
 def move_points(d, link_vectors, change, response):
-    """Set ``response`` to the motions of all places that a change of the coordinates causes.
-
-    The motion Δp of a joint follows from the motion of the joint before and from the rotation Δθ of the link
-    vector L between both: Δp_{i+1} = Δp_i + Δθ_i L⊥.
-    """
+    """Set ``response`` to the motions of all places that a ``change`` of the coordinates causes."""
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):
@@ -197,7 +188,7 @@ def move_points(d, link_vectors, change, response):
 
 
 def largest_component(d, vectors):
-    """Return the largest absolute component in the vectors of all places."""
+    """Return the largest absolute x or y component in the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
@@ -210,7 +201,10 @@ def largest_component(d, vectors):
 
 
 def at_center_of_mass(d, vectors, i):
-    """Return a vector at link i's centre of mass, such as the velocity, from the vectors at the points."""
+    """Return the vector at link i's centre of mass that follows from ``vectors`` at the points.
+
+    ``vectors`` are velocities, changes of velocities, or accelerations.
+    """
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it
     ratio, x, y = d.chain.center_of_mass_ratio[i], vectors.x[i], vectors.y[i]

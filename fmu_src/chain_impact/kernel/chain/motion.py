@@ -17,14 +17,14 @@ from chain_impact.kernel.chain.state import time_at
 
 
 def move_channels_to_state(d, y):
-    """Move base and walls to their positions at the time that the state y contains."""
+    """Set base and walls to their prescribed positions at the time that the state y contains."""
     move_channels(d, d.step.clock + y[time_at(d.links)])
 
 
 def move_channels(d, time):
-    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels at a time [s].
+    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels at a ``time`` [s].
 
-    The function also moves the walls.
+    The function also sets the offsets and speeds of the walls and belts that the channels move.
     """
     moved, piece = d.moved, d.inputs.piece
     x, since = (time - piece.middle) * piece.scale, time - moved.began
@@ -51,7 +51,7 @@ def move_channels(d, time):
 
 
 def move_wall(d, c, m):
-    """Move the wall of candidate c with channel m, and its belt with the next channel."""
+    """Set offset and motion of candidate c's wall from channel m, and of its belt from channel m + 1."""
     wall, moved = d.shift, d.moved
     d.candidate.offset[c] = wall.unmoved_offset[c] + moved.position[m]
     wall.rate[c], wall.acceleration[c] = moved.velocity[m], moved.acceleration[m]
@@ -60,7 +60,7 @@ def move_wall(d, c, m):
 
 
 def motion_bounds(d, m):
-    """Return bounds on the speed [m/s] and the acceleration [m/s²] of channel m within the last step."""
+    """Return upper bounds of |velocity| [m/s] and |acceleration| [m/s²] of channel m over the last step."""
     piece, moved = d.inputs.piece, d.moved
     scale = piece.scale
     most = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
@@ -79,7 +79,7 @@ def motion_bounds(d, m):
 
 
 def fastest_wall(d):
-    """Return the largest speed [m/s] and the largest acceleration [m/s²] of walls and belts at present."""
+    """Return the largest present speed [m/s] and acceleration [m/s²] of all moving walls and belts."""
     speed, acceleration = 0.0, 0.0
     for c in range(d.candidates):
         if d.shift.channel[c] >= 0:
@@ -89,10 +89,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate how far [m] channels move in the present piece of the inputs.
-
-    The result includes ``travel_of_sines``.
-    """
+    """Return an estimate [m] of how far a channel moves in the present piece of the inputs, at most."""
     most = 0.0
     for m in range(d.channels):
         total = 0.0

@@ -2,9 +2,9 @@
 
 ``factorize`` and ``solve`` solve linear systems with M + Jᵀ D J + K in O(N), for real, complex and dual
 numbers alike. M is the mass matrix, J maps rates of the coordinates to motions of the points, and D are
-impedances at the points. K = Σ κ_i χ_i χ_iᵀ with χ_i the gradient of ω_i − ω_{i−1}: each joint resists a
-change of its relative angular velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The
-base has a damper only if it is pinned.
+impedances at the points. K = Σ κ_i χ_i χ_iᵀ with χ_i the gradient of ω_i − ω_{i−1}: against a change of its
+relative angular velocity each joint exerts κ_i (Δ_i − Δ_{i−1}) − μ_i, with the response Δ and an impulse μ_i
+in the joint. A free base has no joint, so κ_1 = 0.
 
 The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. A joint with
 resistance κ transmits a moment. The least value Z of this form over the outer part of the chain therefore
@@ -26,7 +26,7 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
-in which nothing cancels, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
+in which no digits cancel, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
 the inward arm begins at the base, the outward arm at the tip. The damper of the middle joint belongs to the
 outward arm. For this arm β is the α of the last link of the inward arm, so e, p and t of the outward arm add
 to h, H and s of that link. A light link at an end is eliminated before heavier links, because the sum with a
@@ -51,12 +51,12 @@ SLOTS = 3
 
 @has_complex_rule
 def reciprocal(number):
-    """Return the reciprocal of a number that is not zero and whose reciprocal does not overflow."""
+    """Return 1/``number``; the number must not be zero, and the result must not overflow."""
     return 1.0 / number
 
 
 def complex_reciprocal(number):
-    """Return the reciprocal of a complex number.
+    """Return 1/``number`` for a complex number.
 
     A complex division of numba may raise an error, and has branches, which cost time.
     """
@@ -144,7 +144,7 @@ def factorize(d, link_vectors, space, slot, coupled):
 
 
 def copy_factors(d, coupled):
-    """Copy the factors of the mass matrix that ``accelerations`` has found to the slot FREE.
+    """Copy the factors of the mass matrix that ``accelerations`` has computed to the slot FREE.
 
     ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
     nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
@@ -161,9 +161,9 @@ def copy_factors(d, coupled):
 
 
 def set_middle_mobility(d, factors, slot, axx, axy, ayy):
-    """Set A⁻¹, the inverse of the articulated inertia at the middle joint.
+    """Set A⁻¹, the inverse of the articulated inertia at the middle joint, where both arms meet.
 
-    It is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
+    A⁻¹ is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
     (chain/slider.py).
     """
     mobility = factors.middle_mobility
@@ -178,7 +178,7 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 @inlined
 def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i: return the articulated inertia at its inner joint, from that at its outer joint.
+    """Eliminate link i: return the articulated inertia at its inner joint, from the one at its outer joint.
 
     The articulated inertia has the parts A, e and p, as at the head of this module. ``resistance`` is κ of
     the inner joint.
@@ -224,11 +224,11 @@ def solve(d, link_vectors, space, slot, change):
         link_vectors: as for ``factorize``.
         space: record with the result of ``factorize``, and with ``load``. The load has ``x, y`` of each point
             [N·s], ``joint``, shape (N,), μ_i [N·m·s], and ``link``, τ_i of each link; τ_i is only read in a
-            scene with sites or centres of mass beside the lines. The load may also consist of forces instead
-            of impulses.
+            scene with sites or centres of mass beside the lines. With forces as the load, the results are
+            accelerations.
         slot: the slot of ``factors`` that ``factorize`` has set.
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
-            [rad/s]; for forces, the accelerations. Later entries of the array are not changed.
+            [rad/s]. Later entries of the array are not changed.
     """
     n, middle, load, coupled = d.links, d.chain.meeting_joint, space.load, space.factors.coupled[slot] != 0
     bx, by, t = 0.0, 0.0, 0.0
@@ -265,7 +265,7 @@ def solve(d, link_vectors, space, slot, change):
 
 @inlined
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
-    """Set the change α of ω_i that the loads cause while the link's inner joint and inner link are at rest.
+    """Set the change α of ω_i that the loads cause while the inner joint and the link inside of it rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
     impulse t at the inner joint, from b' and t' at the outer joint.
@@ -290,7 +290,8 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
 def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
     """Add to the change of ω_i the effects of the inner joint's motion and of the inner link's rotation.
 
-    ``x`` and ``y`` are the components of the motion a, and ``before`` is the rotation β.
+    ``x`` and ``y`` are the components of the inner joint's motion a, and ``before`` is the rotation β of the
+    link on the inner side.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the change of ω_i.

@@ -1,17 +1,17 @@
 """Signals: inputs that the scene itself gives as functions of time.
 
 A signal is a sequence of polynomials; each begins at a time t_k, called a knot. In a signal of the form SINE
-a sine is added:
+a sine is added to the polynomial:
 
     u(t) = c₀ + x (c₁ + x (c₂ + …)) + r(s) a sin(ψ + 2π (f s + ½ ḟ s²)),   x = t − t_k,   s = t − start,
 
 with the amplitude a, the phase ψ, the frequency f and its rate of change ḟ; r rises from 0 to 1.
 `signal.segment` is the knot in use. A segment is the part of a signal from one knot to the next. A step ends
-where a segment ends, and the next segment begins with the next step (events/segments.py). So the signal has
-two values at a jump: one before and one after the jump.
+where a segment ends, and the next segment begins with the next step (events/segments.py). So at a jump the
+step before uses the value before the jump, and the step after the value after it.
 
-This module integrates a signal that drives the velocity or the acceleration of a base or a wall, so that
-position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
+If a signal is the velocity or the acceleration of a base or a wall, this module integrates the signal to a
+position, so that position, velocity and acceleration always agree. The integrals of a sine are in sines.py.
 """
 
 import math
@@ -20,15 +20,16 @@ from chain_impact.kernel.chain.input_fields import CHANNEL, is_of_drive
 from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth
 from chain_impact.kernel.mathematics.angles import direction
 
-CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, which give the kind of the signal
-SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, which give the shape of a ramp
-# number of knots of signals of these forms; signals of steps and tables may have any number of knots
+CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, the kind of a signal
+SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, the shape of a ramp
+# number of knots of a sine, of a ramp and of a ramp with the shape of a trapezoid; steps and tables have any
+# number
 SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-# the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it drives an
+# the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it is an
 # acceleration
 SIGNAL_DEGREE = RAMP_DEGREE + 2
-# the largest sizes of the first and the second derivative of ``smooth`` for x from 0 to 1
+# the largest |first| and |second| derivative of ``smooth`` for x from 0 to 1
 STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
@@ -49,7 +50,7 @@ def signal_at(d, j, time):
 
 
 def has_signal(d, m):
-    """Return whether a signal moves channel m."""
+    """Return whether a signal prescribes the motion of channel m."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             return True
@@ -57,14 +58,14 @@ def has_signal(d, m):
 
 
 def time_since_knot(d, j, time):
-    """Return x [s], the time from the knot in use of signal j to a ``time`` [s]."""
+    """Return the time x [s] from the knot in use of signal j, in this repetition, to a ``time`` [s]."""
     return time - d.signal.lap[j] * d.signal.period[j] - d.knot.time[d.signal.segment[j]]
 
 
 def sine_at(d, j, time):
     """Return value, rate and second derivative of the sine of signal j at a time [s].
 
-    If the signal is integrated, the result belongs to the integral of the sine.
+    If the signal is integrated, the results are those of the integral of the sine.
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
@@ -116,7 +117,7 @@ def signal_bounds(d, j):
 
 
 def is_sine(d, j):
-    """Return whether signal j is a sine in its present segment."""
+    """Return whether the present segment of signal j contains a sine; before its start it does not."""
     return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
 
 
@@ -134,15 +135,15 @@ def moves_base(d, j):
 
 
 def acts_in_limited_drive(d, j):
-    """Return whether signal j acts in a drive with a limit, as a motor's torque or force, or as a target."""
+    """Return whether signal j is the motor force or a target of a drive with a limit."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
 def largest_rate(acts):
-    """Return a function for the largest angular frequency [rad/s] of the sines for which ``acts`` holds.
+    """Return a function for the largest angular frequency [rad/s], in the last step, of some sine signals.
 
-    The function takes an instance and looks at the last step. ``acts`` takes the instance and the number of a
-    signal. Without such a sine, the frequency is 0.
+    The function takes an instance. The signals are those for which ``acts`` is true, a function of the
+    instance and the number of a signal. Without any, the frequency is 0.
     """
 
     def rate(d):
@@ -161,17 +162,17 @@ rate_of_base = largest_rate(moves_base)
 
 
 def travel_of_sines(d):
-    """Estimate the sum of the amplitudes [m] of all sines that move base, walls or belts.
+    """Return an estimate [m] of the sum of the amplitudes of all sines that move base, walls or belts.
 
-    Where such a sine is a velocity or an acceleration, its integral counts.
+    For a sine that is a velocity or an acceleration, the amplitude of its integral counts.
     """
     signal, total = d.signal, 0.0
     for j in range(d.signals):
         if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
             size = abs(signal.amplitude[i])
-            # while the frequency passes 0 at the rate ḟ, the integral of a sine with the amplitude a changes
-            # by about a/√|ḟ|
+            # the integral of a sine with the amplitude a changes by about a/√|ḟ| while the frequency passes 0
+            # at the rate ḟ
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
@@ -194,10 +195,7 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j.
-
-    After the last segment, the table of the signal repeats.
-    """
+    """Begin the next segment of signal j; after the last segment, a periodic table begins again."""
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1
@@ -207,14 +205,14 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Let signal j use knot k; ``lap`` is the number of times that its table has been repeated."""
+    """Set the knot in use of signal j to k, and the number of repetitions of its table to ``lap``."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 
 def knot_count(form, shape):
     """Return the number of knots of a signal of a form and a shape.
 
-    For steps and tables the result is the least number, 1.
+    For the form STEPS or TABLE the result is the least number, 1.
     """
     if form == SINE:
         return SINE_KNOTS
@@ -227,10 +225,7 @@ def knot_count(form, shape):
 
 
 def derive_signals(d, time):
-    """Derive the polynomials of all signals from the given numbers, and begin the signals.
-
-    They begin at a ``time`` [s].
-    """
+    """Derive the polynomials of all signals from the given numbers; begin the signals at a ``time`` [s]."""
     signal = d.signal
     for j in range(d.signals):
         i, k = signal.source[j], signal.first[j]
@@ -257,7 +252,7 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Let signal j begin at a ``time`` [s]: set the segment that is in use then."""
+    """Set the segment of signal j that is in use at a ``time`` [s], the start of the run."""
     signal = d.signal
     signal.segment[j], signal.lap[j] = signal.first[j], 0
     while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:
@@ -267,7 +262,7 @@ def begin_signal(d, j, time):
 
 
 def set_constant_knot(d, k, time, level):
-    """Set knot k to a constant ``level`` from a ``time`` [s] on."""
+    """Let the polynomial of knot k begin at a ``time`` [s], and be the constant ``level``."""
     d.knot.time[k] = time
     for p in range(1, SIGNAL_DEGREE + 1):
         d.knot.powers[k, p] = 0.0
@@ -275,7 +270,10 @@ def set_constant_knot(d, k, time, level):
 
 
 def derive_sine(d, i, k):
-    """Set the knots of a sine, from index k on, from row i of the given numbers."""
+    """Set the three knots of a sine, from index k on, from row i of the given numbers.
+
+    They are its value before the start, the rise of its amplitude, and the sine with its full amplitude.
+    """
     signal = d.signal
     rises = signal.rise[i] > 0.0
     _, sine = direction(signal.phase[i])
@@ -286,7 +284,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """Set the knots of a ramp, from index k on, from row i of the given numbers."""
+    """Set the knots of a ramp of a ``shape``, from index k on, from row i of the given numbers."""
     signal, powers = d.signal, d.knot.powers
     way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
     set_constant_knot(d, k, start, signal.initial[i])
@@ -311,7 +309,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace signal j by its integral over time, which is 0 at a ``time`` [s]."""
+    """Replace the polynomials of signal j by their integrals, which are 0 at a ``time`` [s]."""
     signal, knot = d.signal, d.knot
     signal.integrals[j] += 1
     for k in range(signal.first[j], signal.last[j] + 1):
@@ -331,7 +329,7 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Return whether all signals are valid: their knots are finite and in order, their integrals exist."""
+    """Return whether all signals have finite numbers, knots in order, and integrals where they need them."""
     signal = d.signal
     for j in range(d.signals):
         i, total = signal.source[j], 0.0
@@ -341,7 +339,7 @@ def signals_are_valid(d):
             total += d.knot.time[k]
             for p in range(SIGNAL_DEGREE + 1):
                 total += d.knot.powers[k, p]
-        # a sine with frequency 0 has no integral in sines.py, whose formulas divide by the frequency
+        # sines.py has no integral of a sine with frequency 0: its formulas divide by the frequency
         still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
         if not math.isfinite(total) or (still and signal.order[j] > 0):
             return False

@@ -2,8 +2,9 @@
 
     I_m = m-fold integral of r(s) sin Φ(s),   Φ = ψ + 2π (f s + ½ ḟ s²),   ω = Φ′,   g = Φ″
 
-Φ is the phase a time s after the start, with its value ψ at the start, the frequency f and its rate ḟ. r is
-the smooth ramp from 0 to 1, or it is 1. E_n is the n-fold integral of e^{iΦ}. Integration by parts gives
+Φ is the phase a time s after the start, with its value ψ at the start, the frequency f and its rate ḟ. The
+amplitude r is the smooth ramp from 0 to 1, or constantly 1. E_n is an n-fold integral of e^{iΦ}. Integration
+by parts gives
 
     I_m = Im Σ_k c_k E_{m+k},   c_k = (−1)ᵏ (m+k−1 over k) r⁽ᵏ⁾,   k = 0…5
     E_{n+1} = (i E_{n−1} + ω E_n)/(n g),   E_0 = e^{iΦ}
@@ -17,13 +18,14 @@ are those of a continued fraction, which is exact for g = 0 and loses no digits 
 
 Source: W. Gautschi 1967, SIAM Rev 9:24.
 
-The frequency is zero at a time s*, ω = 0, and near s* the fraction is not accurate. There E_1 is a Fresnel
-integral: its value C at s*, plus a quadrature from s* on. As long as ω has the sign that it has at the start,
-the fraction gives the function with this value C. On the other side of s* the fraction gives another
-function, with the value −C at s*. The solution of the recurrence that begins with E_0 = 0, E_1 = 2C is the
-difference, and is added on the other side, so that the integral does not jump.
+At the time s* at which the frequency passes zero, ω = 0, and near s* the fraction is not accurate. There E_1
+is a Fresnel integral: its value C at s*, plus a quadrature from s* on. As long as ω has the sign that it has
+at the start, the fraction gives the integral E_1 that is C at s*. After a change of this sign the fraction
+gives an integral that is −C at s*. The difference of both is the solution of the recurrence that begins with
+E_0 = 0, E_1 = 2C; it is added after the change of sign, so that the integral does not jump.
 
-In a rise during which Φ turns little, E_n has large terms that cancel; I_m is then found by quadrature.
+In a rise during which Φ changes little, the terms c_k E_{m+k} are large and cancel; I_m is then computed by
+quadrature.
 """
 
 import math
@@ -32,16 +34,15 @@ from chain_impact.kernel.mathematics.angles import direction
 
 TAU = 2.0 * math.pi
 RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smooth``
-# largest |y| = |g|/ω² for the continued fraction; where |y| is larger, the phase is within 4 rad, 1/(2
-# NEAR_TURNING_POINT), of its value at the time of frequency 0
+# The continued fraction is used up to this |y| = |g|/ω². Where |y| is larger, the phase is within 4 rad, 1/(2
+# NEAR_TURNING_POINT), of its value at the time of frequency 0.
 NEAR_TURNING_POINT = 0.125
-# The largest number of levels of the continued fraction: DEPTH without a rise, DEPTH_OF_RISE in a rise, and
-# DEEPER |y| more, with y = g/ω². With fewer levels the integral E_2 would lose digits, and in a rise also
-# E_7.
+# The largest number of levels of the continued fraction is DEPTH without a rise and DEPTH_OF_RISE in a rise,
+# plus DEEPER |y|, with y = g/ω². With fewer levels the integral E_2, and in a rise E_7, would lose digits.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
-FRACTION_ERROR = 1e-17  # the relative error at which the continued fraction has enough levels
-# LARGEST_TURN: the largest turn [rad] of the phase in a rise that is integrated by quadrature; if the phase
-# turns more, the terms of the integrals E_n hardly cancel, and need no quadrature. PANEL: the largest turn
+FRACTION_ERROR = 1e-17  # levels are added to the continued fraction until its relative error is at most this
+# LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;
+# otherwise the terms of the integrals E_n hardly cancel, and need no quadrature. PANEL: the largest turn
 # [rad] in one panel of a quadrature.
 LARGEST_TURN, PANEL = 24.0, 6.0
 # the nodes and weights of Gauss–Legendre quadrature on [0, 1]
@@ -122,7 +123,7 @@ def integral_by_fraction(m, rates, s, rise):
 def integral_by_recurrence(m, first, rates, s, rise):
     """Return the m-fold integral Im Σ_k c_k E_{m+k} of a sine, from the recurrence for the integrals E_n.
 
-    ``first`` contains the real and the imaginary part of E_0, then of E_1.
+    ``first`` contains the real and imaginary parts of E_0 and E_1, ``rates`` ω and its rate g.
     """
     u, v, next_u, next_v = first
     omega, g = rates
@@ -160,13 +161,11 @@ def rise_coefficient(m, k, s, rise):
 
 
 def integral_at_standstill(d, i, begins_up):
-    """Return the phase Φ(s*) [rad], and both parts of the integral C, at the time s* of frequency zero.
-
-    The parts are the real and the imaginary part.
+    """Return the phase Φ(s*) [rad], and the real and imaginary part of C, at the time s* of frequency zero.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
-    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up``: whether ω > 0 at the
-    start or, if ω = 0 there, after it.
+    start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up`` tells whether ω > 0 at
+    the start or, if ω = 0 at the start, after it.
     """
     signal = d.signal
     rate = signal.frequency_rate[i]
@@ -180,7 +179,7 @@ def integral_at_standstill(d, i, begins_up):
 def fresnel(middle, since, g, u, v):
     """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since``.
 
-    ``middle`` is Φ* = Φ(s*), and ``since`` is the time since s* [s].
+    ``middle`` is Φ* = Φ(s*) [rad], and ``since`` the time since s* [s], the time of frequency zero.
     """
     for n in range(len(GAUSS_NODES)):
         t = since * GAUSS_NODES[n]

@@ -7,7 +7,8 @@ vector L along the link and L⊥ = ẑ × L, the arm from the proximal joint to 
 
 and p = p_i + r, v = v_i + ω r⊥, a = a_i + α r⊥ − ω² r. A force F at the site acts on the chain as F at the
 proximal joint and the moment r⊥·F on the link. The sites are numbered in the order of their links. In arrays
-of all places the sites come after the points and the joints. A scene without sites has none of these terms.
+of all places the sites come after the points and the joints. Without sites, the kernel computes none of these
+terms.
 """
 
 from chain_impact.kernel.functions import inlined
@@ -39,16 +40,16 @@ def site_of_point(d, point):
 
 @inlined
 def site_arm(d, link_vectors, s):
-    """Return the arm r [m] of site s from its link's proximal joint, from ``link_vectors``."""
+    """Return the arm r [m], x and y, from the proximal joint of its link to site s."""
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
     lx, ly = link_vectors.x[i], link_vectors.y[i]
     return along * lx - beside * ly, along * ly + beside * lx
 
 
 def locate_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites.
+    """Set positions and velocities of the sites, from those of the joints, which must be known.
 
-    The angular velocities ω of the links begin at index ``first`` of the state y.
+    The angular velocities of the links begin at index ``first`` of the state y.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -58,9 +59,10 @@ def locate_sites(d, y, first, position, velocity):
 
 
 def set_site_motions(d, link_vectors, turns, first, vectors):
-    """Set the motions of the sites from the motions of the joints and the rotations of the links.
+    """Set the vectors of the sites from the vectors of the joints and the rotations of the links.
 
-    The rotations of the links begin at index ``first`` of ``turns``.
+    The vectors are velocities or small motions. The rotations of the links, angular velocities or small
+    angles, begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -70,9 +72,9 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites.
+    """Set the accelerations of the sites, from those of the joints, which must be known.
 
-    ω and α of the links begin at index ``first`` of the state y and of its rate.
+    ω of the links begins at index ``first`` of the state y, and α at the same index of ``rate``.
     """
     set_site_motions(d, d.scratch.link, rate, first, acceleration)
     for s in range(d.sites):
@@ -89,10 +91,7 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may include moments on links.
-
-    Sites, and centres of mass beside the lines of links, cause such moments.
-    """
+    """Return whether loads may include moments on links in this scene."""
     return d.sites > 0 or d.skewed != 0
 
 

@@ -6,15 +6,15 @@ the chain needs the force A a + b at the base (chain/elimination.py). Along the 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(f + m g − b),
 
 with m the mass of the carriage, g gravity, f the load on the base, and F the force of the slider's drive
-(drives.py). Across the line the guide carries every force. Dry friction is an element (forces/friction.py),
-and ends of the line are stops (rows/geometry.py), which the base touches.
+(drives.py). The guide carries any force across the line. Dry friction of the slider is an element
+(forces/friction.py). The ends of the line are stops (rows/geometry.py), which the base touches.
 """
 
 from chain_impact.kernel.chain.state import velocity_at
 
 
 def along_slider(d, vector_x, vector_y):
-    """Return the component of a vector along the line."""
+    """Return the component of a vector along the slider's line."""
     return d.slider.ux * vector_x + d.slider.uy * vector_y
 
 

@@ -10,8 +10,7 @@ expected penetration δ* (ode/sundman.py), and the time t since the start of the
 
 from chain_impact.kernel.functions import inlined
 
-# index of the first angle in y, and in any change of all coordinates; the two coordinates of the base come
-# first
+# index of the first angle in y, and in any change of the coordinates, after the two coordinates of the base
 ANGLES = 2
 
 
@@ -41,7 +40,7 @@ def supplied_at(n):
 
 
 def sundman_u_at(n):
-    """Return the index in y of u, the root of the relative penetration, after all entries of the chain."""
+    """Return the index in y of u, the root of δ/δ*; all entries before it belong to the chain."""
     return 2 * n + 6
 
 
@@ -57,10 +56,5 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle or the rate of link i relative to the link before.
-
-    For i = 0, the first link, the result is the link's own value.
-
-    The values of the links begin at index ``first``.
-    """
+    """Return the angle or rate of link i relative to link i − 1; for the first link, i = 0, its own value."""
     return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)

@@ -86,7 +86,10 @@ _delay_of_margin = delay_along_motion(_margin_after)
 
 
 def delay_of_crossing(t, c, kind):
-    """Return the delay [s] of an event of candidate c, of the ``kind`` ONSET, END or RELATCH."""
+    """Return the delay [s], a dual number of value 0, of an event of candidate c.
+
+    ``kind`` is ONSET, END or RELATCH of events/marks.py; at RELATCH the impact speed is latched again.
+    """
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the impact speed v₀
@@ -97,7 +100,10 @@ def delay_of_crossing(t, c, kind):
 
 
 def delay_without_force_jump(t, c, kind):
-    """Return the delay [s] of a KINK or RELEASE of candidate c; there its force does not jump."""
+    """Return the delay [s] of an event of candidate c at which its force does not jump.
+
+    ``kind`` is KINK or RELEASE of events/marks.py.
+    """
     if kind == KINK:
         rate = _kink_rate(t, c)
         return _delay_of_kink(t, c, rate if rate != 0.0 else math.inf)
