@@ -1,5 +1,5 @@
-"""The kernel as a shared library, which needs neither Python nor numba.
+"""Makes the kernel (the compiled solver): a shared library, which needs neither Python nor numba.
 
-Other folders of the package get kernels from library.py, which finds a ready or a cached kernel, or compiles
-one.
+Other folders of the package get kernels from library.py, which finds a ready kernel or one in the cache, or
+compiles one.
 """

@@ -1,4 +1,4 @@
-"""Sizes and offsets in the record of an instance as affine functions of the record's counts."""
+"""Sizes and offsets [byte] in the record of an instance, as affine functions of the record's counts."""
 
 from __future__ import annotations
 
@@ -13,22 +13,26 @@ SAMPLES = (
     *(tuple(number + (k == n) for k, number in enumerate(_FIRST)) for n in range(len(_FIRST))),
     tuple(2 * number + k % 3 for k, number in enumerate(_FIRST)),
 )
-"""The counts of example records: the first, then one with each count larger by 1, and a last one. The values
-of an affine number for all records but the last give its constant and slopes; the last value checks them."""
+"""The counts of example records: a first one, one for each count with this count larger by 1, and a last one.
+The values of an affine function for all records but the last give its constant and slopes; the value for the
+last one checks them."""
 
 
 class Affine(NamedTuple):
-    """The number ``constant`` + Σ ``slopes``[k] · count k, with the counts in the order of ``COUNTS``."""
+    """The affine function ``constant`` + Σ ``slopes``[k] · count k.
+
+    The counts are in the order of ``COUNTS``.
+    """
 
     constant: int
     slopes: tuple[int, ...]
 
 
 def affine(numbers: Sequence[int]) -> Affine:
-    """Return the affine number that has the given values for the records of ``SAMPLES``.
+    """Return the affine function of the counts that has the given values for the records of ``SAMPLES``.
 
     Raises:
-        ValueError: when the values are not an affine function of the counts.
+        ValueError: when no affine function of the counts has these values.
     """
     first, *others, last = numbers
     slopes = tuple(number - first for number in others)

@@ -23,7 +23,7 @@ EXPORTS = (
     "run_each",
     "__heap_base",
 )
-STACK = 1 << 20  # [byte] size of the stack, of which the kernel needs a few thousand bytes
+STACK = 1 << 20  # [byte] size of the module's stack, of which the kernel uses a few thousand bytes
 # The target is WebAssembly with addresses of 32 bits, because zig has no headers for 64 bits. A vector
 # (-msimd128) holds two doubles, as in the code for x86 processors.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
@@ -46,17 +46,17 @@ IMPORTED = {
     **dict.fromkeys(ONE, "double x"),
     **dict.fromkeys(("atan2", "fmod", "hypot"), "double x, double y"),
 }
-"""The functions of the browser's ``Math`` that a law can call, with their arguments. The page gives these
+"""The functions of the browser's ``Math`` that a user's law can call → their arguments. The page gives these
 functions to the module (pages/browser/solver/kernel.js)."""
 _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 
 def compile_kernel(module: str, compiled: Path) -> None:
-    """Compile a lowered kernel for ``link``.
+    """Compile the kernel, from LLVM's language, to an object file for ``link``.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        compiled: the file to write; temporary files are in the same folder.
+        compiled: the object file to write; temporary files are in the same folder.
 
     Raises:
         BuildError: when the compiler fails.
@@ -67,12 +67,12 @@ def compile_kernel(module: str, compiled: Path) -> None:
 
 
 def link(compiled: Path, output: Path, law: Path | None = None) -> None:
-    """Make the WebAssembly module of a kernel.
+    """Link the compiled kernel, with a user's law if there is one, to a WebAssembly module.
 
     Args:
-        compiled: the kernel, as ``compile_kernel`` writes it.
-        output: the file to write; temporary files are in the same folder.
-        law: a user's law in LLVM's language, if there is one.
+        compiled: the object file that ``compile_kernel`` has written.
+        output: the module to write; temporary files are in the same folder.
+        law: the file with a user's law in LLVM's language, or None.
 
     Raises:
         LawError: when the law calls a function that the module does not have.
@@ -91,9 +91,9 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 
 
 def _write_imports(output: Path) -> Path:
-    """Write a file of C functions; each calls the function with the same name in the browser's ``Math``.
+    """Write a C file of functions that call the functions of the same names in the browser's ``Math``.
 
-    The linker keeps only the functions that the law calls.
+    The linker keeps only those that the law calls.
     """
     text = ""
     for name, arguments in IMPORTED.items():

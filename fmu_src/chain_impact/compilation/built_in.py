@@ -1,4 +1,4 @@
-"""numba's code for functions that find, copy or clear parts of a record; it replaces their Python code."""
+"""Code for numba in place of the Python code of functions that find, copy or clear parts of a record."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FUNCTIONS: set[Any] = {
     *(functions.clear_numbers, functions.copy_row, input_fields.input_field),
     *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
-"""The functions for which this module gives numba the code."""
+"""The functions of the kernel for which this module gives numba the code."""
 
 
 @type_callable(input_fields.input_field)
@@ -71,7 +71,10 @@ def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 def _chosen(
     builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
 ) -> list[ir.Value]:
-    """Return the values that ``makers[number]`` makes; if it does not exist, those of ``makers[0]``."""
+    """Return the values that ``makers[number]`` makes, or those of ``makers[0]`` if there is no such maker.
+
+    ``number`` is known only when the code runs, so the function writes a switch.
+    """
     blocks = [builder.append_basic_block() for _ in makers]
     end = builder.append_basic_block()
     choice = builder.switch(number, blocks[0])
@@ -91,7 +94,10 @@ def _chosen(
 
 
 def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
-    """Give numba the code of a function of (instance, k), which returns field ``paths[k]`` as an array."""
+    """Give numba the code of a function of (instance, k) that returns the field ``paths[k]`` as an array.
+
+    All these fields have numbers of the type ``kind``.
+    """
 
     @type_callable(function)
     def _type_of_field(_context: Any) -> Any:
@@ -117,7 +123,10 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 
 
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
-    """Give numba the code of a function of (instance, k), which returns ``bounds[k]`` for the instance."""
+    """Give numba the code of a function of (instance, k) that returns ``bounds[k]`` for the instance.
+
+    A bound is an affine function of the instance's counts.
+    """
 
     @type_callable(function)
     def _type_of_bound(_context: Any) -> Any:
@@ -230,17 +239,17 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks for the code first with the type of ``when``, then with its constant value; only the
-        # second call gets an answer
+        # numba asks for the type twice: with the type of ``when``, then with its constant value. Only the
+        # second call is answered, because the code depends on the value.
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether ``target`` is the part of an instance of dual numbers that corresponds to ``source``.
+    """Return whether the two types are corresponding parts of an instance and of a tangent instance.
 
-    The result is False, too, if ``source`` is no part of an instance of ordinary numbers.
+    ``source`` must be of ordinary numbers, ``target`` of dual numbers.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False
@@ -264,7 +273,11 @@ def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: 
 def _copy_fields(
     context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
 ) -> None:
-    """Copy the values of the ``wanted`` fields to an instance of dual numbers, whose derivatives stay."""
+    """Copy the values of fields to a tangent instance, whose derivatives stay.
+
+    ``instances`` are the addresses of an instance and of the tangent instance; ``wanted`` says which fields
+    are copied.
+    """
     source, target = instances
     for path, field in TABLES["instance"].items():
         if path and wanted(path) and not field.fields:
@@ -282,7 +295,10 @@ def _copy_fields(
 def _words_of(
     context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
 ) -> tuple[ir.Value, ir.Value]:
-    """Return the address of a field's first value, and the number of words between successive values."""
+    """Return the address of a field's first value, and the number of words of 8 bytes from value to value.
+
+    A dual number takes several words, of which the first is its value.
+    """
     words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
     address = builder.bitcast(address_of(context, builder, instance, field), word.as_pointer())
     return address, cgutils.intp_t(words)

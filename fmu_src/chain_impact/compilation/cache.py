@@ -1,8 +1,8 @@
 """The cache of compiled kernels: a folder for each state of the sources and compilers.
 
-One process makes a file while other processes that need the file wait. A file appears only when it is
-complete, together with its checksum: a file that is cut or damaged later is made again. Nothing is read from
-a folder that other users can write to (folders.py).
+One process makes a file while other processes that need it wait. A file appears under its name only when it
+is complete, together with its checksum: if it is cut or damaged later, it is made again. Nothing is read from
+a folder to which other users can write (folders.py).
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
 
-UNUSED = 30 * 24 * 3600.0  # [s] time without use after which a folder of other sources or linkers is removed
-# first part of the name of the folder that the linker uses as its cache; the version of the linker follows
+# [s] a folder of the cache for other sources, or of another linker, is removed after this time without use
+UNUSED = 30 * 24 * 3600.0
+# the name of the linker's own cache folder begins with this text; the version of the linker follows
 LINKER = "chain-impact-zig-"
-# regular expression for the names of the cache's folders: folders for some sources and compilers, or for a
-# linker
+# regular expression for the folders of the cache: of some state of sources and compilers, or of a linker
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
-PATIENCE = 1.0  # [s] waiting time after which a message says that another process is making the kernel
+PATIENCE = 1.0  # [s] after this time of waiting, a message says that another process is making the kernel
 
 
 def cache_folder() -> Path:
-    """Return the folder for kernels of the present sources and compilers."""
+    """Return the cache's folder for kernels of the present sources and compilers."""
     return base_folder() / _present()
 
 
 def _present() -> str:
-    """Return the name of the folder for the present sources and compilers."""
+    """Return the name of the cache's folder for the present sources and compilers."""
     return _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
 
 
@@ -53,13 +53,13 @@ def _digest(compilers: tuple[str, ...]) -> str:
 
 
 def linker_folder() -> Path:
-    """Return the folder that this version of the linker uses as its cache."""
+    """Return the folder in which the installed version of the linker keeps its own cache."""
     return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
 
 
 @functools.cache
 def _version(compiler: str) -> str:
-    """Return the version of a compiler: the installed version, or else the one that this package requires."""
+    """Return the version of a compiler: the installed one or, if there is none, the required one."""
     try:
         return version(compiler)
     except PackageNotFoundError:
@@ -67,20 +67,20 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a complete file or folder of the cache; None if there is none.
+    """Return the path of a complete file or folder of the cache; None if the cache does not have it.
 
-    Returns None, too, if other users can write in the cache, because they could have changed the file.
+    The result is None, too, if other users can write to the cache, because they could have changed the file.
     """
     folder = cache_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
-    with suppress(OSError):  # another user's cache can be read, but its folder cannot be marked as used
-        os.utime(folder)  # this sets the time of the last use of the folder
+    with suppress(OSError):  # a cache of another user can be read, but its folder cannot be marked as used
+        os.utime(folder)  # this marks the folder as used now, so that ``_prune`` keeps it
     return folder / name
 
 
 def _is_whole(path: Path) -> bool:
-    """Return whether a folder exists, or a file exists and is unchanged since it was made."""
+    """Return whether a path is a folder, or a file that still has the checksum in its mark."""
     try:
         return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
     except OSError:
@@ -88,7 +88,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _mark(file: Path) -> Path:
-    """Return the path of the mark of a file: another file, which holds the checksum."""
+    """Return the path of a file's mark: another file, which holds the file's checksum."""
     return file.with_name(f".{file.name}.crc32")
 
 
@@ -109,7 +109,8 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
         make: function that writes the file or folder to a given path in a temporary folder.
 
     Raises:
-        BuildError: when another process clears the cache meanwhile, or when no file can be written there.
+        BuildError: when another process clears the cache while the file is made, or when the cache's folder
+            cannot be written.
     """
     existing = find(name)
     if existing:
@@ -131,7 +132,10 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock; the operating system releases the lock if the process is killed."""
+    """Hold a lock file; the operating system releases the lock if the process is killed.
+
+    A process that must wait longer than PATIENCE logs a message.
+    """
     from filelock import FileLock, Timeout
 
     lock = FileLock(path)
@@ -148,12 +152,12 @@ def _locked(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _scratch(folder: Path, name: str) -> Iterator[Path]:
-    """Give a temporary folder in which the file ``name`` can be made, and remove this folder at the end.
+    """Give a temporary folder, inside ``folder``, in which the file ``name`` can be made; then remove it.
 
-    Folders that killed processes have left there for the same name are removed at the start.
+    Temporary folders for the same name, which killed processes have left, are removed first.
 
     Raises:
-        BuildError: when another process has removed the folder meanwhile.
+        BuildError: when another process has removed the temporary folder.
     """
     prefix = f".{name}-"
     for left in folder.glob(prefix + "*"):
@@ -168,7 +172,7 @@ def _scratch(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove unused folders for other sources or of other linkers."""
+    """Remove folders of the cache that are unused for UNUSED, except ``present`` and the linker's folder."""
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
             old = folder.stat().st_mtime < time.time() - UNUSED
@@ -178,13 +182,13 @@ def _prune(present: Path) -> None:
 
 @dataclass(frozen=True)
 class Entry:
-    """A folder of the cache.
+    """A folder of the cache, for users who look at or clear the cache.
 
     Attributes:
         path: the folder.
-        size: the size of all files in the folder [bytes].
+        size: the size of all files in the folder [byte].
         used: the time of the last use [s since 1970].
-        files: the names of the finished files, without files of the linker.
+        files: the names of the finished files; none for a folder of a linker.
     """
 
     path: Path
@@ -194,9 +198,9 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: folders for some sources and compilers, and folders of linkers.
+    """Return the folders of the cache: those for states of sources and compilers, and those of linkers.
 
-    Returns none if other users can write in the cache.
+    The list is empty if other users can write to the cache.
     """
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []
@@ -204,7 +208,7 @@ def entries() -> list[Entry]:
 
 
 def clear() -> int:
-    """Remove the folders that ``entries`` returns, and return the number of removed bytes."""
+    """Remove all folders of the cache, and return the number of removed bytes."""
     removed = entries()
     for entry in removed:
         with removal():

@@ -1,12 +1,12 @@
-"""A changed numba that only lowers functions: each function is lowered once, and is not optimised.
+"""Changes numba so that it only lowers functions: it translates each function to LLVM's language, once.
 
-When numba compiles a function, it optimises the function, links all called functions to it, optimises the
-result and makes machine code. For a kernel of hundreds of functions these steps take a minute, and their
+When numba compiles a function, it also optimises the function, links all called functions to it, optimises
+the result and makes machine code. For a kernel of hundreds of functions these steps take a minute, and their
 results are not used: zig's compiler optimises all functions in one pass over one module. numba has no public
-way to leave these steps out. So this module replaces private parts of numba: the libraries in which numba
-keeps the code of functions, and the way in which one function calls another. Where numba would raise an
-exception, a function only returns a number: numba would write the exception into the code, with the path of a
-file, and so the code would differ between machines.
+way to leave these steps out, so this module replaces private parts of numba: the libraries in which numba
+keeps the code of functions, and the way in which one function calls another. Where Python would raise an
+exception, a function only returns an error code: numba would write the exception with the path of a file into
+the code, which would then differ between machines.
 """
 
 from __future__ import annotations
@@ -23,27 +23,26 @@ from numba.np import arrayobj
 IDLE = frozenset(
     {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}
 )
-"""Steps of numba that look for features that a kernel does not use: closures, expressions of whole arrays,
-functions that numba inlines, ``with``. These steps take a tenth of the time; without them the lowered kernel
-has the same bytes."""
+"""Names of numba's passes that look for features that a kernel does not use: closures, expressions of whole
+arrays, functions that numba inlines, ``with``. They take a tenth of the time, and the lowered kernel has the
+same bytes without them."""
 
 USUAL_REGISTERS, PUT_BACK = "usual_registers", "put_registers_back"
-"""The names of the C functions that are called before and after each call of the kernel: registers.c."""
+"""The C functions (registers.c) that a guarded function of the kernel calls first and last."""
 WORD = ir.IntType(64)
 
 
 class Library(codegen.JITCodeLibrary):
-    """The code of a function in LLVM's language, neither optimised nor compiled."""
+    """numba's place for the code of a function, in LLVM's language: neither optimised nor compiled."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.modules: list[llvm.ModuleRef] = []
 
     def add_ir_module(self, module: ir.Module) -> None:
-        """Add a module of code, with functions that the linker keeps.
+        """Add a module of code, and make its public functions weak (``weak_odr``).
 
-        The public functions become weak (``weak_odr``). So the linker keeps a function even if no module
-        calls the function yet.
+        The linker keeps weak functions even if no module calls them yet.
         """
         for symbol in module.functions:
             if not symbol.is_declaration and symbol.linkage in ("", "external", "common"):
@@ -51,20 +50,20 @@ class Library(codegen.JITCodeLibrary):
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Mark the library as complete, and leave its code unchanged.
+        """Mark the library as complete without adding the code of called functions, as numba would.
 
-        numba would add the code of all called functions here. ``with_dependencies`` finds them later.
+        ``with_dependencies`` finds them later.
         """
         self._raise_if_finalized()
         self._finalized = True
 
     def get_pointer_to_function(self, _name: str) -> int:
-        """Return 0, because the function is never called in this process."""
+        """Return 0 for the address of a compiled function: nothing is compiled or called in this process."""
         self._ensure_finalized()
         return 0
 
     def with_dependencies(self) -> Iterator[Library]:
-        """Yield this library and all libraries that it needs, each library once."""
+        """Yield this library and all libraries that it calls, directly or indirectly, each once."""
         visited: dict[Library, None] = {}
         waiting = [self]
         while waiting:
@@ -77,30 +76,30 @@ class Library(codegen.JITCodeLibrary):
 
 
 class Convention(callconv.MinimalCallConv):
-    """The call convention of functions: a function stores its result at an address, and returns a code.
+    """How functions call each other: a function stores its result at an address, and returns a code.
 
-    The code is an error, not 0, where Python would raise an exception.
+    The code is 0, or an error where Python would raise an exception.
     """
 
     def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
-        """Tell LLVM that no other pointer points to the result, so that LLVM can optimise the code more."""
+        """Tell LLVM that no other pointer points to the result, so that LLVM can optimise more."""
         super().decorate_function(fn, args, fe_argtypes, noalias)
         for attribute in ("captures(none)", "noalias"):
             fn.args[0].add_attribute(attribute)
 
     def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
-        """Make a function return the same error code for every exception."""
+        """Make a function return the same error code for every exception, in place of numba's data on it."""
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
 def collect_only(*, any_python: bool, guarded: bool) -> None:
-    """Make numba, in this process, only lower functions.
+    """Make numba, in this process, only lower functions to LLVM's language.
 
     Args:
-        any_python: whether the functions may use all features of Python that numba supports; else only the
-            features that the kernel uses.
-        guarded: whether the C functions set the floating-point registers; functions that only the kernel
-            calls need not set them.
+        any_python: whether the functions may use all of Python that numba supports, as a user's law does;
+            else only what the kernel uses.
+        guarded: whether the C functions set the floating-point registers (registers.c); functions that only
+            the kernel calls need not.
     """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
@@ -114,22 +113,22 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
     if not any_python:
         arrayobj.fix_integer_index = _plain_index
-    gc.disable()  # garbage collection takes longer than it saves in a compiler that ends soon
+    gc.disable()  # in a compiler that ends soon, garbage collection takes more time than it saves
 
 
 def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
-    """Return an index without a check whether it is negative, because the kernel has no negative indices.
+    """Return an index without the check for a negative one, which in Python counts from an array's end.
 
-    For Python, a negative index counts from the end of an array.
+    The kernel has no negative indices.
     """
     return context.cast(builder, index, kind, types.intp)
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any, guarded: bool, **__: Any) -> None:
-    """Make the C function that returns the result itself, or 0 where Python would raise an exception.
+    """Make the C function for a lowered function: it returns the result itself, or 0 after an exception.
 
-    A guarded C function computes with the usual settings of the floating-point registers, whatever its caller
-    has set.
+    If it is ``guarded``, it computes with the usual settings of the floating-point registers, whatever its
+    caller has set.
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
@@ -145,8 +144,8 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     if caller_settings:
         builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
-        # these calls must not be inlined: inlined code could compute before the registers are set, or after
-        # they are restored
+        # The calls must not be inlined: LLVM could then move arithmetic before the registers are set, or
+        # after they are restored.
         for call in builder.block.instructions:
             if isinstance(call, ir.CallInstr):
                 call.attributes.add("noinline")
@@ -159,9 +158,9 @@ def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type
 
 
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
-    """Return a function that runs one pass of numba, unless ``leave_out`` contains the name of the pass.
+    """Return a function that runs one pass of numba, unless the name of the pass is in ``leave_out``.
 
-    numba's own function for this also measures times, and analyses the compiled function again.
+    numba's own function also measures times and repeats the analysis of the compiled function.
     """
 
     def run(manager: Any, _index: int, step: Any, state: Any) -> None:
@@ -173,9 +172,9 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that computes each result only once, because numba asks thousands of times.
+    """Return a method that computes each result only once, because numba asks for it thousands of times.
 
-    ``key(*arguments)`` identifies a result: calls with equal keys have the same result.
+    ``key`` is a function of the arguments: calls with equal keys have the same result.
     """
     results: dict[Any, Any] = {}
 
@@ -189,7 +188,7 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
 
 
 def _nothing(*_: Any) -> None:
-    """Do nothing, in place of a function of numba that stores the address of a Python object in the code.
+    """Do nothing, in place of numba's function that stores the address of a Python object in the code.
 
-    Only calls in this process need this address.
+    Only code that runs in this process would need the address.
     """

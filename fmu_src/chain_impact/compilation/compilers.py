@@ -1,9 +1,9 @@
-"""The two programs that make a library: numba's front end, which runs once, and zig's C compiler.
+"""The two programs that make a library: numba's front end, which writes LLVM code, and zig's C compiler.
 
-lower.py writes the kernel in LLVM's language, without sizes. A prelude of LLVM code adds the sizes. The
-compiled kernel is linked with the C interface of native FMUs (c_interface/), which is the same for every
-scene, and with the functions that the kernel declares but does not define: the hooks, which carry derivatives
-or do nothing, and a user's contact law or a substitute.
+numba lowers the kernel once (lower.py), without sizes; a prelude of LLVM code adds the sizes. zig compiles
+the kernel and links it with the C interface of native FMUs (c_interface/), which is the same for every scene,
+and with the functions that the kernel declares but does not define: the hooks, which carry derivatives or do
+nothing, and a user's contact law or a substitute.
 """
 
 from __future__ import annotations
@@ -25,31 +25,30 @@ from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.laws.law_syntax import LawError
 from chain_impact.system import HOST, PLATFORMS, X86
 
-PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest processor of x86 that runs the code
-BAD_LAW = 3  # exit code of lower.py for a faulty law; the reason is then on standard error
+PORTABLE_CPU = X86.replace("_", "-")  # LLVM's name of the oldest x86 processor on which the code runs
+BAD_LAW = 3  # exit code of lower.py for a faulty law, whose fault is then on standard error
 KERNEL, DERIVATIVES = "kernel", "derivatives"
 """The two parts of a kernel that are lowered and compiled separately: the kernel itself, and the hooks that
-carry derivatives. The names also stand for the kinds of libraries: the kernel, and the kernel with these
-hooks."""
-# ARM's instruction for a multiplication with an addition is not used: it rounds once, but the two
-# instructions of x86 round twice, so the bits would differ. Without LLVM's loop strength reduction linking
-# takes less time, and kernels are no slower.
+carry derivatives. The names also stand for kinds of libraries: KERNEL without derivatives, DERIVATIVES with
+both parts."""
+# No fused multiply-add: ARM's instruction rounds once, the two instructions of x86 round twice, so results
+# would differ in their bits. No loop strength reduction: without it linking takes less time, and kernels are
+# no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
 # A limit for inlining of about twice LLVM's usual limit makes steps of four links up to 4 % faster. The part
 # DERIVATIVES keeps the usual limit: with the larger limit it would be no faster, and would take longer to
 # compile.
 INLINE_MORE = ("-mllvm", "-inline-threshold=500")
-# LLVM also joins operations outside loops to vectors. This makes runs of one link up to a tenth slower, and
-# runs of two links a tenth faster. So only the kernel for one link has this flag, which switches the vectors
-# off.
+# No vectors of operations outside loops: they make runs of one link up to a tenth slower, but runs of two
+# links a tenth faster. So only the kernel for one link has this flag.
 SCALAR = ("-fno-slp-vectorize",)
-# The code that numba writes calls these functions of numba only to free memory. The kernel allocates no
-# memory, so the functions are never called, and a kernel is linked with empty substitutes.
+# Functions of numba that lowered code calls only to free memory. The kernel allocates no memory, so they are
+# never called, and a kernel is linked with empty substitutes.
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
-# A program that runs lower.py with these sources. The variable PYTHONPATH would not work: where pip builds a
-# wheel, pip hides the folder of an editable installation of the same sources.
+# A program that runs lower.py with the sources of this package. PYTHONPATH cannot name them: where pip builds
+# a wheel, it hides the folder of an editable installation.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
@@ -59,21 +58,21 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 GENERAL = 0
 """Stands in place of a number of links, for the kernel that can run every scene: with any number of links and
-with all rare features, such as moving walls, points of links, a slider, or signals. The other kernels lack
-the rare features, so they lose no time with them."""
+with all rare features, such as moving walls, points of links, a slider, or signals. Other kernels lack the
+rare features, and so lose no time with them."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
-"""The names of the functions that return the numbers at the start of a record, in the order of the
-numbers."""
+"""The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
+order."""
 _FEW = _SIZES[COUNTS.index("channels") :]
-"""The names of the functions for the numbers of rare features. In a kernel that is made for a number of
-links, or for any number of links without rare features, these functions return 0."""
+"""The names of those functions that return counts and flags of rare features. They return 0 in all kernels
+but GENERAL and those for one scene."""
 Sizes = int | tuple[int, ...] | None
-"""The scenes that a kernel can run: a number of links; None for any number; GENERAL for any number with all
-features; or all numbers at the start of a record, for scenes of exactly these sizes."""
+"""The scenes that a kernel can run: those with a number of links; None: any number; GENERAL: any number, with
+all features; a tuple of all counts and flags at the start of a record: scenes with exactly these."""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
-# LLVM code for a number that the instance holds. The number does not change while the kernel runs, and is
-# less than 2²⁰.
+# LLVM code of a function that reads a count from the record. LLVM is told that the count does not change
+# while the kernel runs, and is less than 2²⁰.
 HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
@@ -85,9 +84,9 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 }}
 """
 OpenFunctions = dict[str, tuple[str, tuple[str, ...], int]]
-"""Functions that a kernel calls but does not contain: name of the C function → LLVM's types of its result and
-its arguments, and the number that a substitute for the function returns. For numba, a function without a
-result returns a pointer ("ptr")."""
+"""C functions that a kernel calls but does not contain: name → LLVM's types of its result and of its
+arguments, and the number that a substitute returns. A function without a result returns a pointer ("ptr"), as
+numba declares it."""
 LAW: OpenFunctions = {
     "user_law_present": ("i64", (), 0),
     "user_law_force": ("double", ("double",) * 7, 0),
@@ -100,7 +99,7 @@ HOOKS: OpenFunctions = {
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
-# WebAssembly has no such registers: it always computes with the usual settings
+# The same functions for WebAssembly, which has no such registers and always computes with the usual settings
 NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
   ret i64 0
 }
@@ -119,16 +118,15 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
-    """Return a lowered kernel with the functions that it lacks.
+    """Return a lowered kernel with the functions that it only declares.
 
-    These are the functions for the numbers at the start of a record, each a constant or read from the record,
-    and ``registers``. The functions of LAW and HOOKS become hidden.
+    These return the counts at the start of a record, each a constant or read from the record, or set the
+    registers. The functions of LAW and HOOKS become hidden, which makes their calls faster.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
-        sizes: the scenes that the kernel can run.
-        registers: LLVM code of the functions that set the floating-point registers: declarations if the C
-            interface has the functions, else functions that do nothing.
+        sizes: the scenes that the kernel can run; they decide which counts are constants.
+        registers: LLVM code for the functions of registers.c: declarations, or functions that do nothing.
     """
     if isinstance(sizes, tuple):
         fixed = dict(zip(_SIZES, sizes, strict=True))
@@ -138,13 +136,13 @@ def complete(module: str, sizes: Sizes, registers: str = REGISTERS) -> str:
         CONSTANT.format(name=name, number=fixed[name]) if name in fixed else HELD.format(name=name, word=word)
         for word, name in enumerate(_SIZES)
     )
-    # hidden: private to a library, and called without a table of addresses
+    # A hidden function is private to a library, so it is called directly, not through a table of addresses.
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)
     return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
 def lower(module: Path, what: str, law: Path | None = None) -> None:
-    """Write a part of a kernel in LLVM's language.
+    """Write a part of a kernel in LLVM's language, in a process of its own.
 
     Args:
         module: the file to write.
@@ -153,10 +151,10 @@ def lower(module: Path, what: str, law: Path | None = None) -> None:
 
     Raises:
         LawError: when the law cannot be compiled.
-        BuildError: when numba fails, or the sources have changed meanwhile.
+        BuildError: when numba fails, or the sources have changed while it ran.
     """
-    # by default numba uses the features of this machine's processor, and writes code in the order of hashes,
-    # which Python changes in each run; the code would then differ between machines and between runs
+    # Without these settings numba would use this machine's processor, and write code in the order of hashes,
+    # which Python changes in each run: the code would differ between machines and between runs.
     settings = {
         "NUMBA_CPU_NAME": PLATFORMS[HOST].cpu.replace("_", "-"),
         "NUMBA_CPU_FEATURES": "",
@@ -177,7 +175,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
         compiled: the file to write; temporary files are in the same folder.
         platform: a key of ``PLATFORMS``.
         what: KERNEL or DERIVATIVES.
-        sizes: the scenes that the kernel can run.
+        sizes: the scenes that the kernel can run; the counts that all of them share become constants.
 
     Raises:
         BuildError: when the compiler fails.
@@ -191,7 +189,7 @@ def compile_part(module: str, compiled: Path, platform: str, what: str, sizes: S
 
 
 def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
-    """Return the compiler flags with which a part of a kernel for these sizes runs fastest."""
+    """Return the compiler's flags with which a part of a kernel for these scenes runs fastest."""
     if what == DERIVATIVES:
         return ()
     links = sizes[0] if isinstance(sizes, tuple) else sizes
@@ -199,13 +197,13 @@ def _tuning(what: str, sizes: Sizes) -> tuple[str, ...]:
 
 
 def link(parts: Collection[Path], library: Path, platform: str, law: Path | None = None) -> None:
-    """Make the library of a kernel.
+    """Link the compiled parts of a kernel to a shared library, with the C interface of FMUs.
 
     Args:
-        parts: the compiled kernel and, in one that carries derivatives, the compiled hooks.
-        library: the file to write; temporary files are in the same folder.
+        parts: the compiled kernel and, for a library that carries derivatives, the compiled hooks.
+        library: the library to write; temporary files are in the same folder.
         platform: a key of ``PLATFORMS``.
-        law: a user's law in LLVM's language, if there is one.
+        law: the file with a user's law in LLVM's language, or None.
 
     Raises:
         LawError: when the law calls a function that only numba provides.
@@ -223,14 +221,14 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
 
 
 def zig_is_prepared(platform: str) -> bool:
-    """Return whether zig has already linked for a platform."""
+    """Return whether zig has built the libraries that it needs for links for a platform."""
     return (linker_folder() / f"prepared-{platform}").exists()
 
 
 def prepare_zig(platform: str) -> None:
-    """Make sure that zig has the libraries that it builds at its first link for a platform.
+    """Let zig build the libraries that it needs for links for a platform, unless it has built them.
 
-    Later links only read these libraries, so several links can run at once.
+    After that, links only read these libraries, so several can run at once.
     """
     if zig_is_prepared(platform):
         return
@@ -240,7 +238,7 @@ def prepare_zig(platform: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:
         if not zig_is_prepared(platform):
-            # a library with some code, because zig crashes at an empty library for macOS
+            # the library must contain code, because zig crashes at an empty library for macOS
             something = Path(scratch, "something.c")
             something.write_text(STUB.replace("hidden", "default").format("something"), encoding="utf-8")
             _zig_library(platform, Path(scratch, "library"), something)
@@ -253,24 +251,27 @@ def interface_sources() -> list[Path]:
 
 
 def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
-    """Compile the inputs that are not compiled yet, and link all inputs to a library."""
+    """Compile those inputs that are sources, and link all inputs to a shared library."""
     target = PLATFORMS[platform].target
     options = ["-shared", "-s"]
     if "linux" in target:
-        # called functions must be found inside the library, not in another library of the same process; a
-        # missing function is an error
+        # a call must find its function inside the library, not in another library of the process; a missing
+        # function is an error
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
     # without this option the library would contain the name of the folder in which it was made
     if "macos" in target:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # no start files and, except for Windows, no runtime of zig, which zig would first have to build; nothing
-    # calls them
+    # No start files, which nothing calls; no runtime of zig, which it would first have to build, except for
+    # Windows.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
-    """Write a C file of the functions that a kernel lacks; return the files to link: a law, and this file."""
+    """Write a C file with substitutes for the functions that a kernel lacks, and return the files to link.
+
+    These are the law, if there is one, and the C file.
+    """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))
     for name, (result, arguments, nothing) in missing.items():
@@ -284,7 +285,7 @@ def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) 
 def _zig(
     platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
-    """Run zig's C compiler."""
+    """Run zig's C compiler for a platform, with the flags of all kernels."""
     options = ["cc", "-target", PLATFORMS[platform].target, f"-mcpu={PLATFORMS[platform].cpu}", *FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
@@ -303,7 +304,7 @@ def run_zig(arguments: Iterable[str], output: Path) -> None:
 
 
 def _from_windows() -> list[str]:
-    """Return zig's options for a library that uses Windows' C functions, and for their headers."""
+    """Return zig's options for a library that uses the C functions and headers of Windows."""
     headers = files("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
@@ -311,7 +312,10 @@ def _from_windows() -> list[str]:
 
 
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
-    """Run Python without the user's settings of numba, and without modules from the present folder."""
+    """Run Python without the user's settings of numba, and without modules from the present folder.
+
+    ``settings`` are additional environment variables.
+    """
     kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
         return subprocess.run(

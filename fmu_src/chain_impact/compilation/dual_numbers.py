@@ -44,7 +44,10 @@ class Dual(types.Type):
         return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other: types.Type) -> types.Type | None:
-        """Return this type for a variable of both types; None if ``other`` is no type of ordinary numbers."""
+        """Return this type for a variable that has both types of values.
+
+        The result is None if ``other`` is no type of numbers.
+        """
         return self if isinstance(other, types.Number | types.Boolean) else None
 
 
@@ -74,7 +77,7 @@ def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
 
 
 def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
-    """Return a vector in which every entry is the same number."""
+    """Return a vector each entry of which is ``number``."""
     vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
@@ -101,10 +104,10 @@ for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
 
 
 def _declare(function: Any, result: types.Type, number: types.Type | None = float64) -> None:
-    """Declare to numba that a function accepts dual numbers, and returns a value of the type ``result``.
+    """Declare to numba that a function takes dual numbers, and returns a value of the type ``result``.
 
-    Arguments that are ordinary numbers are converted to the type ``number``; if ``number`` is None, they are
-    not converted.
+    If only some arguments are dual, ordinary numbers among the others are converted to the type ``number``;
+    None: they are not converted.
     """
 
     class _Template(AbstractTemplate):
@@ -130,7 +133,7 @@ Code = Callable[..., ir.Value]
 def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
     """Give a function its code for arguments of the types ``kinds``.
 
-    ``code(context, builder, *arguments)`` writes this code.
+    ``code(context, builder, *arguments)`` is a function that writes the code.
     """
 
     def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
@@ -159,7 +162,8 @@ _ONE = ir.Constant(ir.DoubleType(), 1.0)
 def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
     """Return the code of a sum, difference or product for each pair of types in ``_KINDS``.
 
-    ``slopes(a, b)`` returns the derivatives of the result with respect to a and b.
+    ``operation`` is the name of LLVM's instruction for the values. ``slopes(a, b)`` returns the derivatives
+    of the result with respect to a and to b.
     """
 
     def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
@@ -241,7 +245,7 @@ def _extreme(relation: str) -> Any:
     def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for candidate in others:
-            # if two numbers are equal, the first one is returned, as by max and min in Python
+            # max and min return the first of equal numbers, as in Python
             a, b = (builder.extract_value(number, 0) for number in (candidate, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
         return best
@@ -312,7 +316,7 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)
-    # the derivative at 0 is set to 0, as for the square root
+    # at length 0 the derivative is set to 0, as for the square root (``_root_slope``)
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _made(builder, length, _times(builder, inverse, slopes))
 

@@ -1,8 +1,8 @@
-"""The C functions of a kernel, in numba's types; signatures.py has their signatures.
+"""The C functions of a kernel in numba's types; signatures.py has their signatures.
 
-In a kernel that carries derivatives, the functions also advance the tangent instances, records of dual
-numbers that follow the instance in memory: the kernel calls the hooks, which are C functions, too, and are
-linked to the kernel (kernel/hooks.py, kernel/tangent/entry.py).
+In a kernel that carries derivatives, they also advance the tangent instances, records of dual numbers after
+the instance in memory: the kernel calls hooks, C functions that are linked to it (kernel/hooks.py,
+kernel/tangent/entry.py).
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ _TYPES = {
     **{"double*": types.CPointer(float64), "int64*": types.CPointer(int64)},
 }
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
-"""C functions: name → (signature, function)."""
+"""C functions: name → (signature in numba's types, Python function)."""
 
 
 def log_contacts(d):
-    """Update the contacts to the communication point, and write the active contacts to the log.
-
-    In the log, the active contacts follow the ended contacts.
-    """
+    """Bring the log of contacts to the communication point: active contacts follow the ended ones."""
     update_to_output_time(d)
     return 0
 
 
 def record_words(d):
-    """Return the number of words of 8 bytes in an instance's record and in the tangent instances after it."""
+    """Return the number of words of 8 bytes of an instance's record and of the tangent instances after it."""
     return len(as_words(d)) + hooks.words_behind(d)
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
-    """Advance to each of the times, fill a row with numbers of the record, and return how many are filled."""
+    """Advance to each of the times [s] and fill a row with numbers of the record.
+
+    Return how many are filled.
+    """
     wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
     return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
 
@@ -55,7 +55,7 @@ def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, indices, parameters, values, end_times, runs, output_indices, columns, rows, continuing
 ):
-    """Run from the start for each row of parameters, and fill a row at the end of each run.
+    """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
     The result is the number of complete runs.
     """
@@ -96,5 +96,5 @@ def entry_points() -> Entries:
 
 
 def _kind(signature: Signature) -> Any:
-    """Return the type that numba has for a function."""
+    """Return numba's type for a function with a signature."""
     return _TYPES[signature.result](*(_TYPES[kind] for kind in signature.arguments.values()))

@@ -2,7 +2,7 @@
 
 
 class BuildError(RuntimeError):
-    """Raised when a kernel or an FMU cannot be made, or an FMU is not valid.
+    """Raised when a kernel or an FMU cannot be made, or when an FMU is not valid.
 
-    If a compiler fails, the message contains its message.
+    If a compiler fails, the error contains the compiler's message.
     """

@@ -1,4 +1,4 @@
-"""The folder of the cache, and the error messages if nothing can be stored there."""
+"""The folder of the cache of kernels, and errors that tell why nothing can be stored there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NO_PLACE = (
     *(errno.EACCES, errno.EPERM, errno.EROFS),
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
-LITTLE = 1_000_000  # [byte] free space on a disk below which a folder counts as full
+LITTLE = 1_000_000  # [byte] with less free space than this, a disk counts as full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
@@ -40,7 +40,10 @@ def base_folder() -> Path:
 
 
 def trusted(base: Path) -> bool:
-    """Return whether the cache's folder exists, and no other user can put kernels into it."""
+    """Return whether the cache's folder exists, and no other user can write to it.
+
+    Another user could put a harmful kernel there.
+    """
     try:
         return not system.others_can_write(base.stat())
     except OSError:
@@ -49,11 +52,7 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """Return the folder, and make it if necessary.
-
-    Raises:
-        BuildError: when nothing can be stored in the folder, or other users can write there.
-    """
+    """Return the cache's folder after making it, if it does not exist."""
     with explained(base):
         with suppress(FileExistsError):
             base.mkdir(mode=0o700, parents=True)
@@ -65,12 +64,12 @@ def writable(base: Path) -> Path:
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Replace an error by one sentence if nothing can be stored in a folder.
+    """Replace an error in the ``with`` block by one sentence if it means that ``folder`` cannot be written.
 
     The error comes from the operating system, or from a compiler on a full disk.
 
     Raises:
-        BuildError: with the sentence; a compiler's error is unchanged if the disk is not full.
+        BuildError: with the sentence, or unchanged from a compiler if the disk is not full.
         OSError: unchanged, if the error has another cause or concerns another folder.
     """
     try:
@@ -88,8 +87,11 @@ def explained(folder: Path) -> Iterator[None]:
 
 
 def _concerns(named: Any, folder: Path) -> bool:
-    """Return whether an error concerns a folder: it names no path, or a path inside or above the folder."""
-    # the error of an open file names no path, but a number
+    """Return whether an operating system's error concerns a folder.
+
+    It does if it names no path, or a path inside or above the folder.
+    """
+    # for an open file, the error has its number in place of a path
     if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()

@@ -1,4 +1,4 @@
-"""The compilation of the kernel and of a user's law by numba; in Python both are ordinary functions."""
+"""How numba compiles the kernel and a user's law, which are ordinary functions in Python."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from chain_impact.kernel.tangent.rules import RULES
 # (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 MODULES = {f"{chain_impact.kernel.__name__}."}
-"""Packages and modules whose functions numba compiles when another function calls them; each name ends with a
-dot."""
+"""Names of packages and modules, each with a dot at its end: numba compiles their functions when another
+function calls them."""
 LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
 _TYPES = {"ptr": INSTANCE, "double": float64, "i64": int64}
 HOOK_SIGNATURES: dict[FunctionType, Any] = {
@@ -37,7 +37,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
     )
     for name, (result, arguments, _) in HOOKS.items()
 }
-# table: function of the kernel → numba's type of the C function that a library has in its place
+# function of the kernel → numba's type of the C function that replaces it in a library
 EXTERNAL: dict[Any, types.Type] = {
     user_law.is_present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
@@ -45,7 +45,7 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _RULES: dict[Any, Any] = RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
-# functions for which dual_numbers.py and built_in.py give numba the code
+# functions whose Python code numba does not compile: dual_numbers.py and built_in.py give it other code
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.with_slope, duals.dual_with_slope, duals.has_slope),
     *built_in.FUNCTIONS,
@@ -54,22 +54,22 @@ BUILT_IN: set[Any] = {
 
 @cache
 def compiled(function: FunctionType) -> Any:
-    """Return the function in a form that numba compiles."""
+    """Return the function in the form that numba compiles when another function calls it."""
     return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
 
 
 class Function(types.Dispatcher):
-    """numba's type for a function of the kernel, which may have replacements for some types of arguments."""
+    """numba's type for a function of the kernel; for some types of arguments another function replaces it."""
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
-        """Return the compiled function for ``arguments``, which are types: the function, or its replacement.
+        """Return the compiled function for arguments of some types: the function itself, or its replacement.
 
-        Replacements for dual numbers are in ``RULES``, those for complex numbers, which come first, in
-        ``COMPLEX_RULES``.
+        Replacements for complex numbers are in ``COMPLEX_RULES``, and come first; those for dual numbers are
+        in ``RULES``.
         """
         rules = _RULES if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
@@ -78,8 +78,7 @@ class Function(types.Dispatcher):
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature of the function for arguments of some types.
 
-        A function in ``RULES`` takes either ordinary or dual numbers: with one dual number, all its real
-        arguments become dual numbers.
+        If a function in ``RULES`` gets one dual number, all its real arguments become dual numbers.
         """
         if self._function in _RULES and DUAL in args:
             args = tuple(DUAL if argument == float64 else argument for argument in args)
@@ -91,7 +90,7 @@ class Function(types.Dispatcher):
 
 
 def carries_derivatives(kind: types.Type) -> bool:
-    """Return whether a number, an array or an instance has dual numbers."""
+    """Return whether a type is of dual numbers: a number, an array, or an instance."""
     return (
         isinstance(kind, Dual)
         or getattr(kind, "dtype", None) == DUAL
@@ -105,11 +104,12 @@ register_model(Function)(models.OpaqueModel)
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
     if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
-        return None  # for this function numba itself has the code
+        return None  # None: numba itself knows what to do with this function
     return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 
 @lower_constant(Function)
 def _no_value(context: Any, _builder: object, _type: Function, _value: object) -> Any:
-    # a dummy value: numba would write the address of the function's object, in this process, into the code
+    # a dummy: numba would write the function's address in this process into the code, which would differ
+    # between runs
     return context.get_dummy_value()

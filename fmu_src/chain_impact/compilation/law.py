@@ -1,4 +1,4 @@
-"""A user's own contact law as a C function, to be linked to a kernel.
+"""A user's own contact law as a C function, which is linked to a kernel.
 
 A law has the kernel's own exp, expm1, log, log1p, pow, sin and cos, whose results have the same bits on every
 machine. Other functions of ``math`` are those of the platform's C library.
@@ -25,7 +25,7 @@ from chain_impact.laws.law_syntax import FUNCTIONS, MATH
 
 MEMORY = "NRT required"  # the message of numba for a function that allocates memory
 MATHEMATICS = ModuleType(math.__name__)
-"""The module ``math`` that a law uses: with the kernel's own functions in place of some of Python's."""
+"""The module ``math`` that a user's law gets: the kernel's own functions replace some of Python's."""
 vars(MATHEMATICS).update(
     {name: getattr(math, name) for name in MATH}
     | {name: getattr(exponentials, name) for name in ("exp", "expm1")}
@@ -53,9 +53,10 @@ def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
 
 
 def _checked_function(law: UserLaw) -> Callable[..., float]:
-    """Return the Python function of a law that takes all of ``ARGUMENTS`` and can be compiled.
+    """Return the law as a Python function that takes all of ``ARGUMENTS``.
 
-    Python evaluates the constants of the file, which can use only the names that law_syntax.py lists.
+    Refuse one that numba cannot compile. Python evaluates the constants of the file, which can use only the
+    names that law_syntax.py lists.
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -64,7 +65,8 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
     space: dict[str, Any] = {"__name__": law.id, "__builtins__": names}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        MODULES.add(f"{law.id}.")  # the name is added so that the law can call other functions of its file
+        # numba then compiles other functions of the law's file when the law calls them
+        MODULES.add(f"{law.id}.")
         inner = compiled(space[law.id])
         inner.compile((float64,) * len(law.arguments))
         returned = inner.nopython_signatures[0].return_type
@@ -85,8 +87,9 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
 
 
 def _reason(error: NumbaError) -> str:
-    """Return the first line of numba's message that gives a fault, and the last line number in it."""
-    text = re.sub(r"\x1b\[\d*m", "", str(error))  # this removes the codes of colours from the message
+    """Return the line of numba's message that names the fault, with the last line number in the message."""
+    # this removes the codes that colour the message in a terminal
+    text = re.sub(r"\x1b\[\d*m", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     messages = [line for line in lines if not line.startswith("Failed in")]
     line_numbers = re.findall(r"line (\d+)", text)

@@ -1,4 +1,4 @@
-"""The kernel as a shared library, which is ready, cached, or compiled when it is asked for."""
+"""Returns the kernel as a shared library: a ready one, one from the cache, or one compiled now."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from chain_impact.laws.law_file import LawError, UserLaw, read_law
 from chain_impact.progress import log_once
 from chain_impact.system import HOST, nowhere
 
-# [s] usual times to lower and to link each part of a kernel, for messages that tell users how long to wait
+# [s] usual times to lower and to link each part of a kernel: messages tell users how long to wait
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
-# table: platform → [s] time that zig needs at its first link to build its own libraries; other platforms need
-# none
+# platform → [s] time that zig needs before its first link to build its own libraries; 0 for other platforms
 PREPARING = {"win64": 3.0}
 
 
@@ -31,7 +30,8 @@ def kernel_library(
     """Return the shared library for chains of N ``links``: ready, cached, or compiled now.
 
     Args:
-        links: number of links N, compilers.GENERAL for a scene with rare features, or all sizes of a scene.
+        links: the number of links N; None for any number; compilers.GENERAL for a scene with rare features;
+            or all counts and flags of a scene.
         platform: a key of ``system.PLATFORMS``.
         law_file: the file of the kernel's user law, if any.
         derivatives: whether the kernel carries derivatives.
@@ -102,7 +102,7 @@ def browser_module(law_file: str = "") -> Path:
 
 
 def _lowered_kernel(what: str) -> str:
-    """Return a part of the kernel in LLVM's language, without sizes."""
+    """Return a part of the kernel in LLVM's language, ready, from the cache, or made now; it has no sizes."""
 
     def lower(module: Path) -> None:
         log_once("compiling the kernel", LOWERING[what])
@@ -113,10 +113,10 @@ def _lowered_kernel(what: str) -> str:
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:
-    """Return a user's law in LLVM's language."""
+    """Return the file with a user's law in LLVM's language, from the cache or made now."""
 
     def lower(module: Path) -> None:
-        # the law is compiled from a copy of the text that was read, because the file may have changed since
+        # the law is compiled from the text that was read before, because the file may have changed since
         copy = module.with_name(f"{law.id}.py")
         copy.write_text(law.source, encoding="utf-8")
         with _about(file):

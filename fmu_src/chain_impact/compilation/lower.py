@@ -1,10 +1,11 @@
-"""Lower a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
+"""Lowers a part of a kernel to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
 
 WHAT is `kernel`; `derivatives`, the hooks that carry derivatives along with a run; or `law`, a user's law in
-the file LAW.
+the file LAW. FINGERPRINT is that of the sources at the caller's start: if they have changed, the program
+stops.
 
-The program runs in a separate process, because it changes how numba compiles, and because numba reads the
-target processor when it is imported.
+It is a separate process, because it changes how numba compiles, and because numba reads the target processor
+when it is imported.
 """
 
 from __future__ import annotations
@@ -23,16 +24,16 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.laws.law_file import LawError, read_law
 
-TRIPLE = "x86_64-unknown-linux-gnu"  # the target that LLVM's passes in this process assume
-# [words] size of the frame of ``main``. Python keeps the frames of calls in blocks of 16 kB. Each time that
-# calls cross the end of a block, Python allocates or frees a block, which takes time. For a frame of this
-# size Python makes one block, of the next larger power of two, which has room for the frames of all calls in
-# numba.
+# the target for which LLVM's passes in this process run; the result fits all targets
+TRIPLE = "x86_64-unknown-linux-gnu"
+# [words] size of the stack frame of ``main``. Python keeps frames in blocks of 16 kB, and allocates or frees
+# a block each time that calls cross a block's end, which takes time. A frame of this size makes Python use
+# one block with room for the frames of all calls in numba.
 FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
-    """Return C functions, and all functions that they call, as one module that fixes no target or sizes."""
+    """Return C functions and all functions that they call as one module, without target or sizes."""
     libraries: dict[Library, None] = {}
     names = {}
     for name, (signature, function) in entries.items():
@@ -46,16 +47,16 @@ def lowered(entries: Entries) -> str:
         if symbol.name in entries:
             symbol.linkage = llvm.Linkage.external
         elif not symbol.is_declaration:
-            # the function is private to the library, and is removed after inlining
+            # no other library sees the function; LLVM removes it when it is inlined everywhere
             symbol.linkage = llvm.Linkage.internal
     _simplify(whole)
     return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
 
 
 def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
-    """Return all modules joined to one module.
+    """Return all modules joined to one.
 
-    The modules are joined in pairs, because the time to join two modules grows with the sizes of both.
+    They are joined in pairs: the time to join two modules grows with the size of both.
     """
     while len(modules) > 1:
         for module, next_module in zip(modules[::2], modules[1::2], strict=False):
@@ -65,13 +66,13 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Remove variables in memory, and code without effect, once for all compilations of this module.
+    """Remove variables in memory and code without effect, so that not every compilation has to do this.
 
-    Each compilation begins with the same passes, so kernels are as fast as without this step. Further
-    passes, such as combining instructions, would make kernels up to 12 % slower, because such passes should
-    come after inlining.
+    Each compilation begins with the same passes, so kernels are as fast as without this step. Further passes,
+    such as combining instructions, would make kernels up to 12 % slower, because such passes should come
+    after inlining.
     """
-    # all targets are initialized, because the machine may have another processor than the target
+    # all targets, because the machine's processor may differ from the target TRIPLE
     llvm.initialize_all_targets()
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
@@ -88,7 +89,7 @@ def _simplify(whole: llvm.ModuleRef) -> None:
 
 
 def main() -> None:
-    """Write the module for the part WHAT of a kernel to FILE."""
+    """Write the module of LLVM code for the part WHAT of a kernel to FILE."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
     collect_only(any_python=what == "law", guarded=what == "kernel")

@@ -1,8 +1,8 @@
-"""The ready kernels in a wheel; with these, users do not need a compiler.
+"""The ready kernels in a wheel, with which users need no compiler.
 
 A wheel for release has additional kernels, each for one number of links. packaging/ready_kernels.py, at the
 top of the repository, makes these kernels when the wheel is built. An editable installation has no ready
-kernels: its kernels are made when they are needed, and stored in the cache.
+kernels: its kernels are made at their first use, and stored in the cache.
 """
 
 from __future__ import annotations
@@ -23,21 +23,23 @@ from chain_impact.system import PLATFORMS
 
 FOLDER = PACKAGE / "ready"
 MODULE = f"{KERNEL}.ll.xz"  # the file of the lowered kernel, compressed in a wheel
-MADE_FROM = "sources.txt"  # the file with the fingerprint of the sources from which the kernels are made
+# the file with the fingerprint of the sources of the ready kernels: they are used only if it equals the
+# present one
+MADE_FROM = "sources.txt"
 RELEASE = "CHAIN_IMPACT_RELEASE"
-"""The environment variable that is 1 during the build of a wheel for release, which has more kernels than
-usual."""
+"""The environment variable that is "1" while a wheel for release is built, which has more kernels than other
+wheels."""
 LARGEST_EXACT = 10
-"""The largest number of links for which a special kernel can exist. Other chains share a kernel that reads
-the number of links from the instance. With the shared kernel, runs of up to ten links take 10 % to 30 %
+"""The largest number of links that can have a kernel of its own. Chains with more links share a kernel that
+reads this number from the record. With the shared kernel, runs of up to ten links would take 10 % to 30 %
 longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
 SIZES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The kernels of the kind KERNEL in a wheel for release: None, for any number of links; GENERAL, for any
-number and with all rare features; and one for each number of links from 1 to LARGEST_EXACT. Other wheels, and
-the kind DERIVATIVES, have only None and GENERAL."""
+"""The kernels without derivatives in a wheel for release: None, for any number of links; GENERAL, for any
+number and with all rare features; and one for each number of links from 1 to LARGEST_EXACT. Other wheels have
+only None and GENERAL, and so have kernels with derivatives."""
 PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
-"""Kind of library → parts that are compiled and linked for this kind."""
+"""Kind of library → parts of the kernel that are compiled and linked for it."""
 
 
 def missing_compilers() -> list[str]:
@@ -46,10 +48,10 @@ def missing_compilers() -> list[str]:
 
 
 def require_compilers(purpose: str) -> None:
-    """Refuse a task that needs compilers if they are not installed.
+    """Refuse a task that needs compilers if any is not installed.
 
     Raises:
-        BuildError: when a compiler is missing; ``purpose`` is the start of the message.
+        BuildError: when a compiler is missing; ``purpose``, such as "this kernel", begins the message.
     """
     if missing := missing_compilers():
         how = how_to_install("compiler")
@@ -57,30 +59,31 @@ def require_compilers(purpose: str) -> None:
 
 
 def for_release() -> bool:
-    """Return whether a wheel for release is built, with additional kernels, each for one number of links."""
+    """Return whether a wheel for release is being built, which has a kernel for each number of links."""
     return os.environ.get(RELEASE) == "1"
 
 
 def exact_sizes(wanted: Sizes, kind: str = KERNEL) -> Sizes:
-    """Return the sizes of the kernel that is compiled for a chain with the ``wanted`` sizes.
+    """Return the scenes for which a kernel is compiled that must run the scenes ``wanted``.
 
-    A number of links is returned only while a wheel for release is built that gets a kernel for it; else
-    None, for any number of links. GENERAL, and a tuple of all sizes of a scene, are returned unchanged.
+    A number of links stays only while a wheel for release is built that gets a kernel for it; otherwise the
+    result is None, any number of links. GENERAL, and a tuple of all counts of a scene, are returned
+    unchanged.
     """
     return wanted if isinstance(wanted, tuple) or wanted in sizes(kind, for_release()) else None
 
 
 def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the numbers of links for which kernels of a kind exist.
+    """Return the numbers of links for which wheels have kernels of a kind.
 
-    None and GENERAL stand for any number.
+    ``release`` means a wheel for release. None and GENERAL stand for any number of links.
     """
-    # there are no kernels with derivatives for one number of links: they would be only 5 % faster
+    # with derivatives, kernels for one number of links would be only 5 % faster, so there are none
     return SIZES if release and kind == KERNEL else (None, GENERAL)
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel for some sizes; it contains the name of a user's law."""
+    """Return the file name of a kernel for some scenes and a platform, with the name of a user's law."""
     suffix = PLATFORMS[platform].suffix
     if isinstance(wanted, tuple):
         size = "_".join(map(str, wanted))
@@ -90,24 +93,27 @@ def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL
 
 
 def find(name: str) -> Path | None:
-    """Return the path of a ready file; None if no such file is made from the present sources."""
+    """Return the path of a ready file; None if the wheel has none that was made from the present sources."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
 def best(wanted: Sizes, platform: str, what: str) -> Path | None:
-    """Return the ready kernel of a kind for these sizes, else the one for any number of links, else None."""
+    """Return the ready kernel for these scenes, else the one for any number of links.
+
+    The result is None if none is ready.
+    """
     sizes = (wanted,) if wanted == GENERAL or isinstance(wanted, tuple) else (wanted, None)
     return next(filter(None, (find(library_name(size, platform, what=what)) for size in sizes)), None)
 
 
 def module() -> str | None:
-    """Return the lowered kernel of the wheel; None if it is not made from the present sources."""
+    """Return the ready kernel in LLVM's language; None if the wheel has none of the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
 def libraries() -> list[Path]:
-    """Return all ready kernels; none if they are not made from the present sources."""
+    """Return all ready kernels; the list is empty if they were made from other sources."""
     return sorted(FOLDER.glob("*-*")) if _usable() else []
 
 
@@ -128,8 +134,8 @@ def compiled(wanted: Sizes, platform: str, what: str, text: Callable[[], str]) -
 
 
 def compiled_for_browsers(text: Callable[[], str]) -> Path:
-    """Return the compiled kernel for ``browser.link`` from the cache.
+    """Return the compiled kernel for pages, which ``browser.link`` links.
 
-    The kernel is compiled if it is not in the cache.
+    Compile it if it is not in the cache.
     """
     return cache.get_or_make(browser.COMPILED, lambda file: browser.compile_kernel(text(), file))

@@ -1,12 +1,11 @@
-"""The numba type of an instance: the kernel is lowered once for every number of links and candidates.
+"""numba's type of an instance, which fixes no size: the kernel is lowered once for all numbers of links.
 
-numba's own record types contain all sizes. Code for this type gets the numbers of links, candidates and so on
-(kernel/record/counts.py), and two flags, by calls of functions that are defined when a kernel is linked
-(compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets follow from these
-numbers.
+numba's own record types contain all sizes. Code for this type gets the counts of links, candidates and so on
+(kernel/record/counts.py), and two flags, from functions that are defined when a kernel is linked
+(compilers.py): they return constants, or numbers of the record. All sizes and offsets follow from the counts.
 
 A value of this type is the address of the instance. The type says which record or field of the instance is
-meant, and whether its reals are ordinary or dual numbers (dual_numbers.py).
+meant, and whether its real numbers are ordinary or dual (dual_numbers.py).
 """
 
 from __future__ import annotations
@@ -36,27 +35,27 @@ from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# table: count in an instance, such as ``links`` → name of the function that returns this count
+# name of a count in an instance, such as ``links`` → name of the LLVM function that returns it
 COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
-# table: flag in an instance, such as ``slides`` → name of the function that returns this flag; no size
-# depends on a flag
+# name of a flag in an instance, such as ``slides`` → name of the LLVM function that returns it; no size
+# depends on flags
 FEATURE_FUNCTIONS = {name: f"chain_{name}" for name in FEATURES}
-WORD = 8  # [byte] size of every scalar in a record
+WORD = 8  # [byte] size of each number in a record
 
 Path = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Field:
-    """A part of the instance.
+    """A part of the instance: a record, a number or an array.
 
     Attributes:
-        offset: bytes from the start of the instance.
-        size: number of bytes.
-        fields: the parts of a record; none for a number or an array.
-        kind: numba's type of a number or of the entries of an array.
-        shape: the shape of an array.
-        stride: bytes from one entry of a table's column to the next; 0 for an array without gaps.
+        offset: distance of its start from the start of the instance [byte].
+        size: its size [byte].
+        fields: the names of a record's parts; empty for a number or an array.
+        kind: numba's type of the number, or of the entries of the array.
+        shape: the shape of the array; empty for a number or a record.
+        stride: distance from an entry to the next in a column of a table [byte]; 0 for an array without gaps.
     """
 
     offset: Affine
@@ -73,7 +72,7 @@ def _kind(dtype: np.dtype) -> types.Type:
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Return path → part, for all parts of the instance, from its layouts for the counts of ``SAMPLES``."""
+    """Return path → part of the instance, for all its parts, from its layouts for ``SAMPLES``."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
@@ -118,7 +117,7 @@ class Record(types.Type):
 
     Attributes:
         what: a key of ``TABLES``: an instance of ordinary numbers, or of dual numbers.
-        path: the path of the record.
+        path: the path of the record in the instance; empty for the instance.
     """
 
     def __init__(self, what: str, path: Path = ()) -> None:
@@ -136,7 +135,7 @@ INSTANCE, TANGENT = Record("instance"), Record("tangent")
 
 @infer_getattr
 class _Fields(AttributeTemplate):
-    """numba's rule for the types of a record's fields."""
+    """Tells numba the types of a record's fields."""
 
     key = Record
 
@@ -153,7 +152,7 @@ class _Fields(AttributeTemplate):
 
 
 def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
-    """Return the LLVM value of an affine number for the counts of the instance."""
+    """Return the LLVM value of an affine function of the counts, for an instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number.slopes, COUNT_FUNCTIONS.values(), strict=True):
         if factor:
@@ -168,7 +167,7 @@ def _count_function(builder: ir.IRBuilder, name: str) -> ir.Function:
 
 
 def address_of(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
-    """Return the address of a field, as a pointer to numbers."""
+    """Return the address of a field in an instance, as a pointer to its first number."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, built(field.offset, builder, instance), kind)
 
@@ -196,9 +195,9 @@ def array_at(
     *,
     stride: int = 0,
 ) -> ir.Value:
-    """Return an array that does not own its memory, from the address of its first entry.
+    """Return a numba array over memory that it does not own, from the address of its first entry.
 
-    The array has no gaps, or the distance ``stride`` [bytes] between successive entries.
+    Its entries follow each other without gaps or, in a column of a table, at the distance ``stride`` [byte].
     """
     array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "A" if stride else "C"))(
         context, builder
@@ -227,7 +226,7 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
-    """Return the signature and the code for an array of numbers, from its first address and its shape."""
+    """Return the signature and the code of a function that makes an array from an address and a shape."""
     scalar = first.dtype
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:

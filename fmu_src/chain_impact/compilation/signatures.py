@@ -29,7 +29,7 @@ int64 run_each(record* d, int64* indices, int64 parameters, double* values, doub
 
 
 class Signature(NamedTuple):
-    """The type of a function's result, and the arguments: name → type."""
+    """The type of a C function's result, and its arguments: name → type."""
 
     result: str
     arguments: dict[str, str]
@@ -44,8 +44,8 @@ SIGNATURES = {
     name: _signature(result, arguments)
     for result, name, arguments in re.findall(r"(\w+) (\w+)\((.*?)\)", _TABLE, re.DOTALL)
 }
-"""Name of each function → its signature."""
-WIDTH = 110  # largest number of characters in a line of C
+"""Name of each C function of a kernel → its signature."""
+WIDTH = 110  # largest number of characters of a line in the C header
 _OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
 _OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
 _OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}

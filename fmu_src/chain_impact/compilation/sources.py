@@ -1,4 +1,4 @@
-"""The sources and compilers of a kernel, and a fingerprint of them."""
+"""The sources and compilers from which kernels are made, and a fingerprint of both."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
     *("functions", "law", "lower", "record_type", "signatures"),
 )
-"""The modules of this folder that make code. The other modules find, store and describe kernels."""
+"""The modules of this folder that make code; a change of them changes kernels. The others find, store and
+describe kernels."""
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
@@ -23,7 +24,7 @@ COMPILED = (
 )
 """The folders and files of the package from which kernels are made."""
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
-"""The compilers with their exact versions, as in the extra of pyproject.toml."""
+"""Name of a compiler → the exact version that is required, as in the extra "compiler" of pyproject.toml."""
 LANGUAGES = (".py", ".c", ".h")
 
 

@@ -1,1 +1,1 @@
-"""The variables of a scene with their names in the FMU, and the record of an instance with their values."""
+"""The variables of a scene with their names in the FMU, and a run's record with their values."""

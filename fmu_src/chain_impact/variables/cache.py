@@ -1,8 +1,8 @@
 """A cache of the data that scenes share if they differ only in numbers.
 
-``in_common`` marks the parts of ``PreparedScene`` that do not depend on numbers, and keeps them in the cache.
-The cache also has the record of one of these scenes: in a record for another of these scenes, only changed
-tables are written again (filling.py).
+``in_common`` marks the properties of ``PreparedScene`` that do not depend on numbers, and keeps them in the
+cache. The cache also keeps the record of one of these scenes: a record for another one is a copy, in which
+only the tables with changed numbers are written again (filling.py).
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Common:
 
     Attributes:
         scene: the first of these scenes.
-        parts: the parts of ``PreparedScene`` that do not depend on numbers, by name.
-        record: one of these scenes and the words of its record, which nothing may change; None before the
-            first record.
+        parts: name → value of the properties of ``PreparedScene`` that do not depend on numbers.
+        record: one of these scenes and the words (8 bytes each) of its record; nothing may change them. None
+            before the first record is made.
     """
 
     scene: Scene
@@ -41,22 +41,24 @@ class Common:
 
 
 _cache: list[Common] = []
-"""The entries of the last scenes, the newest first; scenes that differ only in numbers share one."""
+"""The shared data of the scenes used last, the newest first; all scenes that differ only in numbers have one
+entry."""
 MOST_CACHED = 16
 _NUMBERS = ("gravity", "chain", "contact", "initial", "solver")
-"""The tables of the scene whose numbers can be written again without the other tables."""
+"""The tables of a scene whose numbers can be written to a record again without the other tables."""
 _OTHERS = [
     entry.name
     for entry in fields(Scene)
     if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
 ]
-"""The other tables of the scene, without texts and [simulation], which matters only to signals."""
+"""The other tables of a scene: if one differs, nothing is shared. Texts do not matter, and [simulation]
+matters only to signals."""
 
 
 def _decisive(table: type, path: DataPath) -> list[str]:
-    """Return the keys of a table whose values determine the layout of the record, or which variables exist.
+    """Return the keys of a table whose values decide the layout of the record, or which variables exist.
 
-    These are all keys except those of parameters that every scene with this table has.
+    The other keys of the table hold the numbers of parameters that every scene with this table has.
     """
     numbers = {
         kind.path[-1]
@@ -70,28 +72,29 @@ def _decisive(table: type, path: DataPath) -> list[str]:
 _OF_CONTACT = _decisive(Contact, ("contact",))
 _OF_LINK = _decisive(Link, ("chain", "links", AT))
 _OF_SLIDER = [*_decisive(Slider, ("chain", "slider")), "angle"]
-"""The decisive keys of [contact], of a link and of a slider. A slider's angle is decisive, because it decides
-which walls the points can reach."""
+"""The keys of [contact], of a link and of a slider that decide the layout of the record or which variables
+exist. A slider's angle does, because it decides which walls the points can reach."""
 
 
 def common_of(scene: Scene) -> Common:
-    """Return the entry of the cache for the scenes that differ from this scene only in numbers.
+    """Return the data that this scene shares with all scenes that differ from it only in numbers.
 
-    A scene without an entry gets a new one.
+    If the cache has no such data, they are added.
     """
     for common in tuple(_cache):
         if changed_numbers(common.scene, scene) is not None:
             return common
-    new = Common(scene)  # another thread may put an equal entry into the cache at the same time
+    # if another thread adds equal data at the same time, the cache has them twice, which does no harm
+    new = Common(scene)
     _cache.insert(0, new)
     del _cache[MOST_CACHED:]
     return new
 
 
 def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
-    """Return the property for a part of a prepared scene that does not depend on numbers.
+    """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    ``part`` is a method of ``PreparedScene``; its name is the name of the part.
+    The result is shared by all scenes that differ only in numbers, under the name of the method.
     """
 
     @wraps(part)
@@ -106,11 +109,11 @@ def in_common(part: Callable[[Any], Part]) -> cached_property[Part]:
 
 
 def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the names of the scene's tables whose numbers must be written again.
+    """Return the names of the tables whose numbers a record of ``before`` needs to become one of ``scene``.
 
     These are the tables of ``_NUMBERS`` that are not the same object in both scenes. The result is None if
     the whole record must be written, because the scenes differ in more than numbers, or in numbers that
-    determine the layout of the record or which variables exist.
+    decide the layout of the record or which variables exist.
     """
     if before is scene:
         return []
@@ -124,7 +127,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
 
 
 def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
-    """Return whether two chains differ in anything other than numbers that can be written alone."""
+    """Return whether two chains differ in more than numbers that can be written to a record again."""
     if first is second:
         return False
     if first.base != second.base or len(first.links) != len(second.links):
@@ -134,5 +137,5 @@ def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
 
 
 def _differ(first: Any, second: Any, names: Sequence[str]) -> bool:
-    """Return whether two tables differ in the values of some keys."""
+    """Return whether two tables differ in the value of any of the keys ``names``."""
     return first is not second and any(getattr(first, name) != getattr(second, name) for name in names)

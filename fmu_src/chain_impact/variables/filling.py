@@ -1,7 +1,7 @@
-"""The parameters of a scene in a new record.
+"""Writes the parameters of a scene into a new record.
 
-If a scene differs from an earlier scene only in numbers of some tables, as after ``with_values``, only these
-tables are written again (common.py).
+If a scene differs from an earlier scene only in numbers of some tables, as after ``with_values``, the record
+is a copy of the earlier one, in which only these tables are written again (cache.py).
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ from chain_impact.variables.structure import Structure
 _GIVEN_IF = {
     kind.given_if: attrgetter(kind.given_if) for _, kinds in PARAMETERS for kind in kinds if kind.given_if
 }
-"""Condition ``Kind.given_if`` → function that looks it up in a scene; then the record also has a field
-for the given value of a parameter."""
+"""Condition ``Kind.given_if`` → function that finds it in a scene. If the condition holds, the record has two
+fields for a parameter: the given value and the value in use."""
 
 
 def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray:
-    """Return an uninitialized instance with the parameters of a scene, an array with one record.
+    """Return an instance with the parameters of a scene, before its initialization: an array with one record.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        common: the entry of the cache to which the scene belongs.
+        common: the data that the scene shares with scenes that differ only in numbers.
     """
     sizes, last = structure.counts, common.record
     layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
-        # ``memory.view`` first compares the types, which takes longer than the rest of this function
+        # ``memory.view`` would first compare the types, which takes longer than the rest of this function
         memory = np.ndarray(1, layout, words)
         _fill(memory[0], scene, structure)
         for table in _tables():
@@ -67,9 +67,9 @@ def new_record(scene: Scene, structure: Structure, common: Common) -> np.ndarray
 
 
 def _fill(d: Any, scene: Scene, structure: Structure) -> None:
-    """Write into a new instance the data of a scene that are in no table of ``_tables``.
+    """Write into a new instance what ``_tables`` leaves out.
 
-    These are the parts of a scene that are no parameters, the signals, and the materials of single walls.
+    These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
     value_of = values_of(structure.known, structure.lists, scene)
     for path, rule, over, at in RECORD.values():
@@ -88,9 +88,9 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
 @cache
 def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
-    """Return each table of the scene with its kinds of parameters, and a function that reads their values.
+    """Return table of the scene → its kinds of parameters, each with a function that reads their values.
 
-    The parameters of signals and of the materials of single walls are left out.
+    The parameters of signals and of the materials of single walls are left out; ``_fill`` writes them.
     """
     readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for of, kinds in PARAMETERS:
@@ -101,9 +101,10 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
 
 
 def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
-    """Return a function that reads the values of a kind of parameters from a scene.
+    """Return a function from a scene to the values of a kind of parameters, one for each owner.
 
-    If the record also has a field for the given values, the function returns them after the values in use.
+    If the record has two fields for the parameter, the function returns all values in use, then all given
+    values, with the number DERIVED for a value that is not given.
     """
     path = kind.path or ()
     if AT not in path and ENTRY_AT not in path:
@@ -124,7 +125,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
 
 
 def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
-    """Return a function as ``_reader`` does, for a kind with one value at a path; it takes half the time."""
+    """Return the function of ``_reader`` for a kind whose path has no index; it takes half the time."""
     part, given_if = _getter(path), attrgetter(kind.given_if)
 
     def read(scene: Scene) -> list[Any]:
@@ -143,12 +144,12 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
 def _members(
     path: DataPath,
 ) -> tuple[Callable[[Scene], Any], Callable[[Any], Any], Callable[[Scene], list[DataPath]]]:
-    """Return three functions that find the values of a kind of parameters by the template of their path.
+    """Return three functions that read a kind of parameters, whose ``path`` is a template, from a scene.
 
-    The first function returns the owners in a scene that have such a value, in order. The second function
-    returns the value of one owner. The third function returns the paths of all these values in a scene.
+    The first function returns the owners of the values in a scene, in order, such as all links. The second
+    returns the value of one owner. The third returns the paths of all these values in a scene.
     """
-    if ENTRY_AT in path:  # the owners of the kind are points of links
+    if ENTRY_AT in path:  # these parameters belong to points of links, which form a list in each link
         key = path[-1]
         return (
             lambda scene: [site for _, site in scene.chain.sites],
@@ -165,13 +166,16 @@ def _members(
 
 
 def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
-    """Return the values at some paths, with the number DERIVED in place of a value that the scene derives."""
+    """Return ``values``, with the number DERIVED in place of each value that the scene derives.
+
+    ``paths`` are the paths of the values in the scene.
+    """
     derived = frozenset(scene.derived_paths)
     return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
 def _getter(path: DataPath) -> Callable[[Any], Any]:
-    """Return the function that reads the value at a path of names, which may end with an index."""
+    """Return a function that reads the value at a path of names; the path may end with one index."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
     named = attrgetter(".".join(map(str, names))) if names else _itself
     return (lambda whole: named(whole)[indices[0]]) if indices else named
@@ -182,9 +186,9 @@ def _itself(value: Any) -> Any:
 
 
 def _choice(kind: Kind, name: str) -> float:
-    """Return the number of a choice, from 1, as a real number with the same bits as this integer.
+    """Return the number of a choice, counted from 1, as the real number that has the same 8 bytes.
 
-    The words of a record are written as real numbers.
+    All words of a record are written as real numbers, and the kernel reads this word as an integer.
     """
     number = SOLVER_METHODS.index(name) + 1 if kind.choices == METHODS else _law_number(name)
     real: float = struct.unpack("d", struct.pack("q", number))[0]
@@ -192,8 +196,8 @@ def _choice(kind: Kind, name: str) -> float:
 
 
 def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
-    """Write the numbers of a table of a scene to the words of the scene's record."""
-    # only if points may touch the walls at any angle, the record has room for these walls
+    """Write the numbers of a table of the scene, such as "contact", to the words of the scene's record."""
+    # the record has room for the walls at any angle only if points may touch them
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_IF.items() if holds(scene))
     indices, readers = _words_of(table, sizes, lines, slides, met)
@@ -204,9 +208,10 @@ def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
 def _words_of(
     table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
-    """Return the indices of the words for the numbers of a table, and the functions that read the numbers.
+    """Return the words of a record that hold a table's numbers, and the functions that read these numbers.
 
-    ``met`` are the conditions of ``_GIVEN_IF`` that the scene meets.
+    The first result has the words' indices, in the order in which the functions give the numbers. ``met`` are
+    the conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}
     layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
@@ -222,14 +227,17 @@ def _words_of(
 
 
 def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return the index ``at`` in the record of each possible owner of a kind."""
+    """Return for each possible owner of a kind its index in the record, as a table with the entry ``at``."""
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
     return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
-    """Write the given values of single walls' materials."""
+    """Write to the record those values of the tables [contact.wall.<name>] that the scene gives.
+
+    For all other values, the record keeps −1: the values of [contact] apply.
+    """
     for kind in (kind for of, kinds in PARAMETERS if of == "material" for kind in kinds):
         part, key, _ = map(str, kind.record_path)
         for w, wall in enumerate(scene.wall_names if scene.may_touch else ()):
@@ -244,10 +252,11 @@ def _law_number(name: str) -> int:
 
 
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
-    """Return a copy of an instance, followed in memory by the tangent instances for derivatives.
+    """Return a copy of an instance with the tangent instances for derivatives after it in memory.
 
-    ``paths`` are the paths of the parameters in the record. Each parameter has a direction of its own, in
-    which its derivative is 1 and those of all other parameters are 0.
+    ``paths`` are the paths, in the record, of the parameters with respect to which there are derivatives.
+    Each parameter has a direction of its own, in which its derivative is 1 and those of all other parameters
+    are 0. A tangent instance has DIRECTIONS directions.
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
@@ -266,7 +275,7 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
 
 
 def _copy_values(source: Any, target: np.ndarray) -> None:
-    """Copy the values of a record to each of several records of dual numbers."""
+    """Copy the values of a record into each of several records of dual numbers, whose derivatives stay."""
     for name in source.dtype.names:
         part = target[name]
         if source.dtype[name].base.names:

@@ -1,4 +1,4 @@
-"""Hints in the messages on names that are not names of outputs."""
+"""Hints for errors on names that are not names of outputs."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Callable, Collection, Iterable
 from chain_impact.scene.reading import find_names
 
 Hint = Callable[[str], str | None]
-"""A function that returns a hint for an unknown name; None if none is known."""
+"""A function from an unknown name to a hint for the error; None if no hint is known."""
 
 
 def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
-    """Return a hint for a name that is an input or a parameter instead of an output, else None.
+    """Return a hint for a name that is an input or a parameter, not an output; None for any other name.
 
-    ``how`` are words for the way in which an input becomes an output.
+    ``how`` are words for what makes an input an output, such as a signal.
     """
     if find_names(name, inputs):
         return f"it is an input{how and f'; {how} makes it an output'}"
@@ -23,19 +23,19 @@ def output_hint(name: str, inputs: Collection[str], parameters: Collection[str],
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint with the components of a vector, "there are force.x, force.y".
+    """Return a hint for the name of a vector: its components, "there are force.x, force.y".
 
-    None for any other name.
+    The result is None for any other name.
     """
     parts = [part for part in names if part.startswith(f"{name}.")]
     return f"there are {', '.join(parts[:3])}" if parts else None
 
 
 def series_hint(hint: Hint) -> Hint:
-    """Return a function that gives hints for names that are no time series.
+    """Return a function that gives hints for names that are not time series.
 
-    For outputs that change only at events, the function says where the result has them; for any other name it
-    returns the result of ``hint``.
+    For outputs that change only at events, its hint tells where the result has their values; for any other
+    name it calls the function ``hint``.
     """
 
     def found(name: str) -> str | None:

@@ -1,4 +1,4 @@
-"""The index of a value in the record of an instance, and the indices of outputs for each structure."""
+"""The indices of values in the record of an instance, and the indices of all outputs of a structure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
 from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 
-WORD = 8  # [byte] size of every scalar in the record
+WORD = 8  # [byte] size of a word: each number of a record is a 64-bit real number or integer
 JOINT_FORCE = "joint_force"
 """The name of the largest force in a joint [N]: of a run, and of an impact in ``Result.impacts``."""
 
@@ -25,10 +25,11 @@ class Peak(NamedTuple):
     """The largest value of a quantity over all contacts of a run.
 
     Attributes:
-        path: the path in the record.
-        words: the words that name the value for users.
-        field: the field of ``Result.impacts`` with the value of one contact.
-        at_stops: whether the contacts are at stops of joints; else at walls and at stops of a slider.
+        path: the path of the value in the record.
+        words: the name of the value in pictures and texts.
+        field: the field of ``Result.impacts`` that has the largest value in each single contact.
+        at_stops: whether the value is over contacts at stops of joints; else it is over contacts at walls and
+            at stops of a slider.
     """
 
     path: DataPath
@@ -60,18 +61,18 @@ PEAKS = {
         ("peaks", "rotation"), "largest rotation beyond a stop", "max_penetration", at_stops=True
     ),
 }
-"""Name in a sweep and in a ranking → peak. Only scenes with stops of joints have the peaks ``at_stops``."""
-# layouts are kept, because computing a layout takes as long as the rest of making an instance
+"""Name in sweeps and rankings → peak. Only a scene with stops in joints has the peaks with ``at_stops``."""
+# layouts are cached, because computing one takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
 HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
-"""The number of words at the start of a record that determine its layout: its sizes, two flags, and the
-number of tangent instances."""
+"""The number of words at the start of a record that decide its layout: counts, two flags, and the number of
+tangent instances."""
 
 
 def word_index(dtype: np.dtype, path: DataPath) -> int:
-    """Return the index of a scalar in a record, counted in words of 8 bytes from the record's start.
+    """Return the index of a number in a record, counted in words of 8 bytes from the record's start.
 
-    Raises IndexError or KeyError for a path to no scalar.
+    Raises IndexError or KeyError if the path does not lead to a single number.
     """
     offset = 0
     for step in path:
@@ -90,22 +91,22 @@ def word_index(dtype: np.dtype, path: DataPath) -> int:
 
 
 def first_word(dtype: np.dtype, part: str) -> int:
-    """Return the index of the first word of a part of a record."""
+    """Return the index of the first word of a part of a record, such as "output"."""
     offset: int = dtype.fields[part][1]  # type: ignore[index]
     return offset // WORD
 
 
 class LogWords(NamedTuple):
-    """The places of a run's status and of its log of contacts in the record: indices of words.
+    """Where a record has a run's status and the list of contacts: indices of words from the record's start.
 
     Attributes:
-        status: status of the run.
-        ended: number of ended contacts.
-        collected: number of ended contacts that a reader has already collected.
-        active: number of contacts that last, which are listed after the ended ones.
-        changes: number of changes between sticking and sliding that wait to be collected.
-        first: the first word of the log's columns.
-        room: number of rows of each column.
+        status: word with the status of the run.
+        ended: word with the number of ended contacts in the list.
+        collected: word with the number of ended contacts that a reader has already collected.
+        active: word with the number of contacts that still last; the list has them after the ended ones.
+        changes: word with the number of changes between sticking and sliding that wait to be collected.
+        first: first word of the list's columns, which follow each other.
+        room: number of rows of each column (not an index).
     """
 
     status: int
@@ -119,7 +120,7 @@ class LogWords(NamedTuple):
 
 @cache
 def log_words(counts: Counts) -> LogWords:
-    """Return the places of the status and of the log of contacts in a record with some sizes."""
+    """Return where a record with these counts has the status and the list of contacts."""
     layout, changes = layout_of(*counts), ("changes", "count")
     of_log = ("contact_log", "count"), ("contact_log", "collected"), ("touch", "active_count"), changes
     paths = ("statistics", "status"), *of_log, ("contact_log", "point", 0)
@@ -128,14 +129,17 @@ def log_words(counts: Counts) -> LogWords:
 
 
 class OutputIndices(NamedTuple):
-    """The places of some outputs in the record of an instance; an index counts words of 8 bytes.
+    """Where the record of an instance has some outputs; an index counts words of 8 bytes.
 
     Attributes:
-        motion: outputs that change continuously: name → index.
-        stepwise: outputs that change only at events and steps: name → index, and whether it is a real number.
-        row: the layout of the outputs that change continuously, a row of ``Result.outputs``.
-        words: the indices of the numbers in such a row, then the sorted indices of the stepwise outputs.
-        of_state: whether all these outputs are among ``STATE_OUTPUTS`` in kernel/record/instance.py.
+        motion: name → index, for outputs that change continuously.
+        stepwise: name → (index, whether it is a real number), for outputs that change only at events and
+            steps.
+        row: the layout of a row of ``Result.outputs``, which has the outputs in ``motion``.
+        words: the indices of the numbers of such a row, then the sorted indices of the outputs in
+            ``stepwise``.
+        of_state: whether the state alone determines all these outputs (``STATE_OUTPUTS`` in
+            kernel/record/instance.py), so that no forces must be computed for them.
     """
 
     motion: dict[str, int]
@@ -146,7 +150,7 @@ class OutputIndices(NamedTuple):
 
 
 def indices_of(variables: Iterable[Variable], every: OutputIndices) -> OutputIndices:
-    """Return the indices of some outputs; ``every`` has the indices of all outputs."""
+    """Return the indices of the outputs ``variables``; ``every`` has the indices of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
     motion = {name: every.motion[name] for name in paths if name in every.motion}
     stepwise = {name: every.stepwise[name] for name in paths if name in every.stepwise}
@@ -161,9 +165,9 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
 
 @lru_cache(KEPT_STRUCTURES)
 def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
-    """Return the indices of the outputs for all scenes of a structure.
+    """Return the indices of all outputs, which are the same for all scenes of a structure.
 
-    The indices are kept, because computing them takes as long as a short simulation.
+    They are cached, because computing them takes as long as a short simulation.
     """
     layout = layout_of(*counts)
     motion: dict[str, int] = {}
@@ -174,7 +178,7 @@ def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
             motion[name] = word
         else:
             stepwise[name] = word, output.type == "real"
-    # here the row is the whole part ``output`` of the record, in the order of the kernel
+    # with all outputs, a row is the whole part ``output`` of the record, in the record's order of fields
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise)
     return OutputIndices(motion, stepwise, row, words)

@@ -23,7 +23,7 @@ MOTIONS = ("position", "velocity", "acceleration")
 
 
 class Heading(NamedTuple):
-    """The first words of a description: ``text`` for one variable, ``general`` for the whole kind."""
+    """The first words of a description: ``text``, a template, for one variable; ``general`` for the kind."""
 
     text: str = ""
     general: str = ""

@@ -1,4 +1,4 @@
-"""The variables of a scene's FMU: each kind gives one variable for each of its owners in the scene."""
+"""The variables of a scene's FMU: each kind of variables gives one for each of its owners in the scene."""
 
 from __future__ import annotations
 
@@ -24,17 +24,20 @@ from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 from chain_impact.variables.words import owner_words, scene_words
 
-KEPT_STRUCTURES = 64  # the number of structures of scenes whose lists of outputs are kept
+KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
 BEHIND = "behind"
-"""The field with the tangent instances, records of dual numbers that follow an instance in memory
-(filling.py)."""
+"""The field of a record's type with the tangent instances: records of dual numbers after an instance in
+memory (filling.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
 
 
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
-    """Yield the parameters of the FMU: those that the scene has, and gives if it must (``if_given``)."""
+    """Yield the parameters of the FMU: the variables whose value the scene has.
+
+    A parameter with ``if_given`` must be a value that the scene gives, not a derived one.
+    """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
         path = filled(kind.path or (), owner.values)
@@ -57,36 +60,39 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 
 
 def inputs(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, except inputs that signals drive."""
+    """Return the inputs that the scenes of a structure ask for, without inputs that signals drive."""
     driven = structure.driven_quantities
     return (variable for variable in inputs_asked(structure) if variable.name not in driven)
 
 
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that all scenes of a structure ask for, including the inputs that signals drive."""
+    """Return the inputs that the scenes of a structure ask for, with inputs that signals drive."""
     return (
         Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
     )
 
 
 def all_outputs(scene: Scene) -> dict[str, Variable]:
-    """Return the outputs that the scene asks for, by their names, without derivatives."""
+    """Return name → output for all outputs that the scene asks for, without derivatives."""
     return outputs_of(structure_of(scene))
 
 
 @lru_cache(KEPT_STRUCTURES)
 def outputs_of(structure: Structure) -> dict[str, Variable]:
-    """Return the outputs of all scenes of a structure, by their names.
+    """Return name → output for all outputs that each scene of a structure has, without derivatives.
 
-    The outputs of the KEPT_STRUCTURES structures that were used last are kept, because making them takes as
-    long as a short simulation.
+    The outputs of the KEPT_STRUCTURES structures used last are cached, because making them takes as long as a
+    short simulation.
     """
     variables = (Variable.of(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_driven(structure), *variables)}
 
 
 def _driven(structure: Structure) -> Iterator[Variable]:
-    """Yield the quantities that signals drive, as outputs with the names of the inputs that they replace."""
+    """Yield the quantities that signals determine, as outputs with the names of inputs.
+
+    A driven input is no input of the FMU; the output with its name shows the signal's value.
+    """
     rows = structure.driven_quantities
     for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():
         driven = rows.get(kind.name.format_map(words))
@@ -100,7 +106,7 @@ def _driven(structure: Structure) -> Iterator[Variable]:
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
-    """Yield the derivatives of some outputs with respect to some parameters and inputs."""
+    """Yield the derivatives of all ``outputs`` with respect to each parameter or input in ``varied``."""
     for number, parameter in enumerate(varied):
         tangent, direction = divmod(number, DIRECTIONS)
         kinds: dict[str, Kind] = {}
@@ -132,9 +138,9 @@ def value_at(scene: Any, path: DataPath) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """Return a hint how to get a parameter into the FMU, if only some scenes have this parameter.
+    """Return a hint how to get a parameter into the FMU that only some scenes have.
 
-    Returns None for any other name.
+    The result is None for any other name.
     """
     kinds = (kind for block in PARAMETERS for kind in block.kinds if kind.hint)
     return next((kind.hint for kind in kinds if is_like(name, kind.name)), None)
@@ -143,7 +149,10 @@ def absent_hint(name: str) -> str | None:
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
 ) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
-    """Yield each kind with each owner that meets its conditions, and with the words of scene and owner."""
+    """Yield each kind with each of its owners that meets the kind's conditions.
+
+    The third entry has the words of scene and owner that replace words in braces.
+    """
     scene = scene_words(structure)
     for of, kinds in blocks:
         for owner in structure.owners(of):
@@ -154,7 +163,7 @@ def _owned_kinds(
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:
-    """Return the lists of choices: contact laws, a user's law last, and methods of the solver."""
+    """Return the choices of FMU enumerations: contact laws, a user's law last, and methods of the solver."""
     laws = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
     if scene.contact.law_file:
         law = read_law(Path(scene.contact.law_file))

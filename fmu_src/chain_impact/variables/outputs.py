@@ -2,8 +2,8 @@
 
 A row has the name without the prefix, the unit, the description, and attributes: those of ``Kind``, and
 ``field``, the field of the record if it has another name than the row. Rows of inputs lack name and unit,
-which are in ``INPUTS_OF``. A row with {axis} stands for two rows, for x and y; {j} is then the index of the
-axis, 0 or 1. The value references follow the order of the rows.
+which are in ``INPUTS_OF``. A row with {axis} stands for two rows, for x and y, in which {j} is 0 or 1. The
+value references follow the order of the rows.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ def _block(
         owner_kind: the kind of owner.
         prefix: the first part of the names.
         rows: the rows of the table. The index of the owner is appended to each field without an index.
-        names: full name → unit, for rows that begin with the description: the names with the prefix belong to
-            the rows, in this order.
+        names: full name → unit, for rows that lack name and unit: row k has the k-th name that begins with
+            ``prefix``.
         array: whether the values of all owners form an array, named after the owner and the row.
         other: attributes that all kinds have; see also ``block``.
     """
@@ -63,7 +63,7 @@ def _block(
 
 
 def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[str]) -> Kind:
-    """Return the kind of one row; see ``_block``. A wrong row raises TypeError or ValueError."""
+    """Return the kind that one row of a table describes; a wrong row raises TypeError or ValueError."""
     name, unit, text, *more = cells
     attributes: dict[str, Any] = {"array": f"{owner_kind}.{name}" if array else "", "field": name}
     attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
@@ -85,7 +85,7 @@ def _rows(text: str) -> Iterator[tuple[str, list[str]]]:
 
 
 def _attribute(text: str, unit: str) -> tuple[str, Any]:
-    """Return the name and value of an attribute in a row, such as ``minimum=0``.
+    """Return the name and value of an attribute that a row has as text, such as ``minimum=0``.
 
     An attribute that is written without a value has the value true.
     """
@@ -179,7 +179,7 @@ INPUTS = (
         causality="input",
     ),
 )
-"""The inputs."""
+"""All inputs that scenes can ask for."""
 
 OUTPUTS = (
     _block(
@@ -390,4 +390,4 @@ OUTPUTS = (
         is_terminal=False,
     ),
 )
-"""The outputs, without derivatives."""
+"""All outputs, without derivatives."""

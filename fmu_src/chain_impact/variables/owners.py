@@ -1,9 +1,10 @@
-"""The tables of conditions, counts and owners of variables, and of numbers in a record that follow from them.
+"""Tables of conditions, counts and owners of variables, and of numbers of a record that follow from them.
 
-Python (structure.py) and a page (pages/browser/scene/owners.js) evaluate the same tables, which are in the
-language of scene/rules.py and name the facts and lists of scene/facts.py. Example: a link with
-``has_friction`` in the list "links" is an owner of the kind "joint with friction", which has the outputs of
-dry friction; the record has room for them, because the fact "friction" holds.
+An owner is a part of a scene that has variables, such as a link. Python (structure.py) and a page
+(pages/browser/scene/owners.js) evaluate these tables; their rules are in the language of scene/rules.py and
+name facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint
+with friction", which has the outputs of dry friction; the record has room for them, because the fact
+"friction" holds.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ FLAGS = [
     for name, table in (("inputs", Inputs), ("outputs", Outputs))
     for entry in fields(table)
 ]
-"""The keys of [inputs] and [outputs], which are conditions, too; a list counts as its length."""
+"""The keys of [inputs] and [outputs], which are conditions of variables, too. A key with a list counts as the
+list's length."""
 
 
 OWN_CONDITIONS = {
@@ -36,7 +38,8 @@ OWN_CONDITIONS = {
     "in_file": "the file has the point; it is not a corner of a box",
     "base_at_rest": "the point is a base that cannot move",
 }
-"""Name → meaning of the conditions of owners. None has the name of a fact."""
+"""Name of a condition that an owner, not the scene, meets → its meaning. No condition has the name of a
+fact."""
 COUNTS_OF = {
     "links": "links",
     "candidates": "candidates",
@@ -47,20 +50,21 @@ COUNTS_OF = {
     "signals": "signals",
     "knots": "knots",
 }
-"""Name → number (a sum of products) for each count at the start of a record (kernel/record/counts.py)."""
+"""Name of a count at the start of a record (kernel/record/counts.py) → the rule for its number, a sum of
+products."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class OwnerKind:
-    """A kind of owners: a row of the table of owners.
+    """A kind of owners of variables, one row of the table of owners.
 
     Attributes:
-        over: the list whose members can be owners, or the number of owners.
-        has: the rule by which a member is an owner. Of several members with equal ``n``, ``of`` and name,
-            only the first is an owner: so the two stops of joint 2 are one owner.
-        numbers: the numbers of an owner: ``n`` its number, ``at`` its index in the record, ``of`` the number
-            of its link. ``order`` is the index of the member in the list.
-        conditions: name in OWN_CONDITIONS → rule by which an owner meets the condition.
+        over: the list whose members can be owners, or a rule for the number of owners.
+        has: the rule that is true for a member that is an owner. Of several members with equal ``n``, ``of``
+            and name, only the first is an owner: so the two stops of joint 2 are one owner.
+        numbers: name → rule for a number of an owner: ``n`` is its number, ``at`` its index in the record,
+            ``of`` the number of its link. In the rules, ``order`` is the index of the member in the list.
+        conditions: name in OWN_CONDITIONS → rule that is true if an owner meets the condition.
     """
 
     over: str
@@ -89,7 +93,7 @@ OWNER_KINDS = {
     ),
     "joint": OwnerKind(over="links", has="jointed", numbers=_COUNTED),
     "joint with friction": OwnerKind(over="links", has="has_friction", numbers=_COUNTED),
-    # the record has the outputs of both stops of a joint in the entry of its first stop
+    # both stops of a joint have their outputs at the same index of the record: that of the first stop
     "stop": OwnerKind(over="candidates", has="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
         over="candidates",
@@ -112,7 +116,7 @@ OWNER_KINDS = {
         },
     ),
     "line": OwnerKind(over="lines", numbers={"at": "order"}),
-    # where points may touch walls, each existing wall has a material
+    # if points may touch walls, each existing wall has a material
     "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
     "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
     "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),
@@ -120,17 +124,17 @@ OWNER_KINDS = {
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
     "impact": OwnerKind(over="outputs.impacts", numbers=_COUNTED),
 }
-"""Kind of owner → its owners, in the order of their variables."""
+"""Kind of owner → the rules that find its owners, in the order of their variables."""
 
 
 class Written(NamedTuple):
-    """A number in the record that follows from the tables.
+    """A number in the record, or one for each member of a list, that is no parameter but follows from a rule.
 
     Attributes:
-        path: its path in the record.
+        path: the path of the number in the record.
         number: the rule for the number.
-        over: the list of which each member has such a number, or the number of the members.
-        at: the index in the record for a member.
+        over: the list each member of which has such a number, or a rule for how many such numbers there are.
+        at: the rule for the member's index in the record's array.
     """
 
     path: DataPath
@@ -156,7 +160,7 @@ RECORD = {
     "candidate_wall": Written(("candidate", AT, "wall"), "wall", "candidates"),
     "candidate_stop": Written(("candidate", AT, "stop"), "stop", "candidates"),
     "regularized": Written(("step", "regularized"), f"{NO_CONTACT}"),
-    # the channels of a moving wall: its displacement, and its motion as a belt
+    # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
     "belt": Written(("motion", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
     "candidate_channel": Written(
         ("shift", AT, "channel"), f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1", "candidates"
@@ -167,16 +171,17 @@ RECORD = {
         for key in ("restitution", "friction", "static_friction")
     },
 }
-"""Name → numbers of the record that are no parameters."""
+"""Name → number, or numbers, of the record that are no parameters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """An owner of variables.
+    """An owner of variables, such as link 2.
 
     Attributes:
-        values: number ``n``, name, index ``at`` in the record, and the values of the member of its list.
-        conditions: condition → whether the owner or its scene meets it.
+        values: its number ``n``, its name, its index ``at`` in the record, and the values of its member of
+            the list.
+        conditions: name of a condition → whether the owner, or its scene, meets the condition.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
@@ -186,10 +191,10 @@ class Owner:
 def values_of(
     known: Mapping[str, Any], lists: Mapping[str, Sequence[Any]], scene: Scene | None = None
 ) -> ValueOf:
-    """Return the function that returns the value of a name in the rules of these tables.
+    """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
-    With a scene, a name with a dot is a key of the scene's file; without a scene, it is a key of [inputs] or
-    [outputs].
+    ``known`` and ``lists`` have the values of names without a dot. If ``scene`` is given, a name with a dot
+    is any key of the scene's file; if not, it must be a key of [inputs] or [outputs], which ``known`` has.
     """
 
     def value_of(name: str) -> Any:
@@ -201,7 +206,7 @@ def values_of(
 
 
 def known_of(facts: SceneFacts) -> dict[str, int]:
-    """Return the flags, facts and counts of a scene, and the lengths of its lists."""
+    """Return name → number for keys of [inputs] and [outputs], facts, counts and the lengths of lists."""
     counts = {name: number_in(rule, facts.value_of) for name, rule in COUNTS_OF.items()}
     lengths = {name: len(facts[name]) for name in LISTS}
     return {name: facts[name] for name in (*FLAGS, *FACTS)} | lengths | counts

@@ -33,7 +33,7 @@ from chain_impact.scene.tables import (
 from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
-"""The names of the lists of choices: contact laws, and methods of the solver."""
+"""The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
 HAS_FRICTION = "it is a parameter where the scene has dry friction: give it a value there first"
 HAS_ONE = "it is a parameter where the scene has one: give it a value there first"
 HAS_TARGET = (
@@ -41,22 +41,22 @@ HAS_TARGET = (
     "constant signal of the target instead"
 )
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Steps in the template of a path: placeholders of a parameter's key, and of the index and name of an
-axis."""
+"""Placeholders in the template of a path: of a parameter's key, and of the index and the name of an axis."""
 
 
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
-    """Return the metadata of each key of a table of the scene, except keys that are short forms."""
+    """Return key → its metadata for a table of the scene, without keys that are short forms of others."""
     return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(
     rule: Mapping[str, Any], *, path: DataPath, record_path: DataPath, text: str = "{}", **other: Any
 ) -> Kind:
-    """Return the parameter for the value at a path; unit and range come from the key's metadata ``rule``.
+    """Return the kind of parameters for a value at a path in the scene.
 
-    The braces ``{}`` in ``text`` stand for the description in ``rule``.
+    Unit and range come from the key's metadata ``rule``. The braces ``{}`` in ``text`` stand for the
+    description in ``rule``.
     """
     default, limits = rule["default"], {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
@@ -81,9 +81,9 @@ def _of_table(
     text: str = "{}",
     **special: Mapping[str, Any],
 ) -> list[Kind]:
-    """Return the parameters for some keys of a table, by default for all keys.
+    """Return the kinds of parameters for the keys ``names`` of a table, by default for all keys.
 
-    ``special`` has additional attributes for single keys.
+    ``special`` has, by key, additional attributes of the key's kind.
     """
     kinds = []
     for key in names or _rules(table):
@@ -111,7 +111,7 @@ _COEFFICIENT: dict[str, Any] = {
     "if_not_given": 0.0,
     "hint": HAS_FRICTION,
 }
-"""The columns of both coefficients of [contact]."""
+"""Attributes that the coefficients of sliding and static friction of [contact] have in common."""
 
 PARAMETERS = (
     block(
@@ -252,7 +252,7 @@ PARAMETERS = (
             Material,
             path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, AT),
-            # a value below 0 means that the coefficient or restitution of [contact] applies
+            # −1 in the record means that the value of [contact] applies to this wall
             restitution={"if_missing": -1.0},
             friction={"if_missing": -1.0, "hint": HAS_FRICTION},
             static_friction={"if_missing": -1.0, "hint": HAS_FRICTION},
@@ -277,7 +277,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        # the initial position is also the given position of a base that inputs move, before they give one
+        # if inputs move the base, its initial position is also its position until an input gives another one
         *(
             replace(kind, given=(MOTION, "position", j), given_if="inputs.base_motion")
             for j, kind in enumerate(
@@ -289,7 +289,7 @@ PARAMETERS = (
                 )
             )
         ),
-        # only a free base can have an initial velocity that is not zero
+        # the velocity of a pinned or sliding base follows from other values
         *_vector(
             Initial,
             path=("initial", "velocity"),
@@ -346,6 +346,6 @@ PARAMETERS = (
         smooth=False,
     ),
 )
-"""The parameters."""
+"""All parameters that scenes can have."""
 EXPERIMENT = _of_table(Simulation, path=("simulation", KEY), record_path=())
-"""Values that can be changed in addition to parameters; the record does not contain them."""
+"""Kinds of values that studies can vary like parameters, although the record does not contain them."""

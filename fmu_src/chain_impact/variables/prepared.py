@@ -1,7 +1,7 @@
-"""A scene prepared for simulation: the scene, with data that are derived from it once and then kept.
+"""A scene prepared for simulation: the scene, with data that are computed from it once and then kept.
 
-A prepared scene has the candidates, and the variables of the FMU by name with their paths in the instance
-record (kernel/record/). It makes new instances, whose records hold the parameters of the scene.
+A prepared scene has the candidates, and the variables of the FMU with their paths in the record of an
+instance (kernel/record/). It makes new instances, whose records hold the parameters of the scene.
 """
 
 from __future__ import annotations
@@ -39,13 +39,11 @@ from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import TableRow, Variable, variable_row
 
-KEPT_SELECTIONS = 64  # the largest number of selections of outputs whose indices are kept
+KEPT_SELECTIONS = 64  # largest number of texts or tuples of names of outputs whose indices are kept
 
 
 class PreparedScene:
-    """A scene and the data that follow from it.
-
-    Each part of the data is computed once, usually at its first use.
+    """A scene and the data that follow from it; each property is computed once, at its first use.
 
     Attributes:
         scene: the scene.
@@ -62,35 +60,35 @@ class PreparedScene:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[type[PreparedScene], tuple[Scene]]:
-        """Pickle only the scene; another process computes the rest again."""
+        """Pickle the scene only, because another process can compute the other data from it."""
         return type(self), (self.scene,)
 
     @in_common
     def structure(self) -> Structure:
-        """The structure of the scene."""
+        """The structure of the scene, which decides which variables exist."""
         return structure_of(self.scene)
 
     @in_common
     def candidates(self) -> list[tuple[int, int]]:
-        """The C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
+        """The C candidates: pairs (number of a point or joint, index in ``scene.wall_names``) that can touch.
 
-        A stop of a slider belongs to point 0.
+        A stop of a slider has the number 0 in place of a point's number.
         """
         return [(candidate["n"], candidate["wall"]) for candidate in self.structure.lists["candidates"]]
 
     @in_common
     def sizes(self) -> Counts:
-        """The numbers that determine the layout of the record."""
+        """The counts that decide the layout of the record, such as the number of links."""
         return self.structure.counts
 
     @in_common
     def layout(self) -> np.dtype:
-        """The layout of an instance without derivatives."""
+        """The NumPy type of an instance's record without tangent instances."""
         return layout_of(*self.sizes)
 
     @in_common
     def row(self) -> np.dtype:
-        """The layout of the outputs, one row of ``Result.outputs``."""
+        """The NumPy type of a row of ``Result.outputs``: all outputs that change continuously."""
         return self.layout["output"]
 
     @in_common
@@ -105,27 +103,27 @@ class PreparedScene:
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
-        """The inputs that signals determine, also by integrals and derivatives: name → name of the signal."""
+        """Name of a driven input, its integrals and derivatives → name of the signal that drives it."""
         return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
 
     @in_common
     def outputs(self) -> list[Variable]:
-        """The outputs of the FMU, without derivatives."""
+        """The outputs of the FMU, without derivatives, in the order of their value references."""
         return list(self.own_outputs.values())
 
     @in_common
     def own_outputs(self) -> dict[str, Variable]:
-        """The outputs of the FMU by name, without derivatives."""
+        """Name → output of the FMU, without derivatives."""
         return outputs_of(self.structure)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
-        """The outputs of the FMU by name, with derivatives."""
+        """Name → output of the FMU, with derivatives."""
         return {variable.name: variable for variable in self.variables if variable.causality == "output"}
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The units: name of a variable of the FMU → its unit."""
+        """Name of a variable of the FMU → its unit."""
         return {variable.name: variable.unit for variable in self.variables}
 
     @in_common
@@ -150,22 +148,25 @@ class PreparedScene:
 
     @in_common
     def parameter_paths(self) -> dict[str, DataPath]:
-        """The paths of parameters: name → path that ``scene.with_values`` accepts.
+        """Name of a parameter → its path in the scene, which ``scene.with_values`` accepts.
 
-        For a choice such as ``contact.model`` the FMU has a number where the scene has a name.
+        For a choice such as ``contact.model``, the FMU has a number where the scene has a name.
         """
         return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
 
     @in_common
     def differentiable(self) -> dict[str, Variable]:
-        """The parameters and inputs with respect to which there can be derivatives, by their names."""
+        """Name → parameter or input with respect to which there can be derivatives."""
         return {
             variable.name: variable for variable in (*self.parameters, *self.inputs) if variable.kind.smooth
         }
 
     @cached_property
     def start(self) -> np.ndarray:
-        """An instance in the state before initialization; nothing may write to it."""
+        """An instance before initialization, with the start values of all variables.
+
+        Nothing may write to it.
+        """
         start = self.new_instance()
         start.flags.writeable = False
         return start
@@ -175,7 +176,7 @@ class PreparedScene:
         return word_index(self.start.dtype, variable.record_path)
 
     def table_row(self, variable: Variable) -> TableRow:
-        """Return the data on a variable that an importer needs."""
+        """Return the data on a variable that the FMU's table of variables has for importers."""
         words = (word_index(self.start.dtype, path) for path in (variable.record_path, variable.set_path))
         return variable_row(variable, *words)
 
@@ -186,12 +187,12 @@ class PreparedScene:
 
     @in_common
     def columns(self) -> dict[str, int]:
-        """The index in a row of each output that changes continuously: name → index."""
+        """Name of an output that changes continuously → its index in a row of ``Result.outputs``."""
         return {variable.name: word_index(self.row, variable.record_path[1:]) for variable in self.motion}
 
     @in_common
     def kernel_size(self) -> int:
-        """The size by which ``kernel_library`` finds the scene's kernel, from the function kernel_size."""
+        """The scene's number of links for ``kernel_library``, or GENERAL: see the function kernel_size."""
         return kernel_size(self.scene)
 
     @in_common
@@ -202,14 +203,13 @@ class PreparedScene:
 
     @in_common
     def output_indices(self) -> OutputIndices:
-        """The indices of the outputs in the record."""
+        """Where the record has each output of the scene."""
         return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return the indices of outputs with some names or patterns, each once, in the order of ``wanted``.
+        """Return where the record has the outputs with some names or patterns, in the order of ``wanted``.
 
-        Raises:
-            UnknownNameError: when no output has a name, or matches a pattern.
+        Each output counts once.
         """
         by_names, kept = self._indices_by_names, self._indices_by_text
         if not isinstance(wanted, str):
@@ -222,32 +222,26 @@ class PreparedScene:
 
     @in_common
     def _indices_by_text(self) -> dict[str, OutputIndices]:
-        """A table from a name or pattern to the indices of its outputs.
-
-        The indices are kept from earlier calls of ``indices_named``.
-        """
+        """Name or pattern of outputs → their indices, from earlier calls of ``indices_named``."""
         return {}
 
     @in_common
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
-        """A function from names of outputs to their indices, which keeps the results of its last calls."""
+        """A function from names of outputs to their indices; it keeps the results of its last calls."""
         outputs, every = self.own_outputs, self.output_indices
         return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the time series of ``Result.outputs``: name of the FMU's output → values, shape (T,)."""
+        """Return name of an output → its values over time, shape (T,), from ``Result.outputs``."""
         return {
             variable.name: field_at(outputs, variable.record_path)[(..., *variable.index)]
             for variable in self.motion
         }
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
-        """Return an uninitialized instance with the parameters of the scene, an array with one record.
+        """Return an instance with the parameters of the scene, before its initialization.
 
-        After the instance, the memory also contains the tangent instances that derivatives need.
-
-        Args:
-            varied: the variables with respect to which there are derivatives; by default as in the FMU.
+        It is an array with one record. Tangent instances, which derivatives need, follow in the same memory.
         """
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)
@@ -255,7 +249,10 @@ class PreparedScene:
 
 
 def field_at(outputs: Any, path: DataPath) -> Any:
-    """Return the field of ``Result.outputs`` with the values at a path in the record."""
+    """Return the array in ``Result.outputs`` that belongs to a path in the record.
+
+    Indices in the path are ignored.
+    """
     for name in path[1:]:
         if isinstance(name, str):
             outputs = outputs[name]
@@ -263,9 +260,10 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 
 
 def kernel_size(scene: Scene) -> int:
-    """Return the size by which ``kernel_library`` finds the kernel of a scene: its number of links.
+    """Return the size by which ``kernel_library`` finds the compiled kernel for a scene: its number of links.
 
-    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or a link is a body.
+    The size is ``GENERAL`` if the base or a wall moves, signals drive inputs, or a link is a body
+    (scene/facts.py), not only a rod: a kernel for a fixed number of links has no code for these.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["body"] or facts["motions"]
@@ -273,5 +271,5 @@ def kernel_size(scene: Scene) -> int:
 
 
 def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
-    """Return the prepared form of a scene; a prepared scene is returned unchanged."""
+    """Return the prepared form of a scene; return a prepared scene unchanged."""
     return source if isinstance(source, PreparedScene) else PreparedScene(source)

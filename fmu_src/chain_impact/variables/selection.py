@@ -1,4 +1,4 @@
-"""The variables of a prepared scene that a user names, and hints in errors on names that do not exist."""
+"""Finds the variables of a prepared scene that a user names, and gives hints for unknown names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.variables.variable import Variable
 
 
 class Available(Protocol):
-    """The parts of ``PreparedScene`` with the variables that a user can name."""
+    """The properties of ``PreparedScene`` that the functions of this module need."""
 
     scene: Scene
 
@@ -39,10 +39,9 @@ class Available(Protocol):
 
 
 def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]:
-    """Return the parameters and inputs with some names, each once; ``*`` in a name stands for any text.
+    """Return the parameters and inputs whose names match ``names``, each once, for derivatives.
 
-    Raises:
-        UnknownNameError: when no variable with derivatives has such a name.
+    ``*`` in a name stands for any text.
     """
     scene = prepared.scene
 
@@ -65,11 +64,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
 
 
 def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Variable]:
-    """Return the outputs with some names or patterns, each once, in the order of ``wanted``.
-
-    Raises:
-        UnknownNameError: when no output has a name, or matches a pattern.
-    """
+    """Return the outputs with the names or patterns ``wanted``, each once, in this order."""
     if not wanted:
         return []
     outputs, hint = prepared.own_outputs, _hint_on_outputs(prepared)
@@ -77,18 +72,14 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
-    """Return the entries of ``PreparedScene.columns`` for some names or patterns.
-
-    Raises:
-        UnknownNameError: when no column has a name, or matches a pattern.
-    """
+    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``."""
     columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
     names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
     return {name: columns[name] for name in names}
 
 
 def missing_output_hint(prepared: Available, name: str) -> str | None:
-    """Return a hint on the way to get a missing output; None if none is known."""
+    """Return a hint how to get an output that the scene does not have; None if none is known."""
     inputs, outputs = [variable.name for variable in prepared.inputs], prepared.own_outputs
     if hint := output_hint(name, inputs, prepared.parameter_paths, "a signal in the scene or --inputs FILE"):
         return hint
@@ -105,7 +96,7 @@ def _hint_on_outputs(prepared: Available) -> Hint:
 
 
 def _hint_on_more(scene: Scene, name: str) -> str | None:
-    """Return a hint for a name of an output that the scene does not ask for; None for another name."""
+    """Return a hint for an output that the scene would have with another key of [outputs]; else None."""
     for key in keys(Outputs):
         if getattr(scene.outputs, key.name) is False:
             asked = f"outputs.{key.name} = true"
@@ -120,9 +111,9 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
 def _named(
     source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
 ) -> dict[str, None]:
-    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern.
+    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once.
 
-    Each key is returned once.
+    The keys of the resulting table are in the order of ``wanted``.
     """
     names = (wanted,) if isinstance(wanted, str) else wanted
     return {match: None for name in names for match in names_matching(source, name, available, what, hint)}

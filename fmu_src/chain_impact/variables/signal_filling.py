@@ -1,4 +1,4 @@
-"""The data of a scene's signals in a new record (kernel/chain/signals.py)."""
+"""Writes the signals of a scene into a new record; kernel/chain/signals.py evaluates them in a run."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from chain_impact.variables.structure import Structure
 def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     """Write the signals of a scene into a new instance.
 
-    Each input that a signal drives has an entry: the number of the input, how often the signal is integrated,
-    and the form and the values of the signal.
+    Each input that a signal drives has an entry in the record: the number of the input, the number of
+    integrations over time, and the form and the values of the signal.
     """
     if not scene.signals:
         return
@@ -33,9 +33,9 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def input_at(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input (kernel/chain/input_fields.py), and the index in the input's array.
+    """Return the number of an input (kernel/chain/input_fields.py), and its index in the input's array.
 
-    ``path`` is the path of the input in the record. A prescribed motion has the number CHANNEL.
+    ``path`` is the path of the input in the record. Every prescribed motion has the number CHANNEL.
     """
     part, field, index = path
     return CHANNEL if part == MOTION else NAMES.index(str(field)), index

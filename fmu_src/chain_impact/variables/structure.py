@@ -1,4 +1,4 @@
-"""The structure of a scene, which determines its variables, their owners and the size of its record."""
+"""The structure of a scene: the properties that decide its variables, their owners and the record's size."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from chain_impact.variables.owners import Owner, known_of, owners_of
 
 @dataclass(frozen=True)
 class Structure:
-    """All properties of a scene that determine which variables exist, without values of parameters.
+    """All properties of a scene that decide which variables exist, without the values of parameters.
 
     Scenes of one structure have the same outputs. Nothing may change ``known`` and ``lists``.
 
     Attributes:
-        known: the facts and counts of the scene, and the lengths of its lists, by name: see owners.py.
-        lists: the lists of the scene, see scene/facts.py.
-        signals: the driven inputs, one row for each.
+        known: name → number: the facts and counts of the scene and the lengths of its lists (owners.py).
+        lists: name → members of the lists of the scene (scene/facts.py).
+        signals: the inputs that signals drive, in the order of the record.
     """
 
     known: Mapping[str, int]
@@ -41,10 +41,7 @@ class Structure:
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
-        """The quantities that signals drive.
-
-        The table leads from a quantity's name to the number of the signal and the index in its ``outputs``.
-        """
+        """Name of a quantity that a signal determines → index in ``signals``, index in its ``outputs``."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: the quantity that it measures, and the exponents of SI base units.
+    """A unit: FMI's name of the quantity, and the exponents of SI base units.
 
-    The exponents are None if they are not integers.
+    The exponents are None if they are not fixed integers.
     """
 
     quantity: str
@@ -38,12 +38,12 @@ UNITS = {
     "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
     "N.m/rad": Unit("RotationalStiffness", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
     "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-    # the exponent is a parameter of the contact law, 3/2 for Hertz, so the unit has no fixed exponents
+    # contact.exponent is a parameter, 3/2 for Hertz, so the unit has no fixed exponents of base units
     "N/m^exponent": Unit("ContactStiffness", None),
     "N.m/rad^exponent": Unit("StopStiffness", None),
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
-"""Every unit of the FMU's variables, except the units of derivatives."""
+"""Name → unit of the FMU's variables; ``unit_of`` has the units of derivatives."""
 
 
 def quotient(unit: str, parameter: str) -> str:
@@ -54,7 +54,7 @@ def quotient(unit: str, parameter: str) -> str:
 
 
 def unit_of(name: str) -> Unit:
-    """Return the unit with a name, a key of ``UNITS`` or a quotient of two keys."""
+    """Return the unit with a name, which is a key of ``UNITS`` or a quotient of two keys."""
     if name in UNITS:
         return UNITS[name]
     above, below = (UNITS[part] for part in name.removesuffix(")").split("/("))
@@ -67,5 +67,8 @@ def unit_of(name: str) -> Unit:
 
 
 def in_order(names: set[str]) -> list[str]:
-    """Return names of units in order: names in ``UNITS`` first, then quotients; "" is left out."""
+    """Return names of units in the order in which FMUs list them: keys of ``UNITS``, then quotients.
+
+    The name "", no unit, is left out.
+    """
     return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

@@ -14,18 +14,16 @@ from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
-"""Parts of the record that the kernel fills when an output is read.
-
-Their real numbers change continuously.
-"""
+"""The parts of the record that the kernel fills when an output is read; their real numbers change
+continuously."""
 
 UNLESS_SET = "; unless set: "
-"""The words in front of the rule, in the description of a derived parameter."""
+"""The words before the rule by which a parameter is derived, in its description."""
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One choice of an enumeration; its number is its position, counted from 1."""
+    """One choice of an FMU enumeration; its number is its position in the list of choices, counted from 1."""
 
     name: str
     description: str
@@ -50,9 +48,10 @@ class Variable:
         minimum: value >= minimum, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
-        base_at_rest: whether the variable belongs to point 0 of a pinned base that no input moves.
+        base_at_rest: whether the variable belongs to point 0 at a pinned base that no input moves, so that it
+            never changes.
         terminal: the variable's terminal in FMI 3.0, "" for none.
-        known: words of the scene, for the description of all variables of the kind.
+        known: word in braces → text, for the description of all variables of the kind.
     """
 
     kind: Kind
@@ -73,16 +72,16 @@ class Variable:
 
     @classmethod
     def of(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
-        """Return the variable of a kind for an owner.
+        """Return the variable that an owner has of a kind.
 
-        ``words`` has the words that replace the braces in templates, and the numbers for limits.
+        ``words`` has the texts for words in braces in templates, and the numbers that limits name.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(words), other.get("rule")
         return cls(
             kind=kind,
             name=kind.name.format_map(words),
-            # a number of a signal has the unit of the input that the signal drives
+            # a value of a signal has the unit of the input that the signal drives
             unit=words.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             record_path=filled(kind.record_path, owner.values),
@@ -111,34 +110,41 @@ class Variable:
 
     @property
     def kind_description(self) -> str:
-        """The description of all variables of the kind in this scene."""
+        """The description that stands for all variables of the kind in this scene."""
         text = self.kind.in_general(self.known)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
     def initial(self) -> str | None:
-        """FMI's attribute that says how the start value is determined; an input of FMI 2.0 has none."""
+        """FMI's attribute ``initial``, which says how the start value is determined.
+
+        Inputs have none in FMI 2.0.
+        """
         return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
 
     @property
     def feedthrough(self) -> bool:
-        """Whether an input acts on this output directly, not only through the state.
+        """Whether an input acts on this output at once, not only through the state.
 
-        True for forces and peaks of forces, for accelerations of points that can move, and for derivatives of
-        these outputs: at a rigid wall or with dry friction, a torque changes the force at once.
+        This is so for forces and peaks of forces, for accelerations of points that can move, and for
+        derivatives of these outputs: at a rigid wall or with dry friction, a torque changes the force at
+        once.
         """
         return self.kind.feedthrough and not self.base_at_rest
 
     @property
     def field(self) -> str:
-        """The field of the record with the value, such as ``point_position``; dots join nested fields."""
+        """The name of the record's field with the value, such as ``point_position``.
+
+        Dots join nested fields.
+        """
         return ".".join(step for step in self.record_path[1:] if isinstance(step, str))
 
     @property
     def set_path(self) -> DataPath:
-        """The path in the record of the value that users set; derivatives are with respect to this value.
+        """The path in the record of the value that users set, with respect to which derivatives are.
 
-        The path differs from ``record_path`` for a parameter that the scene can derive.
+        It differs from ``record_path`` for a parameter that the scene can derive.
         """
         return self.given_path or self.record_path
 
@@ -157,7 +163,7 @@ class Variable:
 
 
 class TableRow(NamedTuple):
-    """The data on a variable that an importer needs.
+    """A row of the FMU's table of variables: the data that reading and setting a variable needs.
 
     Attributes:
         name: the name.

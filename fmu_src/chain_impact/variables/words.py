@@ -1,4 +1,4 @@
-"""The words of a scene and of the owners of its variables, for the templates of descriptions."""
+"""The texts that replace words in braces in the descriptions of variables, for a scene and for each owner."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ OF_STOPS = {
     "in_rad": f"; at a stop the angle in {unit_at('max_penetration', stop=True)}",
     "in_n_m_s": f"; at a stop in {unit_at('impulse', stop=True)}",
 }
-"""Words on the quantities of an impact at a stop of a joint; "" in a scene without such stops."""
+"""Word in braces → text on a quantity of an impact at a stop of a joint; "" in a scene without joint
+stops."""
 
 GENERAL = {
     "before": "link i − 1, or the base",
@@ -26,14 +27,14 @@ GENERAL = {
     "from_x": "",
     "about": "the origin, of a wall at any angle about its point",
 }
-"""Words of an owner that stand for any owner."""
+"""Word in braces → text that is right for any owner."""
 LOSSES = "contacts, joint damping and dry friction"
 
 
 def scene_words(structure: Structure) -> dict[str, Any]:
-    """Return the words and limits that a scene gives to variables, by their names in templates.
+    """Return the texts and limits that a scene gives to variables, by the words in braces.
 
-    The entry "general" is a table of words that hold for any owner.
+    The entry "general" is a table of texts that are right for any owner.
     """
     known, names = structure.known, [wall["name"] for wall in structure.lists["walls"]]
     without = () if known["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
@@ -43,8 +44,8 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "points": known["links"] + known["sites"],
         "walls": known["walls"],
         "most_status": max(statuses),
-        # Variables with the number of a wall are integers, not enumerations: importers count enumerations
-        # from 1, so none would have a number for "none".
+        # The number of a wall is an integer variable, not an enumeration: importers count an enumeration's
+        # items from 1, so the number 0 could not mean "none".
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
@@ -59,7 +60,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
 
 
 def owner_words(of: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
-    """Return the words of an owner of the kind ``of``; ``values`` are those of ``Owner``."""
+    """Return word in braces → text for an owner of the kind ``of``; ``values`` are the ``Owner``'s."""
     words = _WORDS_OF.get(of)
     return words(structure, values) if words else {}
 
@@ -88,11 +89,11 @@ _WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
     "step": _of_signal,
     "impact": lambda _, impact: {"but": f" but {impact['n'] - 1}" if impact["n"] > 1 else ""},
 }
-"""Kind of owner → function that returns the words of an owner; other kinds have no words of their own."""
+"""Kind of owner → function that returns the texts of an owner; other kinds have no texts of their own."""
 
 
 def _ground(structure: Structure) -> str:
-    """Return the words for the body to which link 1 is connected."""
+    """Return the words for the body to which joint 1 connects link 1."""
     return "the carriage" if structure.known["slider"] else "the ground"
 
 

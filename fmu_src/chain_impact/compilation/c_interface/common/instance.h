@@ -12,8 +12,8 @@
 
 #include "shared.h"
 
-/* The states of an instance: 4.2.4 of FMI 2.0, without the states of unfinished asynchronous steps, and 2.3 and 4.2
-   of FMI 3.0. EVENT is event mode. */
+/* The phase of an instance, which decides which calls are allowed: the states in 4.2.4 of FMI 2.0, without those of
+   unfinished asynchronous steps, and in 2.3 and 4.2 of FMI 3.0. STEPPING is between the steps, EVENT is event mode. */
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, FAILED, EVENT, PHASES } Phase;
 #define IN(phase) (1u << (phase))
 enum { ANY_PHASE = IN(PHASES) - 1 };
@@ -23,42 +23,50 @@ enum { OK, WARNING, DISCARD, ERROR, PENDING = 5 };
 
 typedef struct Instance Instance;
 
-/* The differences between the versions of FMI. */
+/* What differs between FMI 2.0 and FMI 3.0, for the code that both share. */
 typedef struct {
-    /* the names of arguments in messages of this version of FMI */
+    /* the names of arguments of calls, for messages */
     const char *token, *resources, *references, *values, *state;
-    /* names of the types REAL and INTEGER (shared.h) in this version of FMI */
+    /* the names of the types REAL and INTEGER (shared.h), for messages */
     const char *types[2];
-    const char *escaped; /* characters that must be written twice in a message */
+    const char *escaped; /* characters that the logger needs twice in a message */
     int by_uri;          /* 1: the importer gives the folder of the resources as a URI; 0: as a path */
-    int says_errors;     /* 1: errors are also logged with logging off */
-    int unfinished;      /* the status that a step returns which the solver cannot finish */
+    int says_errors;     /* 1: errors are logged even if the importer has switched logging off */
+    int unfinished;      /* the status of a step that the solver cannot finish */
     void (*log)(const Instance *, int status, const char *category, const char *message);
 } Interface;
 
 struct Instance {
     const Interface *interface;
-    void (*logger)(void); /* function of the importer for messages; its type depends on the version of FMI */
+    /* the importer's function for messages; its true type depends on the version of FMI */
+    void (*logger)(void);
     void *environment;
-    void *(*allocate)(size_t count, size_t size); /* function that returns memory filled with zeros */
+    /* the importer's function, or calloc: returns memory filled with zeros */
+    void *(*allocate)(size_t count, size_t size);
     void (*release)(void *);
     const char *name;
-    unsigned categories; /* categories of messages that the importer wants, one bit for each */
+    /* categories of messages that the importer wants: bit s for the status s */
+    unsigned categories;
     const Table *table;
     int shares_table; /* 1: another instance owns the table and releases it */
-    Word *record; /* the record on which the kernel works */
-    Word *other;  /* a copy of the record, for outputs after values were set; NULL before its first use */
+    Word *record; /* the record on which the kernel works: the state of the run */
+    /* a second record, in which outputs are computed after values were set; NULL before its first use */
+    Word *other;
     Phase phase;
     int event_mode;  /* 1: the importer uses event mode */
-    int32_t (*advance)(Word *record, double time); /* the function of the kernel that advances the record to a time */
+    /* the kernel's function for steps: it advances the record to a time */
+    int32_t (*advance)(Word *record, double time);
     int set_up;      /* 1: the importer has given start and stop time */
-    int initialized; /* 1: the start was computed with all values that were set before the first step */
-    const Word *observed; /* the record with the outputs of the present time; NULL if no record has them */
-    int warned; /* 1: the importer was warned that positions and velocities of a motion contradict each other */
+    /* 1: the start of the run was computed, with all values that were set before the first step */
+    int initialized;
+    /* the record that has the outputs of the present time; NULL: they must be computed */
+    const Word *observed;
+    /* 1: the importer was warned that the position and velocity of a prescribed motion contradict each other */
+    int warned;
     double time, stop_time;
 };
 
-/* life.c: the parts of the standard's calls that both versions have in common; `call` is the name of a call */
+/* Functions of life.c: what calls of both versions of FMI have in common. `call` is the name of the call, for messages. */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
 /* Return an instance of the same FMU, which shares the table of the first one. */
 Instance *another_instance(const Instance *first, const char *call, const char *name);
@@ -71,16 +79,19 @@ int exit_initialization(Instance *instance, const char *call);
 int terminate(Instance *instance, const char *call);
 int reset(Instance *instance, const char *call);
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due);
-int start(Instance *instance, const char *call); /* Compute the start, if it is not computed yet. */
-int fail(Instance *instance, int status, int fault); /* Log a fault of the kernel, after which no step can follow. */
+/* Compute the start of the run, unless it is computed already. */
+int start(Instance *instance, const char *call);
+/* Log a fault of the kernel; from then on no step is allowed. */
+int fail(Instance *instance, int status, int fault);
 
 /* functions of variables.c */
-typedef enum { FLOAT64S, INT32S, INT64S } ArrayType; /* type of the importer's arrays */
+/* type of the numbers in the importer's arrays */
+typedef enum { FLOAT64S, INT32S, INT64S } ArrayType;
 int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length);
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length);
-/* Accept an empty list of variables only. */
+/* Return OK for an empty list of variables, else log that there are no such variables and return ERROR. */
 int none(const Instance *instance, const char *call, size_t count, const char *missing);
 
 /* functions of states.c */
@@ -93,28 +104,31 @@ int deserialize(const Instance *instance, const char *call, const void *bytes, s
 
 /* functions of messages.c */
 #define ALL_CATEGORIES (~0u)
-/* the categories that are logged with debug logging off: reasons why a call was refused or failed */
+/* the categories that are logged with debug logging off: why a call was refused or failed */
 #define REFUSALS (1u << DISCARD | 1u << ERROR)
-/* Return the bit of a category of messages, all bits for logAll, and 0 for an unknown name. */
+/* Return the bit of a category of messages in `categories`: all bits for "logAll", 0 for an unknown name. */
 unsigned category_bit(const char *name);
-/* Send a sentence to the importer's log if the importer wants its category; return the status. */
+/* Log a sentence if the importer wants messages of this status; return the status. */
 int say(const Instance *instance, int status, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* `allowed` returns whether a call is allowed in the present phase, `given` whether an argument is not NULL;
-   otherwise they log an error. */
+/* Return 1 if the call is allowed in the present phase; else log an error and return 0. A null instance gives 0 without
+   a message. `given` does the same for an argument that must not be NULL. */
 int allowed(const Instance *instance, const char *call, unsigned phases);
 int given(const Instance *instance, const char *call, const char *name, const void *argument);
-const char *when(const Instance *instance); /* Return words for the present phase of the instance. */
+/* Return words for the present phase of the instance, such as "before initialization". */
+const char *when(const Instance *instance);
 typedef struct { char text[1000]; } Sentence;
-/* Return the sentence for a status and, if the record names a part of the scene as its cause, the words for this
-   part. */
+/* Return the sentence for a status of the kernel. If the record names the part of the scene that is the cause, its name
+   follows. */
 Sentence reason(const Table *table, const Word *record, int status);
 typedef struct { char text[32]; } Number;
-Number number(double value); /* Return the shortest text of a number from which the same number is read. */
+/* Return the shortest text from which exactly this number is read. */
+Number number(double value);
 Number rounded(double value); /* Return the text of a number with nine digits. */
 
 /* functions of table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
-int is_whole(const Table *table); /* Return whether the table is valid for this binary (whole.c). */
+/* Return 1 if the table is valid for this binary, else 0 (whole.c). */
+int is_whole(const Table *table);
 uint32_t checksum(const void *bytes, size_t size); /* Return the checksum CRC-32 of some bytes, as in zlib and PNG. */
 static inline const void *in_table(const Table *table, int64_t offset) { return (const char *)table + offset; }
 const char *text_of(const Table *table, int64_t offset);

@@ -1,18 +1,18 @@
-/* The life of an instance, and its steps. The standard's table (4.2.4 of FMI 2.0) or state machine (2.3 and 4.2 of
-   FMI 3.0) says when a call is allowed; a call that is refused changes nothing. */
+/* The life of an instance: making, starting, stepping and freeing it. The standard's table (4.2.4 of FMI 2.0) or state
+   machine (2.3 and 4.2 of FMI 3.0) says in which phase a call is allowed; a refused call changes nothing. */
 #include "instance.h"
 #include "registers.h"
 
 #include <math.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
+/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
+#pragma STDC FENV_ACCESS ON
 
-/* The largest allowed difference between the time of the importer and the time of the instance, relative to the
-   step: importers may round their time to 1 us. With a much larger tolerance, a skipped or repeated step would not
-   be noticed. */
+/* [1] largest allowed difference between the importer's and the instance's time, relative to the step: importers may
+   round their time to 1 us. A much larger tolerance would accept a skipped or repeated step. */
 static const double TIME_TOLERANCE = 1e-2;
-/* The round-off of the clock of an importer that adds up the steps, relative to the time. */
+/* [1] round-off of an importer's time that is a sum of steps, relative to the time */
 static const double ROUND_OFF = 1e-12;
 
 static void back_to_the_start(Instance *instance) {
@@ -25,8 +25,8 @@ static void back_to_the_start(Instance *instance) {
     instance->stop_time = INFINITY;
 }
 
-/* Return an instance with its name and its record, in one block of memory; NULL if there is not enough memory. The
-   record comes last, so that a sanitizer detects when the kernel reads or writes beyond the record. */
+/* Return an instance with its name and its record in one block of memory; NULL if there is not enough memory. The
+   record comes last in the block, so that a sanitizer notices when the kernel reads or writes beyond it. */
 static Instance *allocated(const Instance *draft) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
     size_t words = (name + sizeof(Word) - 1) / sizeof(Word);
@@ -162,11 +162,12 @@ int fail(Instance *instance, int status, int fault) {
                reason(instance->table, instance->record, fault).text);
 }
 
-/* Warn once if the given positions and velocities of a motion contradict each other. */
+/* Warn once if the importer's positions and velocities of a prescribed motion contradict each other. */
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;
-    /* the words of a motion: the number of the channel (0: none), then distance, time and speed */
+    /* the kernel's note on such a motion: the number of its channel (0: there is none), then the distance moved [m],
+       the time for it [s], and the given velocity [m/s] */
     const Word *words = instance->record + table->contradiction_word;
     if (words->integer == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
@@ -179,7 +180,8 @@ static void warn(Instance *instance) {
         name, rounded(words[1].real).text, rounded(words[2].real).text, rounded(words[3].real).text);
 }
 
-/* Make a step. It ends in any case, because solver.work_limit limits the solver's work. */
+/* Make a step of `size` seconds from the time `now`; set *onset_due to 1 if it ends early, at the onset of a contact.
+   Every step ends, because solver.work_limit limits the solver's work. */
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due) {
     if (!allowed(instance, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();

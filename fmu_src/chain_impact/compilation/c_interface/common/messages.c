@@ -1,4 +1,4 @@
-/* Messages to the importer, and the checks at the start of every call. */
+/* Messages to the importer, and the checks at the start of every call: `allowed` and `given`. */
 #include "instance.h"
 #include "registers.h"
 
@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
+/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
+#pragma STDC FENV_ACCESS ON
 
 enum { LONGEST = 2000 }; /* [bytes] the longest message; a longer message is cut */
 
-/* The categories of messages, by the number of the status: LogCategories of the model description. */
+/* The category of a message, by its status; the model description has them as LogCategories. */
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                          "logStatusFatal"};
 
@@ -62,7 +63,7 @@ Number number(double value) {
         snprintf(result.text, sizeof result.text, "%.*g", digits, value);
         if (strtod(result.text, NULL) == value) break;
     }
-    /* the decimal mark of the importer's locale may be a comma, which is replaced by a point */
+    /* the locale of the importer's process may have a decimal comma, which becomes a point */
     char *comma = strchr(result.text, ',');
     if (comma) *comma = '.';
     if (result.text[strspn(result.text, "-0123456789")] == '\0') strcat(result.text, ".0");
@@ -82,7 +83,8 @@ Sentence reason(const Table *table, const Word *record, int status) {
     const int64_t *statuses = in_table(table, table->statuses_at), *parts = in_table(table, table->parts_at);
     int known = status >= 0 && status < table->status_count;
     const char *what = known ? text_of(table, statuses[status]) : "unknown status";
-    int64_t part = record[table->part_word].integer; /* number of the part of the scene; parts count from 1 */
+    /* the part of the scene that causes the fault, counted from 1; 0: none */
+    int64_t part = record[table->part_word].integer;
     int named = part >= 1 && part <= table->part_count;
     Sentence sentence;
     snprintf(sentence.text, sizeof sentence.text, named ? "%s: %s" : "%s", what,

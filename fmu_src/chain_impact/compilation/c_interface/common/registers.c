@@ -1,11 +1,11 @@
-/* Each exported function of the kernel calls these functions (chain_impact/compilation/collecting.py). The functions
-   are in a separate file, so that no compiler moves arithmetic across a call. The flags of past exceptions are
-   restored, too. */
+/* Each exported function of the kernel calls these functions at its start and end (compilation/collecting.py). They are
+   in a file of their own, so that no compiler moves arithmetic across their calls. The register also has flags of past
+   exceptions, which are restored as well. */
 #include "registers.h"
 
 #if defined(__x86_64__)
 
-/* the settings at the start of a process: exceptions masked, rounding to nearest, denormal numbers kept, no flags */
+/* x86: exceptions masked, rounding to nearest, denormal numbers kept, no flags, as at the start of a process */
 static const uint32_t USUAL = 0x1f80;
 
 uint64_t usual_registers(void) {
@@ -22,8 +22,8 @@ void put_registers_back(uint64_t registers) {
 
 #elif defined(__aarch64__)
 
-/* The control register is in the lower half of the value, the flags are in the upper half. The usual settings are
-   zeros. */
+/* aarch64: the result has the control register in its lower half, the flags in its upper half. At the start of a
+   process both are 0. */
 uint64_t usual_registers(void) {
     uint64_t control, flags;
     __asm__ volatile("mrs %0, fpcr" : "=r"(control));

@@ -1,20 +1,21 @@
-/* States (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the interface, in the same form
-   in memory and as bytes. */
+/* Saved states (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and a few numbers of the instance. A state has
+   the same bytes in memory and serialized. */
 #include "instance.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A saved state; its checksum is used only for states as bytes. */
+/* A saved state. Only a serialized state has a checksum. */
 typedef struct {
     char magic[8];
-    uint64_t size, checksum; /* checksum of the data after this number */
+    uint64_t size, checksum; /* checksum of all bytes after this field */
     char guid[40];
     int64_t phase, flags;
     double time, stop_time; /* the record follows these numbers in memory */
 } State;
 
-enum { INITIALIZED = 1, SET_UP = 2 }; /* values of the bits of State.flags */
+/* bits of State.flags: the members of the same name of the instance */
+enum { INITIALIZED = 1, SET_UP = 2 };
 enum { BEGIN = offsetof(State, guid) };
 static const char MAGIC[] = "chainimp";
 
@@ -32,7 +33,7 @@ static int is_own(const Instance *instance, const State *state) {
            size_of(state) == sizeof(State) + (size_t)instance->table->record_size;
 }
 
-/* Return whether the kernel can continue from a state, whatever its origin. */
+/* Return whether the kernel can continue from a state. The state may come from anywhere, so its numbers are checked. */
 static int state_is_sound(const Instance *instance, State *state) {
     Word *record = (Word *)(state + 1);
     int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;

@@ -1,4 +1,4 @@
-/* The search for resources/model.bin, and the check that the file is complete. */
+/* Reads resources/model.bin, the table with the data of the scene, and checks that the file is complete. */
 #include "instance.h"
 
 #include <fcntl.h>
@@ -15,7 +15,7 @@
 
 enum { LONGEST = 4096 }; /* [bytes] the longest path that can be opened */
 
-/* Open a file by its path in UTF-8; -1 if it cannot be read. stdio is not used, because it allocates memory. */
+/* Open a file by its path in UTF-8, without stdio, which allocates memory; return −1 if the file cannot be read. */
 static int open_file(const char *path) {
 #ifdef _WIN32
     wchar_t wide[LONGEST];
@@ -44,13 +44,13 @@ static int hexadecimal(char digit) {
 
 static const char NAME[] = "/model.bin";
 
-/* Find the path of the table from the URI of its folder (file:///folder, file:/folder or file://localhost/folder) or,
-   beyond the standard, from the path of the folder; return 0 if the URI is not valid. */
+/* Find the path of model.bin from the URI of its folder: file:///folder, file:/folder or file://localhost/folder;
+   beyond the standard, the folder's path is accepted, too. Return 0 if the URI is not valid. */
 static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
 #ifdef _WIN32
-    /* a URI such as /C:/folder is a path of Windows after its first character */
+    /* in a URI such as /C:/folder, the Windows path begins after the first / */
     if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++;
 #endif
     size_t size = 0;
@@ -69,7 +69,7 @@ static int path_by_uri(const char *uri, char path[LONGEST]) {
     return 1;
 }
 
-/* Find the path of the table from the path of its folder, with or without a separator at the end. */
+/* Find the path of model.bin from the path of its folder, with or without a separator at the end. */
 static int path_by_path(const char *folder, char path[LONGEST]) {
     size_t size = strlen(folder);
     if (size == 0 || size + sizeof NAME > LONGEST) return 0;
@@ -112,8 +112,8 @@ const Table *read_table(const Instance *draft, const char *resources, const char
     return table;
 }
 
-/* Compute the CRC-32 four bytes at a time, with eight tables of 16 entries: one table for each group of four bits.
-   tables[0] belongs to the last group; each further table follows from the table before by a shift of four bits. */
+/* Return the CRC-32, four bytes at a time, with eight tables of 16 entries: one table for each group of four bits.
+   tables[0] belongs to the last group; the table of the group before it follows by a shift of four bits, and so on. */
 uint32_t checksum(const void *bytes, size_t size) {
     static const uint32_t LAST[16] = {
         0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,

@@ -1,12 +1,13 @@
-/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table gives the words of the record for
-   each variable. */
+/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table of the scene says at which words of
+   the record a variable's values are. */
 #include "instance.h"
 #include "registers.h"
 
 #include <limits.h>
 #include <string.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
+/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
+#pragma STDC FENV_ACCESS ON
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
@@ -15,23 +16,23 @@ static const unsigned SETTABLE[] = {
 static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
                                     "the independent variable"};
 
-/* Return the variable of a value reference; NULL if there is none, or if it has another type. */
+/* Return the variable with a value reference; NULL if there is none, or if it has not the type of the array. */
 static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType array) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     int type = array == FLOAT64S ? REAL : INTEGER;
     return vr < instance->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* Return whether the kernel computes a value: that of an output or, from initialization mode on, of a parameter that
-   the kernel may derive from others. */
+/* Return whether the kernel must compute a value before it is read: an output, or a parameter that the kernel derives
+   from others unless it is set; the latter only after instantiation. */
 static int worked_out(const Instance *instance, const Variable *of) {
     return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
 
-/* Return the record from which variables are read; NULL after an error. If the kernel computes one of the variables,
-   the record has the outputs of the present time. Values that were set since the last step are tried in the second
-   record, so that reading outputs does not change the run. If the run cannot continue with these values, the outputs do
-   not change, and a warning is logged: other values may still be set. */
+/* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
+   variables, the result has all outputs of the present time. After values were set, they are computed in the second
+   record, so that reading does not change the run. If the run cannot continue with these values, *status becomes a
+   warning: other values may still be set. */
 static const Word *source(Instance *instance, const char *call, const uint32_t vr[], size_t count, int *status) {
     const Variable *all = in_table(instance->table, instance->table->variables_at);
     size_t i = 0;
@@ -57,7 +58,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
     return seen;
 }
 
-/* Return whether as many values are given as the variables, all of them valid, have; else log an error. */
+/* Return whether the variables, all of which exist, have together as many values as the call gives; else log an error. */
 static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;
@@ -72,7 +73,7 @@ static void store(Word word, ArrayType array, void *values, size_t i) {
         ((double *)values)[i] = word.real;
     else if (array == INT64S)
         ((int64_t *)values)[i] = word.integer;
-    else /* a count can be larger than 32 bits hold: INT_MAX then stands for it */
+    else /* a count can be larger than 32 bits hold: the importer then gets INT_MAX */
         ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
 }
 
@@ -104,7 +105,8 @@ static Word word_at(ArrayType array, const void *values, size_t i) {
     return (Word){.integer = array == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
 }
 
-/* Return OK if a value can be set, else ERROR after a message; a variable that can be set is never an array. */
+/* Return OK if a variable may be set to a value, else log why not and return ERROR. Only a variable with one value can
+   be set, no array. */
 static int check(const Instance *instance, const char *call, ArrayType array, uint32_t vr, Word new) {
     const Variable *at = variable(instance, vr, array);
     if (!at)
@@ -114,7 +116,8 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
         return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(instance));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    int in_range = at->low <= value && value <= at->high; /* for NaN the comparison is false, too */
+    /* NaN gives 0, too, because each comparison with NaN is false */
+    int in_range = at->low <= value && value <= at->high;
     put_registers_back(registers);
     if (in_range) return OK;
     if (at->type == INTEGER)
@@ -122,7 +125,7 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
     return say(instance, ERROR, "%s: %s = %s must be %s", call, name, number(new.real).text, range);
 }
 
-/* Set all values or, if one value is refused, none. */
+/* Set the values of all variables; if one value is refused, set none. */
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
     if (!allowed(instance, call, ANY_PHASE)) return ERROR;

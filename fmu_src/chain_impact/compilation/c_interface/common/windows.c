@@ -1,10 +1,10 @@
-/* Two C functions that the library of Windows does not export: the headers of its C runtime define them inline. */
+/* vsnprintf and snprintf, which the C library of Windows does not export: its headers define them inline. */
 #ifdef _WIN32
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* a flag for the behaviour of the C standard: a text that is cut ends with 0, and the result is the full length */
+/* flag for the behaviour of the C standard: a text that is cut ends with 0, and the result is the length before the cut */
 enum { AS_C_SAYS = 2 };
 
 int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale,

@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard; the function makes the call `made` and returns the status of this call. */
+/* Define a function of the standard: it evaluates `made`, usually a call of a shared function, and returns its status. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
@@ -21,7 +21,9 @@ static void log_message(const Instance *instance, int status, const char *catego
 static const Interface FMI2 = {
     .token = "fmuGUID", .resources = "fmuResourceLocation", .references = "vr", .values = "value", .state = "FMUstate",
     .types = {"Real", "Integer"},
-    .escaped = "%#", /* the importer treats a message as a format of printf, in which # begins a variable's name */
+    /* the logger takes a message as a format of printf, where % begins a value, and # begins a variable's name: both
+       are doubled */
+    .escaped = "%#",
     .by_uri = 1, .unfinished = DISCARD, .log = log_message,
 };
 
@@ -44,8 +46,9 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 }
 
 /* Beyond the standard, for a slave in Python (slave.py): return another instance of the same FMU, which shares the
-   table of the first instance; the first instance must be freed last. A long step returns fmi2Pending after a second of
-   computing, and continues when it is called again with the same arguments: between the calls Python handles Ctrl-C. */
+   table of the first instance; the first instance must be freed last. After a second of computing, fmi2DoStep returns
+   fmi2Pending; the slave calls it again with the same arguments, and the step goes on. Between the calls Python handles
+   Ctrl-C. */
 FMI2_Export fmi2Component another_fmi2_instance(fmi2Component first, fmi2String name) {
     Instance *instance = first ? another_instance(first, "fmi2Instantiate", name) : NULL;
     if (instance) instance->advance = advance_awhile;
@@ -67,7 +70,7 @@ FUNCTION(fmi2ExitInitializationMode, exit_initialization(c, __func__), fmi2Compo
 FUNCTION(fmi2Terminate, terminate(c, __func__), fmi2Component c)
 FUNCTION(fmi2Reset, reset(c, __func__), fmi2Component c)
 
-/* --- variables: 2.1.7; a function without a capability in the model description accepts an empty list only --- */
+/* --- variables: 2.1.7; functions for what the model description excludes accept an empty list only --- */
 
 #define ACCESS(name, what, type, array)                                                                    \
     FUNCTION(name, what(c, __func__, array, vr, count, value, count), fmi2Component c,                     \
@@ -115,7 +118,8 @@ FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
     return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
 }
 
-/* Define a function for the status of the last step: it gives `found` for the kind KIND, and discards other kinds. */
+/* Define a function for a status of the last step: it gives `found` for the kind KIND, and returns fmi2Discard for
+   other kinds. */
 #define STATUS(NAME, TYPE, KIND, found)                                                                      \
     FMI2_Export fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {                   \
         const Instance *instance = c;                                                                             \
@@ -129,6 +133,6 @@ enum { NO_KIND = -1 };
 STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, instance->phase == FAILED ? fmi2Discard : fmi2OK)
 STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, instance->time)
 STATUS(fmi2GetIntegerStatus, fmi2Integer, NO_KIND, 0)
-/* The FMU never asks for the end of the simulation, because importers would take it for an end without a fault. */
+/* fmi2Terminated is always false: an importer would take true for an end of the simulation without a fault. */
 STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, fmi2False)
 STATUS(fmi2GetStringStatus, fmi2String, NO_KIND, NULL)

@@ -5,7 +5,8 @@
 
 #include <stddef.h>
 
-/* Also on Windows: with __declspec(dllexport) the kernel's own functions would no longer be exported. */
+/* This form is used on Windows, too: with __declspec(dllexport) the library would not export the kernel's own
+   functions. */
 #define FMI2_Export __attribute__((visibility("default")))
 #define fmi2TypesPlatform "default"
 #define fmi2Version "2.0"

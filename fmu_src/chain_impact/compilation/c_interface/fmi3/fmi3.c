@@ -5,9 +5,10 @@
 #include <fmi3Functions.h>
 #include <stdlib.h>
 
-#pragma STDC FENV_ACCESS ON /* the compiler must not move arithmetic across the calls of registers.h */
+/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
+#pragma STDC FENV_ACCESS ON
 
-/* Define a function of the standard; the function makes the call `made` and returns the status of this call. */
+/* Define a function of the standard: it evaluates `made`, usually a call of a shared function, and returns its status. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -49,7 +50,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return instance;
 }
 
-/* Define a function for a kind of instance that this FMU does not have: the function logs this, and returns NULL. */
+/* Define a function for a kind of instance that this FMU does not have: it logs this and returns NULL. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
@@ -83,7 +84,7 @@ ACCESS(fmi3GetInt64, get, fmi3Int64, INT64S)
 ACCESS(fmi3SetFloat64, set, const fmi3Float64, FLOAT64S)
 ACCESS(fmi3SetInt64, set, const fmi3Int64, INT64S)
 
-/* Define the functions for types that no variable has: they accept an empty list only. */
+/* Define the functions that get and set a type that no variable has: they accept an empty list only. */
 #define NO_VARIABLES(name, ...)                                                                                \
     FUNCTION(name, ((void)vr, none(c, __func__, count, "variables of this type")), fmi3Instance c,             \
              const fmi3ValueReference vr[], size_t count, __VA_ARGS__)
@@ -154,7 +155,7 @@ FMI3_Export fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 s
     return fmi3OK;
 }
 
-/* Change from step mode to event mode, or from event mode to step mode. */
+/* Change from step mode to event mode or back; refuse this for an instance that was made without event mode. */
 static int change_mode(Instance *instance, const char *call, Phase from, Phase to) {
     if (instance && !instance->event_mode)
         return say(instance, ERROR, "%s cannot be called: the instance was made with eventModeUsed = fmi3False", call);
@@ -180,7 +181,7 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
     instance->observed = NULL;
     int fault = event_update(instance->record);
     if (fault) return (fmi3Status)fail(instance, ERROR, fault);
-    /* all flags are false: for example, the time of the next event is not known in advance */
+    /* No flag is ever true: one update suffices, and the time of the next event is not known in advance. */
     for (int i = 0; i < 5; i++) *flags[i] = fmi3False;
     *next_time = instance->time;
     return fmi3OK;
@@ -192,7 +193,7 @@ static int not_there(const Instance *instance, const char *call, const char *wha
     return instance ? say(instance, ERROR, "%s: this FMU has no %s", call, what) : ERROR;
 }
 #define NOT_THERE(name, what, ...) FUNCTION(name, not_there(c, __func__, what), fmi3Instance c __VA_ARGS__)
-#define AND , /* a comma between other arguments of the macros */
+#define AND , /* A comma in an argument of NOT_THERE, where a plain comma would begin the next argument */
 #define EXCHANGE "model exchange"
 NOT_THERE(fmi3EvaluateDiscreteStates, "fmi3EvaluateDiscreteStates")
 NOT_THERE(fmi3EnterConfigurationMode, "structural parameters")
