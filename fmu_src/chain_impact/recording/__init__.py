@@ -1,1 +1,1 @@
-"""A recorded motion: its table, its lists of impacts and changes, and values that are computed from these."""
+"""A recorded motion (a recording): its table over time, its lists of impacts, and values from them."""

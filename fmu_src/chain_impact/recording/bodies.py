@@ -1,4 +1,4 @@
-"""The points on links that are not the links' ends, and the parameters that decide how bodies are drawn."""
+"""The points of links that are not link ends, and the parameters that decide how bodies are drawn."""
 
 from __future__ import annotations
 
@@ -17,13 +17,10 @@ def is_of_body(name: str) -> bool:
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radius [m] of each point beside the ends of links, in the order of the points' numbers."""
+    """Return the radius [m] of each point of a link beside its ends, in the order of the points' numbers."""
     return [radius for discs in discs_of_links(values).values() for *_, radius in discs]
 
 
 def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
-    """Return the number of points that are no ends, for each link with such points.
-
-    The result maps the index of the link to the number.
-    """
+    """Return number of a link → number of its points beside its ends, for each link with such points."""
     return {link: len(discs) for link, discs in discs_of_links(values).items()}

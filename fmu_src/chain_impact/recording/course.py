@@ -1,4 +1,4 @@
-"""The course of one impact: force, penetration and speed over time, also between the rows of the result."""
+"""The course (history) of one impact: force, penetration and speed over time, also between rows."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
-SAMPLES = 400  # the number of times at which the course of an impact is computed
-LASTING_SAMPLES = 4000  # the number of equally spaced times in a contact longer than ``near`` of course_of
-# the time of the first sample after the onset in such a contact, relative to the contact's duration
+SAMPLES = 400  # number of times at which the course of an impact is computed
+# number of equally spaced times in a contact that lasts longer than the argument ``near`` of course_of
+LASTING_SAMPLES = 4000
+# [1] in a contact that lasts longer than ``near``: time from the onset to the first sample, relative to the
+# duration
 SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]
@@ -24,13 +26,13 @@ Rerun = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """One impact over time. At a stop of a joint, a moment [N·m] and an angle [rad] replace force and length.
+    """One impact over time. At a stop of a joint, moment [N·m] and angle [rad] replace force and length.
 
     Attributes:
-        time: from the onset to the end, shape (S,) [s]; empty for an impulse.
-        force: shape (S,) [N].
-        penetration: shape (S,) [m].
-        speed: rate of penetration, positive during compression, shape (S,) [m/s].
+        time: times from the onset to the end, shape (S,) [s]; empty for an impulse of a rigid wall.
+        force: the normal force of the wall at each time, shape (S,) [N].
+        penetration: the penetration at each time, shape (S,) [m].
+        speed: the rate of penetration at each time, positive during compression, shape (S,) [m/s].
         energy_lost: the energy [J] that the whole chain dissipates from just before the onset until just
             after the end.
     """
@@ -52,16 +54,16 @@ def course_of(
 ) -> Course:
     """Return the course of an impact, a row of ``Result.impacts``.
 
-    The run is repeated up to the end of the impact, with additional rows during the impact. The repeated run
-    is identical bit by bit, because additional rows do not change the solution.
+    The run is repeated up to the end of the impact, with additional rows within it. The repeated run is
+    identical bit by bit, because additional rows do not change the solution.
 
     Args:
         prepared: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the row of ``Result.impacts``.
         until: the end of the course [s], used if the end of the contact is NaN.
-        near: if the contact is longer than this [s], additional samples are dense just after the onset, and
-            until this time after it; 0 for equal distances between all samples.
+        near: if the contact lasts longer than this [s], more samples lie just after the onset and in the
+            first ``near`` seconds; 0: all samples have equal distances.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
@@ -80,7 +82,9 @@ def course_of(
     at, sign = contact_output(prepared, impact)
     within = outputs[1 : 1 + len(inside)]
     speed = within["penetration_rate"][:, at].copy()
-    if len(speed):  # at onset and end ``penetration_rate`` is 0, because the penetration is 0 there
+    # the output ``penetration_rate`` is 0 at onset and end, because the penetration is 0 there: the speeds of
+    # the list of impacts replace it
+    if len(speed):
         speed[0] = impact["impact_speed"]
     if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]
@@ -94,9 +98,10 @@ def course_of(
 
 
 def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
-    """Return the index of an impact's contact in the outputs, and the sign of its force there.
+    """Return the index of an impact's contact among the outputs of contacts, and the sign of its force there.
 
-    The sign is −1 at a ``joint_max``: both stops of a joint share one output.
+    The sign is −1 at ``joint_max``: both stops of a joint share one output, a moment that is positive at
+    ``joint_min``.
     """
     pairs, scene = prepared.candidates, prepared.scene
     if not at_stop(scene, impact["wall"]):

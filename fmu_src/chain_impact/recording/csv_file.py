@@ -1,4 +1,4 @@
-"""A recording from a table of an FMU's outputs, which `simulate --csv` or another tool has written."""
+"""Reads a table of an FMU's outputs, which `simulate --csv` or another tool has written, as a recording."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NEEDED_COLUMNS = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y"
 
 
 class NeedsSceneError(SceneError):
-    """Raised when a table has contacts with walls, but no scene is given that has the walls' positions."""
+    """Raised when a table has contacts with walls whose positions are unknown, because no scene is given."""
 
 
 def read_csv(path: Path, scene: Scene | None = None) -> Recording:
@@ -82,7 +82,8 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
         rows = _numbers(names, text)
-    except ValueError as error:  # here a cell is not a number, a line is too long, or the encoding is wrong
+    # the error is of a cell that is not a number, of a line with too many cells, or of a wrong encoding
+    except ValueError as error:
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED_COLUMNS if name not in names]
     if missing:
@@ -94,7 +95,7 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # columns of derivatives are NaN at times at which these do not exist; all other columns must be finite
+    # a column of derivatives is NaN at times without derivatives; any other column must have finite numbers
     slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")

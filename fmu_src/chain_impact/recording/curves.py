@@ -1,4 +1,4 @@
-"""Outputs over time as curves for a picture, also within impacts, where a result has few rows or none."""
+"""Curves of outputs over time for a picture, also within impacts, where a result has few rows or none."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from chain_impact.scene.reading import names_matching
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.prepared import PreparedScene
 
-# WITHIN: the number of additional times within an impact; FOLLOWED: the largest number of impacts with
-# additional times
+# WITHIN: number of additional times within an impact; FOLLOWED: largest number of impacts that get them
 WITHIN, FOLLOWED = 50, 400
-CLOSE_TIMES = 1000  # the number of times in a close view of one impact
-BEFORE, AFTER = 0.5, 1.0  # the time shown before and after an impact, relative to the duration of the impact
-# Between two of these times more times are added while a curve bends there by more than BEND of its range, at
-# most ROUNDS times. Without them a peak late in a long contact would be drawn too low.
+CLOSE_TIMES = 1000  # number of times in a picture of one impact (a close view)
+# [1] time that a close view shows before and after the impact, relative to the impact's duration
+BEFORE, AFTER = 0.5, 1.0
+# An interval between two times is divided into PARTS if a curve deviates from a straight line there by more
+# than BEND times its range; this is repeated at most ROUNDS times, and stops at MOST_TIMES times. Without it
+# a peak late in a long contact would be drawn too low.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
-# the duration that is shown of a contact that lasts to the end, relative to the run's duration
+# [1] what a close view shows of a contact that lasts to the end of the run, relative to the run's duration
 LASTING_SHARE = 0.02
-# the duration that is shown around an impulse, which has no duration, relative to the run's duration
+# [1] what a close view shows around an impulse, which has no duration, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
 
@@ -33,9 +34,9 @@ class Curves:
     """Some outputs over time, which a picture shows as curves.
 
     Attributes:
-        time: shape (T,) [s].
-        values: name → shape (T,).
-        units: name → unit; "" for an output without a unit.
+        time: the times of all curves, shape (T,) [s].
+        values: name of an output → its values, shape (T,).
+        units: name of an output → its unit; "" without a unit.
         onset: the onset [s] of the impact in a close view; None in a view of the whole run.
         number: the number of the impact in a close view, from 1; 0 in a view of the whole run.
     """
@@ -48,7 +49,10 @@ class Curves:
 
     @property
     def panels(self) -> list[list[str]]:
-        """The names of the outputs, one list for each unit, in the order in which the units first occur."""
+        """The names of the outputs, one list for each unit.
+
+        The units are in the order of their first outputs.
+        """
         panels: dict[str, list[str]] = {}
         for name in self.values:
             panels.setdefault(self.units.get(name, ""), []).append(name)
@@ -64,7 +68,7 @@ def curves_of(
     prepared: PreparedScene | None = None,
     rerun: Rerun | None = None,
 ) -> Curves:
-    """Return the curves of some outputs.
+    """Return the curves of some outputs, for the whole run or for a close view of one impact.
 
     Args:
         recording: the recording with the outputs.
@@ -72,8 +76,8 @@ def curves_of(
         units: name → unit.
         around: the number of an impact, from 1, for a close view of this impact; None for the whole run.
         prepared: the prepared scene, if it is known.
-        rerun: function that returns outputs at other times. Without this function or the prepared scene, the
-            curves have only the times of the recording's rows.
+        rerun: function of times that repeats the run and returns the outputs then. Without ``rerun`` or
+            ``prepared``, the curves have the times of the recording's rows only.
 
     Raises:
         UnknownNameError: when no output matches one of the names.
@@ -93,7 +97,7 @@ def curves_of(
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
-    # the value in a row of an output that changes only at events and steps holds until the next row
+    # an output that changes only at events and steps keeps the value of a row until the next row
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {
         name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
@@ -104,12 +108,12 @@ def curves_of(
 def refined(
     time: np.ndarray, series_at: Callable[[np.ndarray], dict[str, np.ndarray]], names: Sequence[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return times with more of them where the named outputs bend, and all outputs there.
+    """Return times, with more of them where the named outputs bend, and all outputs at these times.
 
     Args:
         time: increasing times [s], shape (T,).
-        series_at: function of times: name → values there, which are fewer if the run ends early.
-        names: the outputs that are drawn; those without values count as constant.
+        series_at: function from times to name → values then; there are fewer values if the run ends early.
+        names: the outputs that are drawn; one without values counts as constant.
     """
 
     def computed(at: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -128,7 +132,11 @@ def refined(
 
 
 def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
-    """Return whether a curve bends at an end of each interval between two times, shape (T − 1,)."""
+    """Return for each interval between two times whether any curve bends at one of its ends, shape (T − 1,).
+
+    A curve bends at a time if it deviates there from the straight line between its neighbours by more than
+    BEND times its range.
+    """
     bent = np.zeros(max(0, len(time) - 1), bool)
     for values in curves:
         if not values.size or not np.isfinite(values).all():
@@ -142,9 +150,9 @@ def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
-    """Return the onset of an impact, and start and end of its view [s].
+    """Return the onset of the impact number ``around``, and start and end of its close view, all in [s].
 
-    If ``around`` is None, the onset is None, too, and the view is the whole run.
+    If ``around`` is None, the onset is None, and the view is the whole run.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
@@ -168,10 +176,10 @@ def impact_numbers(count: int) -> str:
 
 
 def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
-    """Return additional times [s] from ``low`` to ``high``.
+    """Return times [s] between ``low`` and ``high``, at which curves are computed in addition to the rows.
 
-    The times are equally spaced in a close view. In a view of the whole run, they lie only within the first
-    FOLLOWED impacts.
+    In a close view they are equally spaced. In a view of the whole run they lie within the first FOLLOWED
+    impacts, WITHIN times in each.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)

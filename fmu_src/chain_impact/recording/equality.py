@@ -1,4 +1,4 @@
-"""Equality of dataclasses with arrays, for which ``==`` returns an array."""
+"""Equality of dataclasses that contain arrays; the operator ``==`` would return an array for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of impacts: its columns, and how to compute it from the outputs of an FMU."""
+"""The table of impacts: its columns, and its computation from the outputs of an FMU."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from chain_impact.scene.names import SLIDER_STOPS, STOPS, name_parts
 from chain_impact.scene.warning import warn
 
 _LOG = contact_log_dtype(0)
-# fields of the log of contacts that are not columns of the table of impacts
+# fields of the kernel's log of contacts that are not columns of the table of impacts
 _OF_RING = ("count", "collected", "number")
 LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
-"""The columns of ``IMPACT_DTYPE`` that the log of contacts in the kernel contains."""
+"""The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has, too: all but the name of the
+wall."""
 IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
 """The columns of the table of impacts; a row is one contact. The columns are: the number of the point; the
 index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s]; peak
@@ -52,13 +53,16 @@ COLUMNS = {
     "max_penetration": "max_penetration",
     "impulse": "impulse",
 }
-"""Field of the table → last part of the name of the variable in the FMU."""
+"""Column of the table of impacts → last part of the name of the FMU's variable."""
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
-    """Return impacts with the names of their walls; ``walls`` has the names, by number."""
+    """Return the impacts of a log of contacts as a table with the names of their walls.
+
+    ``walls`` has the names, in the order of the walls' numbers.
+    """
     table = np.zeros(len(impacts), IMPACT_DTYPE)
-    # the fields are copied as plain numbers, because NumPy copies rows of fields much more slowly
+    # the columns are copied as plain numbers, because NumPy copies tables of columns much more slowly
     _numbers(table)[:, : len(LOG_DTYPE.names or ())] = _numbers(impacts)
     table["wall_name"] = _names(tuple(walls)).take(impacts["wall"] + 1, mode="clip")
     return table
@@ -68,13 +72,13 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
 def _names(walls: tuple[str, ...]) -> np.ndarray:
     """Return the names of the walls, with an empty name in front and an empty name at the end.
 
-    An index below or above the walls' numbers then gives "".
+    An impact whose wall has a number without a name then gets the name "".
     """
     return np.array(["", *walls, ""], IMPACT_DTYPE["wall_name"])
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices that sort all contacts of ``parts`` by onset, and the sorted contacts, ``named``."""
+    """Return the order that sorts all contacts of some logs by onset, and their table with wall names."""
     numbers = np.concatenate([_numbers(part) for part in parts])
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
@@ -82,12 +86,12 @@ def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndar
 
 
 def _numbers(table: np.ndarray) -> np.ndarray:
-    """Return a table as rows of words of 8 bytes, so that NumPy copies it fast; the words keep their bits."""
+    """Return a table as rows of 8-byte numbers, which NumPy copies fast; integers keep their bits, too."""
     return np.ndarray((len(table), table.itemsize // 8), np.float64, table)
 
 
 def common_count(first: np.ndarray, second: np.ndarray) -> int:
-    """Return the number of impacts with which two tables begin in common, with equal points and walls."""
+    """Return how many impacts two tables have in common from the start on, with equal points and walls."""
     pairs = [[(row["point"], row["wall"]) for row in table] for table in (first, second)]
     different = (k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other)
     return next(different, min(map(len, pairs)))
@@ -111,7 +115,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     Args:
         record: columns of values over time, each of shape (T,), by their names: a mapping, a structured array
             such as fmpy returns, or a data frame. The columns are `time`, `impact.count` and `impact[j].*`, j
-            = 1 … M. It may also be a `Result`.
+            = 1 … M. It may also be a `Result`, whose table is returned.
         walls: the names of all walls by their numbers, `scene.wall_names`; by default the names in the
             columns of contacts and stops.
 
@@ -141,7 +145,7 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 
 
 def cut_sentence(count: int) -> str:
-    """Return a sentence on a number of contacts that newer impacts pushed out of an FMU's list."""
+    """Return the warning for ``count`` contacts that newer impacts have pushed out of an FMU's list."""
     what = (
         "contact is known in part only: it was"
         if count == 1
@@ -154,7 +158,7 @@ def cut_sentence(count: int) -> str:
 
 
 def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
-    """Return the table of impacts from the columns `impact[j].*`."""
+    """Return the table of impacts from an FMU's outputs over time, the columns `impact[j].*`."""
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:
@@ -162,7 +166,8 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     if shown == 0:
         raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
     number = np.arange(1, counts[-1] + 1)
-    # the last row of the record that shows each impact
+    # impact k of the run is impact[j] of the FMU, j = count − k + 1: this is the last row in which it is
+    # shown
     row = np.searchsorted(counts, number + shown - 1, side="right") - 1
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
@@ -175,14 +180,14 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
     for field in ("end", "separation_speed"):
         table[field][lasting] = np.nan
-    # these quantities are unknown for a contact that newer impacts have pushed out of the FMU's list
+    # the final values of a contact that newer impacts have pushed out of the FMU's list are unknown
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
     return named(np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record))
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """Return the names of the walls by their numbers, as far as the names of the columns contain them."""
+    """Return the names of the walls by their numbers, as far as columns of contacts and stops have them."""
     names = [name_parts(str(name)) for name in names_of(record)]
     touched = [of.name for of in names if of.owner == "contact" and of.quantity == "force"]
     ends = [stop for stop in SLIDER_STOPS if stop in touched]
@@ -192,10 +197,11 @@ def wall_names_of(record: Any) -> list[str]:
 
 
 def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
-    """Return the impacts in the outputs of an FMU with a list of any length, see `IMPACT_DTYPE`.
+    """Return the impacts that an FMU's outputs show, also if it has no list of them: see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` shows only the
-    last impact of each communication step; its end, and the quantities that are known only then, are NaN.
+    last impact of each communication step. The end of such an impact, and values that are known only at the
+    end, are NaN.
     """
     if "impact[1].time" in names_of(record):
         return _table(record, walls)

@@ -1,4 +1,4 @@
-"""The stops of joints in results: the ranges of joints, and the lines that show these ranges in pictures."""
+"""The stops of joints in results: the ranges of joints, and the lines that pictures show for them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ import numpy as np
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
-ARC = 0.25  # the radius of the arc that shows the range of a joint, relative to the length of the link
-OPEN = 0.5 * math.pi  # [rad] the angle that the arc spans for a joint with only one stop
-TICK = 0.3  # the length of the mark of a stop, relative to the radius of the arc
-CORNERS = 33  # the number of points on the line of an arc
+# [1] radius of the arc that shows the range of a joint, relative to the length of the joint's link
+ARC = 0.25
+OPEN = 0.5 * math.pi  # [rad] angle that the arc spans for a joint with only one stop
+TICK = 0.3  # [1] length of the mark of a stop, relative to the radius of the arc
+CORNERS = 33  # number of points of the line that is drawn as an arc
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +36,14 @@ class JointRange:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The angles [rad] of the arc's two ends in a picture, from the direction of the previous link."""
+        """The angles [rad] of the arc's ends in a picture, relative to the previous link's direction."""
         low = self.low if math.isfinite(self.low) else self.high - OPEN
         high = self.high if math.isfinite(self.high) else self.low + OPEN
         return low, min(high, low + math.tau)
 
 
 def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
-    """Return joint → its range, for the joints that have stops, from values of a scene or an FMU."""
+    """Return joint → its range, for the joints with stops; ``values`` has the parameters by name."""
     ranges = {}
     for joint in takewhile(lambda n: f"link[{n}].length" in values, count(1)):
         low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
@@ -53,12 +54,12 @@ def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
 
 
 def at_stop(scene: Scene, wall: int) -> bool:
-    """Return whether the wall with an index in ``scene.wall_names`` stands for the stops of joints."""
+    """Return whether an index in ``scene.wall_names`` stands for the stops of joints, not for a wall."""
     return is_stop(wall, scene.wall_names, bool(scene.chain.stops))
 
 
 def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
-    """Return whether a wall stands for the stops of joints.
+    """Return whether an index in ``wall_names`` stands for the stops of joints, not for a wall.
 
     If no joint has stops, the result is False: a real wall may then have the name of a stop.
     """
@@ -66,7 +67,7 @@ def is_stop(wall: int, wall_names: Sequence[str], has_stops: bool) -> bool:
 
 
 def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:
-    """Yield the lines that show the ranges of joints in a pose: an arc for each joint, a mark for each stop.
+    """Yield the lines that show the ranges of joints at one time: an arc per joint, a mark per stop.
 
     Args:
         points: positions of the points 0…N, shape (N+1, 2) [m].

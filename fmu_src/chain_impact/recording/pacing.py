@@ -1,4 +1,4 @@
-"""The rate of a film: simulated seconds per second on the screen; it is smaller during impacts.
+"""The rate of a film: simulated seconds per second on the screen; the rate is smaller during impacts.
 
 ``pages/browser/recording/pacing.js`` computes the same rate for pages, with the constants of this module.
 """
@@ -12,43 +12,47 @@ import numpy as np
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import by_owner
 
-IMPACT_TIME = 0.6  # [s] the default time on the screen for one impact
-RAMP = 0.05  # [s] the simulated time in which a film slows down before an impact, or speeds up after it
-# [s] the longest time after an onset that is shown in slow motion; in a contact that lasts longer, the chain
-# only rests or leans
+IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
+RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
+# [s] simulated time after an onset that is shown in slow motion at most; in a longer contact the chain only
+# rests or leans
 LONGEST_SLOW = 0.1
-LEAST_DURATION = 1e-4  # [s] the least duration assumed for an impact; an impulse has none
-FRAME_RATE = 60.0  # [1/s] frames per second on the screen
-FRAMES_OF_A_PERIOD = 16.0  # the least number of frames in a period of the fastest sine that drives an input
-FLIGHT_STEP = 1 / 240  # [s] far from impacts, the distance of the times at which the rate is computed
-# before and after an impact, the distances from the impact at which the rate is computed, relative to RAMP
+# [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
+LEAST_DURATION = 1e-4
+FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
+# least number of frames in a period of the fastest sine that drives an input; with fewer, its motion would
+# look wrong
+FRAMES_OF_A_PERIOD = 16.0
+FLIGHT_STEP = 1 / 240  # [s] far from impacts, the rate is computed at simulated times with this distance
+# [1] before and after an impact, the rate is computed at these distances in time from it, relative to RAMP
 RAMP_DISTANCES = np.geomspace(1e-3, 1.0, 48)
-# within a contact, the times after the onset at which the rate is computed, relative to the contact's
+# [1] within a contact, the rate is computed at these times after the onset, relative to the contact's
 # duration
 CONTACT_SHARES = np.linspace(0.0, 1.0, 25)
-# the least speed of an impact that is shown in slow motion, relative to the speed of the fastest impact
+# [1] an impact is shown in slow motion only if its speed, relative to the fastest impact, is at least this
 SLOW_SPEED = 0.05
-SLOW_COUNT = 100  # the largest number of impacts that are shown in slow motion; these are the fastest impacts
-# For a film, an impact ends at the latest LONGEST_IMPACT times δ/v after its onset, where δ is the
-# penetration and v the approach speed: a contact that lasts longer rests from then on.
+SLOW_COUNT = 100  # largest number of impacts that are shown in slow motion: the fastest ones
+# [1] for a film, an impact with the penetration δ and the impact speed v ends at the latest LONGEST_IMPACT
+# times δ/v after its onset: in a longer contact the point rests from then on
 LONGEST_IMPACT = 5.0
-# [m/s; rad/s at a stop of a joint] the least v in δ/v: a point that rests at a wall from the onset on (v = 0)
-# would otherwise give an infinite time
+# [m/s; rad/s at a stop of a joint] least speed v in δ/v: a point that rests at a wall from the start on has v
+# = 0, and δ/v would be infinite
 SLOWEST = 1e-6
-MOST_FRAMES = 20_000  # the largest number of frames for which simulated times are computed
-TAIL = 0.3  # [s] the simulated time in which the trace of the tip fades
-# REAL: a rate that differs less than this from 1 is called real time; SLOW_RATE: a smaller rate than this has
-# a stronger colour; TENS: a factor from this one on has no decimals.
+MOST_FRAMES = 20_000  # largest number of frames of a film; a longer film has fewer frames per second
+TAIL = 0.3  # [s] simulated time in which the drawn trace of the tip fades
+# REAL: a rate that differs from 1 by less than this is called real time; SLOW_RATE: pages show a rate below
+# this in a stronger colour; TENS: a factor of at least this is written without decimals
 REAL, SLOW_RATE, TENS = 0.05, 0.5, 9.95
 
 Span = tuple[float, float]
 
 
 def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop``.
+    """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop`` [s].
 
-    With penetration δ and approach speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a linear
-    spring, and longer with losses. A contact that lasts longer ends after LONGEST_IMPACT times δ/v.
+    With the penetration δ and the impact speed v, an impact takes 2.9 δ/v with Hertz's law, π δ/v with a
+    linear spring, and longer with losses. A contact that lasts longer than LONGEST_IMPACT times δ/v ends at
+    this time for a film.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
     lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -56,7 +60,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
 
 
 def slow_spans(recording: Recording) -> list[Span]:
-    """Return the onsets and the ends [s] of the impacts that are shown slowly."""
+    """Return onset and end [s] of each impact that is shown in slow motion."""
     impacts, speeds = recording.impacts, recording.end_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
     fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
@@ -65,16 +69,16 @@ def slow_spans(recording: Recording) -> list[Span]:
 
 
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
-    """Return simulated seconds per second on the screen, shape (T,); 1 far from impacts.
+    """Return the rate at each time, simulated seconds per second on the screen, shape (T,).
 
-    During an impact the rate is so small that the impact takes ``impact_time`` on the screen; an impact that
-    lasts longer is shown at the rate 1. Before and after the impact the rate grows in proportion to the
-    distance in time from the impact.
+    1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is so small that the
+    impact takes ``impact_time`` on the screen. Before and after the impact, the rate grows linearly with the
+    distance in time from the impact, by 1 in RAMP.
 
     Args:
-        time: shape (T,) [s].
-        spans: onset and end of each impact that is shown slowly [s].
-        impact_time: the time [s] that an impact takes on the screen.
+        time: simulated times, shape (T,) [s].
+        spans: onset and end of each impact that is shown in slow motion [s].
+        impact_time: the time [s] that each of these impacts takes on the screen.
     """
     slowest = np.ones_like(time)
     for onset, end in spans:
@@ -85,22 +89,22 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 
 
 def fastest_sine(recording: Recording) -> float:
-    """Return the largest frequency of the sines that move inputs during the run [Hz]; 0 without a sine."""
+    """Return the largest frequency [Hz] of the sines that drive inputs during the run; 0 without a sine."""
     stop, fastest = float(recording.time[-1]), 0.0
     for (owner, _, _), signal in by_owner(recording.parameters).items():
         if owner == "signal" and "frequency" in signal:
             begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
             if begin >= stop or float(signal.get("amplitude", 1.0)) == 0.0:
                 continue
-            # at the time s after the start of the signal the frequency is f + ḟ s: largest at s = 0 or at the
-            # end
+            # f + ḟ s is the frequency at the time s after the signal's start: it is largest at s = 0 or at
+            # the end
             change = float(signal.get("frequency_rate", 0.0)) * (stop - begin)
             fastest = max(fastest, abs(value), abs(value + change))
     return fastest
 
 
 def frame_rate(recording: Recording) -> float:
-    """Return the frames per second of a page: enough to see the sines that drive inputs."""
+    """Return the frames per second of a page: FRAME_RATE, or more to show the fastest sine of an input."""
     return max(FRAME_RATE, FRAMES_OF_A_PERIOD * fastest_sine(recording))
 
 
@@ -113,15 +117,15 @@ def frame_times(
     *,
     usual: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
-    """Return the simulated times of the frames of a film, which follow each other evenly on the screen.
+    """Return the simulated times of a film's frames, which have equal distances in time on the screen.
 
     Args:
         start: the start of the simulation [s].
         stop: the end of the simulation [s].
-        spans: onset and end of each impact that is shown slowly [s].
-        impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
+        spans: onset and end of each impact that is shown in slow motion [s].
+        impact_time: the time [s] that each of these impacts takes on the screen; 0 for no slow motion.
         most: the largest number of frames; a longer film has fewer frames per second.
-        usual: frames per second of a film that is not too long.
+        usual: the frames per second of a film that needs at most this number.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
@@ -134,14 +138,14 @@ def frame_times(
         parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
     slowness = 1.0 / rate(grid, shown, impact_time)
-    # the time on the screen is ∫ dt / rate, computed by the trapezoidal rule
+    # the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
     frames = min(most, 2 + int(screen[-1] * usual))
     return np.interp(np.linspace(0.0, screen[-1], frames), screen, grid), (frames - 1) / screen[-1]
 
 
 def rate_text(rate: float) -> str:
-    """Return words for the rate of a film relative to real time, for example: 480 × slower."""
+    """Return words for a film's rate relative to real time, for example: 480 × slower."""
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")

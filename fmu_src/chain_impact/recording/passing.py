@@ -1,4 +1,4 @@
-"""Points that pass through walls that they cannot touch, because the scene does not allow these contacts."""
+"""Points that pass through walls, because the scene does not let them touch these walls."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from chain_impact.recording.text import few
 from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
-# A point passes through a wall if it is at one time on the free side and at another time beyond the wall,
-# each time farther from the wall than this, relative to the size of the motion.
+# [1] a point passes through a wall if it is once farther than this from it on the free side, and once beyond
+# it, relative to the size of the motion
 THROUGH = 1e-3
-NAMED_POINTS = 4  # the largest number of points that a sentence names
+NAMED_POINTS = 4  # largest number of points that a sentence names
 
 
 def passing(
@@ -25,15 +25,16 @@ def passing(
 
     Args:
         positions: positions of the points, shape (T, P, 2) [m].
-        walls: number of a wall → its name, its free side, and its displacement, shape (T,) or one number [m].
-        pairs: the pairs of a point and a wall that can touch, by their numbers.
+        walls: number of a wall → its name, its free side, and its displacement along the normal, shape (T,)
+            or one number [m].
+        pairs: the pairs (number of a point, number of a wall) that can touch.
     """
     sentences = []
     for number, (name, plane, moved) in walls.items():
         free = [k for k in range(positions.shape[1]) if (k, number) not in pairs]
         if not free or not len(positions):
             continue
-        # [m] the distance of each point from the wall, negative beyond the wall
+        # [m] distances of these points from the wall, negative beyond the wall
         gaps = positions[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
         least = THROUGH * size_of_motion(positions)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]

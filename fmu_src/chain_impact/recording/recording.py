@@ -27,32 +27,32 @@ from chain_impact.scene.reading import names_matching
 from chain_impact.system import written_whole
 from chain_impact.variables.hints import output_hint
 
-ROWS_AT_ONCE = 10_000  # the number of rows that are written at a time
+ROWS_AT_ONCE = 10_000  # number of rows that ``save_csv`` converts to text at a time
 
 
 class Recording:
     """A simulation over time, of a scene or an FMU: a ``Result``, or stored data.
 
-    ``Recording(name, time, columns, …)`` stores data, the attributes below by position or by name; attributes
-    that are left out are empty.
+    ``Recording(name, time, columns, …)`` stores data: the attributes below, by position or by name.
+    Attributes that are left out are empty.
 
     Attributes:
         name: the name of the scene, of the FMU or of the file.
-        time: communication points, shape (T,) [s].
-        columns: FMU variable name → values, shape (T,).
+        time: the times of the rows, communication points, shape (T,) [s].
+        columns: name of a variable of the FMU → its values, shape (T,).
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
             its outputs.
-        walls: name → free side, of each wall.
+        walls: name of a wall → its free side, at the start.
         wall_names: the names of all walls, by their numbers in ``impacts`` and ``stick_slip``.
-        parameters: FMU variable name → value at the start, of an enumeration the chosen name; empty if the
-            values are unknown.
-        sensitivities: the requested derivatives, if any.
+        parameters: name of a parameter of the FMU → its value at the start, for an enumeration the chosen
+            name; empty if the values are unknown.
+        sensitivities: the derivatives that were asked for, or None.
         stops: joint → its range, for the joints with stops.
-        point_names: the names of points, by their numbers; not every point has a name.
-        stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if the scene names
-            none, or if it is unknown, as for an FMU.
-        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; the times of an FMU's phases are
-            accurate to a communication step.
+        point_names: number of a point → its name, for points with names.
+        stop_law: the contact law of the stops if the scene gives `stops.model`; "" if it does not, or if the
+            law is unknown, as for an FMU.
+        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; for an FMU, their times are accurate
+            to a communication step.
         inputs: the names of the inputs that are not among the columns.
     """
 
@@ -78,22 +78,19 @@ class Recording:
         return object.__new__(StoredRecording if cls is Recording else cls)  # type: ignore[return-value]
 
     def __init__(self, *_arguments: Any, **_named: Any) -> None:
-        """Refuse a subclass of ``Recording`` without its own attributes.
+        """Refuse a subclass of ``Recording`` that stores no attributes.
 
-        Such a class must derive from ``StoredRecording``.
+        A class that stores them must derive from ``StoredRecording``.
         """
         raise TypeError(f"{type(self).__name__} stores no attributes: derive it from StoredRecording")
 
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
-        """The values of the columns, by owner, number and wall, and then by quantity."""
+        """The columns by (owner, number, name of a wall or signal), and then by quantity."""
         return by_owner(self.columns)
 
     def columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
-        """Return the columns of the owners of one kind, such as ``contact``.
-
-        The result leads from number and wall to the quantities and their values.
-        """
+        """Return (number, wall's name) → quantity → values, for all owners of a kind such as ``contact``."""
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }
@@ -102,7 +99,7 @@ class Recording:
     def link_count(self) -> int:
         """The number N of links: the largest number of a link or joint in the names of columns.
 
-        If no name has such a number, all points count as ends of links, and N is one less than their number.
+        If no name has such a number, all points count as link ends, so N is the number of points minus 1.
         """
         numbers = [n for owner in ("link", "joint") for n, _ in self.columns_of(owner)]
         return max(numbers, default=self.all_points.shape[1] - 1)
@@ -114,7 +111,7 @@ class Recording:
 
     @property
     def sites(self) -> np.ndarray:
-        """Positions of the points on links that are no ends, numbered from N + 1, shape (T, P, 2) [m]."""
+        """Positions of the points that are not link ends, numbered from N + 1, shape (T, P, 2) [m]."""
         return self.all_points[:, self.link_count + 1 :]
 
     @cached_property
@@ -126,16 +123,16 @@ class Recording:
         return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
 
     def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that no column has; None if no hint is known."""
+        """Return a hint for a name that no column has, if it is an input or a parameter; else None."""
         return output_hint(name, self.inputs, self.parameters)
 
     @property
     def passing(self) -> list[str]:
-        """Sentences on points that pass through walls without touching; empty if this is unknown."""
+        """Sentences on points that pass through walls without touching them; empty if this is unknown."""
         return []
 
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls in their positions at a time [s]."""
+        """Return name → free side of each wall, with its displacement at a time [s]."""
         walls = dict(self.walls)
         for name, moved in self.moved_walls.items():
             wall = walls[name]
@@ -143,18 +140,18 @@ class Recording:
         return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
-        """Return the walls in their positions at a time [s], and a slider's stops as they are drawn."""
+        """Return name → free side of each wall and each drawn stop of a slider at a time [s]."""
         return self.walls_at(time) | (self.rail.stops if self.rail else {})
 
     @cached_property
     def moved_walls(self) -> dict[str, np.ndarray]:
-        """The displacements of walls that move, along their normals: name → shape (T,) [m]."""
+        """Name → displacement along the normal, shape (T,) [m], for each wall that moves."""
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
         return {name: moved for name, moved in columns.items() if moved is not None}
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is pinned: link 1 then turns about joint 1 at the base, which may also be moved.
+        """Whether the base is pinned, so that link 1 turns about joint 1; an input may also move such a base.
 
         If no column belongs to a joint, a base that does not move counts as pinned.
         """
@@ -170,15 +167,15 @@ class Recording:
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:
-        """Link → its outline in the link's axes, shape (C, 2) [m], for links with points other than ends.
+        """Number of a link → its outline in the link's axes, shape (C, 2) [m], for links with more points.
 
-        The dict is empty if the positions of points on links are not known.
+        The dict is empty if the parameters do not tell the positions of these points.
         """
         return outlines_from(self.parameters, self.touching)
 
     @cached_property
     def touching(self) -> dict[int, float]:
-        """The points that can touch a wall, and their radii [m]; an unknown radius is 0."""
+        """Number of each point that can touch a wall → its radius [m], 0 if unknown."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
         points = sorted({touch.point for touch in self.touches if touch.at_wall})
         radius_of = dict(enumerate(radii, self.link_count + 1))
@@ -191,7 +188,7 @@ class Recording:
 
     @property
     def energies(self) -> Mapping[str, np.ndarray]:
-        """The known energies: kinetic, potential, … → shape (T,) [J]."""
+        """Name of a known energy, such as kinetic → its values, shape (T,) [J]."""
         return self.columns_of("energy").get((0, ""), {})
 
     @cached_property
@@ -205,12 +202,12 @@ class Recording:
 
     @cached_property
     def knows_joint_forces(self) -> bool:
-        """Whether the largest force in a joint is known for any impact."""
+        """Whether any impact has a known largest force in a joint, which needs the outputs ``loads``."""
         return bool(np.isfinite(self.impacts["joint_force"]).any())
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """The contacts at walls and at stops over time, and dry friction in joints and on a slider."""
+        """Each pair of point and wall, each stop, and each joint or slider with dry friction, over time."""
         touches = [
             Touch(
                 *at,
@@ -241,19 +238,16 @@ class Recording:
 
     @property
     def impact_count(self) -> int:
-        """The number of impacts, including impacts that are not listed."""
+        """The number of impacts, also of impacts that an FMU did not list."""
         counted = self.columns.get("impact.count", np.zeros(1))
         return max(len(self.impacts), int(counted[-1]))
 
     def is_stop(self, wall: int) -> bool:
-        """Return whether the wall with a number stands for the stops of joints."""
+        """Return whether a number of a wall stands for the stops of joints."""
         return is_stop(wall, self.wall_names, bool(self.stops))
 
     def toucher(self, impact: np.void) -> str:
-        """Return the name of the point or joint of an impact.
-
-        For example "point 2", "point 5 (heel)", "joint 2" or "slider".
-        """
+        """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
         wall = self.wall_names[impact["wall"]]
         of_slider = wall in SLIDER_STOPS and (
             "slider.angle" in self.parameters or "slider.position" in self.columns
@@ -270,7 +264,8 @@ class Recording:
     def end_speeds(self) -> np.ndarray:
         """The impact speeds, shape (I,) [m/s].
 
-        At a stop of a joint, this is the angular speed times the length of the joint's link.
+        At a stop of a joint, it is the speed of the link's end: the angular speed times the length of the
+        joint's link.
         """
         arms = [
             self.stops[point].length if stopped else 1.0
@@ -280,7 +275,10 @@ class Recording:
         return speeds
 
     def at(self, rows: np.ndarray) -> Recording:
-        """Return the recording with only some of the rows, and without derivatives; all impacts stay."""
+        """Return the recording with the rows of the given indices only, without derivatives.
+
+        All impacts stay.
+        """
         parts = {field.name: getattr(self, field.name) for field in fields(StoredRecording)}
         columns = {name: values[rows] for name, values in self.columns.items()}
         parts |= {"time": self.time[rows], "columns": columns, "sensitivities": None}
@@ -291,9 +289,9 @@ class Recording:
         return np.array([np.interp(time, self.time, self.all_points[:, point, axis]) for axis in (0, 1)])
 
     def pose_at(self, time: float) -> np.ndarray:
-        """Return positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
+        """Return the positions of points 0…N in the row nearest to a time [s], shape (N+1, 2) [m].
 
-        The positions are not interpolated between rows, because interpolation would shorten the links.
+        They are not interpolated between rows, because interpolation would shorten the links.
         """
         pose: np.ndarray = self.points[self.row_at(time)]
         return pose
@@ -303,10 +301,10 @@ class Recording:
         return int(np.abs(self.time - time).argmin())
 
     def spot(self, impact: np.void) -> np.ndarray:
-        """Return the position [m] of an impact: its point, projected onto its wall.
+        """Return the position [m] at which an impact is drawn: its point, projected onto its wall.
 
-        An impact at a stop of a joint is where the link crosses the arc of the joint's range. An impact at a
-        stop of a slider is where the stop is drawn, half a carriage beyond the base.
+        An impact at a stop of a joint is drawn where the link crosses the arc of the joint's range, an impact
+        at a stop of a slider where the stop is drawn, half a carriage beyond the base.
         """
         if self.is_stop(impact["wall"]):
             return touching_place(self.pose_at(impact["onset"]), impact["point"])[0]
@@ -314,27 +312,20 @@ class Recording:
         return np.asarray(position - wall.clearance(*position) * np.array(wall.normal))
 
     def wall_of(self, row: np.void) -> HalfPlane:
-        """Return the free side of the wall, or of the slider's stop, at which something touches.
+        """Return the free side of the wall, or of the slider's stop, of an impact or a phase of dry friction.
 
-        The ``row`` is an impact or a phase of dry friction.
+        The argument ``row`` is the impact or the phase; a wall that moves is in its position at the onset or
+        start.
         """
         time = row["onset" if "onset" in (row.dtype.names or ()) else "start"]
         return self.sides_at(float(time))[self.wall_names[row["wall"]]]
 
     def save_impacts(self, path: Path | str) -> None:
-        """Write the list of impacts, with the names of walls, as CSV, JSON or Parquet.
-
-        The suffix of the file determines the format.
-
-        Raises:
-            ValueError: when the file has another suffix.
-            MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
-            OSError: when the file cannot be written.
-        """
+        """Write the list of impacts, with the names of walls; the file's suffix says CSV, JSON or Parquet."""
         save_impacts(Path(path), self.impacts, self.wall_names)
 
     def save_csv(self, path: Path | str, output: str | Iterable[str] | None = None) -> None:
-        """Write time and columns as CSV, with derivatives, and numbers in full precision.
+        """Write time, columns and derivatives as CSV, with all digits of the numbers.
 
         Args:
             path: the file.
@@ -356,7 +347,7 @@ class Recording:
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
-            # a conversion of all rows to lists at once would take four times the memory of arrays
+            # converting all rows to lists at once would take four times the memory of the arrays
             for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
                 writer.writerows(zip(*values, strict=True))
@@ -364,7 +355,7 @@ class Recording:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class StoredRecording(Recording):
-    """A recording whose attributes are stored, as for an FMU or a file; see ``Recording``."""
+    """A recording that stores the attributes of ``Recording``, as for an FMU or a file."""
 
     name: str
     time: np.ndarray

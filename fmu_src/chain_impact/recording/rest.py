@@ -1,4 +1,4 @@
-"""Rests of a motion: the times in which no point and no wall moves noticeably."""
+"""The rests in a motion: the times in which no point and no wall moves noticeably."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# The largest distance that a point at rest may move, relative to the reference size, if its speed or
-# acceleration lasted for as long as the run. The reference size is the extent of the largest path of a point.
+# [1] a point is at rest if its speed or acceleration, lasting as long as the run, would move it at most this
+# far. The distance is relative to the largest path of a point: the diagonal of the rectangle around the path.
 REST_WAY = 0.02
-# the least reference size, relative to the extent of the chain: a smaller path is no motion
+# [1] the size of the largest path counts as at least this times the size of the chain, because smaller paths
+# are no motion
 SMALLEST_PATH = 1e-6
-FEWEST_ROWS = 3  # with fewer rows, no acceleration is known, and thus no rest
-SHORTEST_REST = 0.05  # the shortest rest that counts, relative to the duration of the run
+FEWEST_ROWS = 3  # with fewer rows the accelerations are unknown, so no rest is found
+SHORTEST_REST = 0.05  # [1] shortest rest that counts, relative to the duration of the run
 
 
 def rest_word(recording: Recording) -> str:
@@ -25,16 +26,16 @@ def rest_word(recording: Recording) -> str:
 
 
 def ends_at_rest(recording: Recording) -> bool:
-    """Return whether a rest lasts until the end of the motion."""
+    """Return whether the motion ends with a rest."""
     found = rests(recording)
     return bool(found) and found[-1][1] == recording.time[-1]
 
 
 def rests(recording: Recording) -> list[tuple[float, float]]:
-    """Return start and end [s] of each time in which no point or wall moves noticeably and no impact begins.
+    """Return start and end [s] of each rest: no point or wall moves noticeably, and no impact begins.
 
-    Speeds and accelerations are small: a chain that only turns back, as a pendulum at its highest position,
-    is not at rest. A rest shorter than SHORTEST_REST is left out.
+    Speeds and mean accelerations must be small: a chain that only turns back, as a pendulum at its highest
+    position, is not at rest. A rest shorter than SHORTEST_REST is left out.
     """
     time, positions = recording.time, recording.all_points
     span = time[-1] - time[0]
@@ -55,27 +56,34 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def _extent(positions: np.ndarray, axis: int) -> float:
-    """Return the largest extent [m] of positions along an axis of the array; the last axis is x and y."""
+    """Return the longest diagonal [m] of the rectangles around positions along an axis of the array.
+
+    The last axis of the array is x and y. Axis 0, the time, gives the largest path of a point.
+    """
     return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 
 
 def _largest(vectors: np.ndarray) -> np.ndarray:
-    """Return the largest length of the vectors in each row, shape (T,), from shape (T, P, 2)."""
+    """Return the largest length of the vectors in each row, shape (T,).
+
+    The vectors have the shape (T, P, 2).
+    """
     lengths: np.ndarray = np.hypot(vectors[..., 0], vectors[..., 1]).max(axis=1)
     return lengths
 
 
 def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
-    """Return start and end index of each series of True; the end is the index after the series."""
+    """Return start and end of each series of True, as indices; the end is the index after the last True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
     return [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
 
 
 def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.ndarray:
-    """Return the largest mean acceleration [m/s²] of a point around each interval between rows.
+    """Return the largest mean acceleration [m/s²] of any point around each interval between rows.
 
-    The mean is over ``reach`` rows to both sides, or fewer if there are fewer rows: the small and fast
-    oscillations of a stiff contact then do not count. It is infinite for a single interval.
+    The mean is over ``reach`` rows to both sides, or fewer if there are fewer, so that small and fast
+    oscillations of a stiff contact do not count. For a single interval the acceleration is infinite, because
+    it is unknown.
     """
     reach = min(reach, (len(time) - 1) // 2)
     if reach == 0:
@@ -87,9 +95,9 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line on a rest at the end of the motion; without such a rest, yield nothing.
+    """Yield a line on the rest with which the motion ends, or nothing if it does not end with a rest.
 
-    The line tells the start of the rest, and the places of free ends.
+    The line tells the start of the rest, and the positions of the chain's free ends.
     """
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         start, last = rests(recording)[-1][0], recording.points[-1]
@@ -99,5 +107,5 @@ def rest_lines(recording: Recording) -> Iterator[str]:
 
 
 def _metres(length: float) -> str:
-    """Return a length as text, accurate to a micrometre, without zeros at the end."""
+    """Return a length [m] as text, rounded to a micrometre, without zeros at the end."""
     return np.format_float_positional(round(length, 6) + 0.0, trim="-")

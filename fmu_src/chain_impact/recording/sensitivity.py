@@ -1,4 +1,4 @@
-"""The derivatives in a result with respect to some parameters."""
+"""The derivatives of a result's outputs and impacts with respect to parameters and inputs."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
-"""The change of a parameter for which the changes of results are shown, relative to the parameter's value; if
-the value is 0, relative to the parameter's unit."""
+"""The change of a parameter for which pictures and tables show changes of results: this times its value or,
+if its value is 0, times its unit."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities:
-    """Derivatives of outputs and of impacts with respect to P parameters.
+    """Derivatives of outputs and of impacts with respect to P parameters or inputs.
 
     Attributes:
         prepared: the prepared scene.
-        varied: the parameters and inputs.
-        chosen: the names of the outputs; None for all outputs that change continuously.
-        slopes: derivatives of the W outputs, shape (T, W, P).
+        varied: the P parameters and inputs.
+        chosen: the names of the W outputs; None for all outputs that change continuously.
+        slopes: derivatives of the W outputs at each time, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
-        impact_slopes: quantity of an impact → derivatives, shape (I, P).
-        limits: sentences: from which time on there are no derivatives, and why; and the errors of derivatives
-            by friction.
-        given: the names of the inputs that are given over time.
+        impact_slopes: quantity of an impact → its derivatives, shape (I, P).
+        limits: sentences that tell from which time on there are no derivatives, and why; and the errors of
+            derivatives by friction.
+        given: the names of the inputs for which the user gives values over time.
     """
 
     __eq__ = same
@@ -57,13 +57,16 @@ class Sensitivities:
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """The values of the parameters: name in the FMU → value; 0 for an input that is given over time."""
+        """Name of a parameter or input in ``varied`` → its value.
+
+        The result is 0 for an input whose values the user gives.
+        """
         values, names = self.prepared.scene.values, [variable.name for variable in self.varied]
         return {name: 0.0 if name in self.given else value_at_start(values, name) for name in names}
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """The units: name of a parameter, an output, or a derivative of an output → unit."""
+        """Name of a parameter, an output, or a derivative of an output → its unit."""
         prepared = self.prepared
         added = derivatives(prepared.motion, self.varied)
         variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *added)
@@ -71,7 +74,7 @@ class Sensitivities:
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """The columns: name of an output → index in ``slopes``."""
+        """Name of an output → its index on the second axis of ``slopes``."""
         if self.chosen is None:
             return self.prepared.columns
         return {name: column for column, name in enumerate(self.chosen)}
@@ -85,7 +88,7 @@ class Sensitivities:
         )
 
     def _repr_html_(self) -> str:
-        """Return the text of ``repr`` for a notebook, with a table of changes of outputs at the run's end."""
+        """Return the text of ``repr`` for a notebook, with a table of changes of outputs at the end."""
         outputs = [name for name in self._usual if name in self.columns]
         ends = [self.changes(name)[-1:] for name in outputs]
         head = (
@@ -109,7 +112,7 @@ class Sensitivities:
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of a quantity with respect to a parameter, for all impacts, shape (I,)."""
+        """Return the derivative of a quantity of impacts with respect to a parameter, shape (I,)."""
         if quantity not in self.impact_slopes:
             what = "not a quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"
@@ -117,9 +120,9 @@ class Sensitivities:
         return self.impact_slopes[quantity][:, self._number(parameter)]
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
-        """Return the names of the outputs to draw; refuse a name without derivatives.
+        """Return the names of the outputs that a picture draws; refuse a name without derivatives.
 
-        By default these outputs are the position of the tip, and the total energy.
+        Without ``outputs``, these are the position of the tip and the total energy.
         """
         return [self._output(name) for name in outputs or self._usual]
 
@@ -142,7 +145,7 @@ class Sensitivities:
 
     @property
     def named(self) -> dict[str, np.ndarray]:
-        """All derivatives over time, by their names in the FMU: name → shape (T,)."""
+        """Name of a derivative in the FMU → its values over time, shape (T,)."""
         return {
             sensitivity_name(output, parameter): self.slopes[:, column, k]
             for k, parameter in enumerate(self.parameters)
@@ -162,25 +165,25 @@ class Sensitivities:
         )
 
     def changes(self, output: str) -> np.ndarray:
-        """Return the changes of an output if each parameter changes by its ``step``, shape (T, P).
+        """Return the changes of an output, to first order, for a ``step`` of each parameter, shape (T, P).
 
-        The changes are of first order: derivative times step.
+        A change is the derivative times the step.
         """
         changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
         return changes
 
     def impact_changes(self, quantity: str) -> np.ndarray:
-        """Return the changes of a quantity of impacts if each parameter changes by its ``step``.
+        """Return the changes of a quantity of impacts, to first order, for a ``step`` of each parameter.
 
-        The result has the shape (I, P). The changes are of first order: derivative times step.
+        A change is the derivative times the step; the shape is (I, P).
         """
         changes: np.ndarray = self.impact_slopes[quantity] * self._steps
         return changes
 
     def relative(self, quantity: str) -> np.ndarray:
-        """Return ``impact_changes`` divided by the value of the quantity; ``duration`` is a quantity, too.
+        """Return ``impact_changes`` divided by the quantity's value, shape (I, P).
 
-        The result is NaN if the value is unknown or not positive.
+        The result is NaN for an unknown or 0 value. The quantity "duration" is the end minus the onset.
         """
         rows = self.impacts
         if quantity == "duration":

@@ -1,4 +1,4 @@
-"""Contacts over time, and their phases of sticking and sliding."""
+"""Contacts and dry friction over time, and the phases of sticking and sliding."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
 from chain_impact.scene.names import SLIDER_STOPS, STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
-"""One change of mode, as the kernel logs it: the time [s] from which on the mode holds, point and wall as in
-``STICK_SLIP_DTYPE``, and the mode: 0 for sticking, 1 or −1 for sliding along t or −t, 2 for no friction."""
+"""A change of mode of dry friction, as the kernel logs it: the time [s] from which on the mode holds;
+point and wall as in ``STICK_SLIP_DTYPE``; and the mode: 0 sticking, 1 or −1 sliding along t or −t, 2 no
+friction."""
 STICK_SLIP_DTYPE = np.dtype(
     [
         ("point", np.int64),
@@ -28,16 +29,16 @@ sticking, 1 for sliding along t, and −1 for sliding along −t. The tangent t 
 wall's normal n. For a joint, the wall is −1, the point is the number of the joint, 1…N, and in mode 1 the
 joint's angle grows. For a slider, the wall is −1, the point is 0, and in mode 1 its position grows."""
 NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
-"""The empty array of phases for a run without dry friction."""
+"""The table of phases of a run without dry friction, which has no rows."""
 NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """Mode → words for the mode."""
 JOINT = -1
-"""The number of the wall in a phase of a joint or slider."""
+"""The number of the wall in a phase of dry friction in a joint or on a slider."""
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
-    """Return the phases in a log of changes, in the order of their starts, see ``STICK_SLIP_DTYPE``."""
+    """Return the table of phases that follow from a log of changes of mode, in the order of their starts."""
     phases: list[tuple[int, int, float, float, int]] = []
     order = np.argsort(changes["time"], kind="stable")
     for contact in np.unique(changes[["point", "wall"]]):
@@ -47,9 +48,12 @@ def phases_of(changes: np.ndarray) -> np.ndarray:
 
 
 def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
-    """Yield the phases in the changes of one contact or joint; phases of no length are left out."""
+    """Yield the phases that follow from the changes of one contact, joint or slider.
+
+    None has the duration 0.
+    """
     lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # of several changes at the same time, only the last change counts
+    changes = changes[lasting]  # of several changes at the same time, only the last one begins a phase
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -58,22 +62,16 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """Return words for the element of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
-
-    Args:
-        phase: the phase of dry friction.
-        walls: the names of all walls, by their numbers.
-        names: the names of points, by their numbers.
-    """
+    """Return the words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider"."""
     if phase["wall"] == JOINT:
         return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
     return f"{point_label(phase['point'], names)} at {walls[phase['wall']]}"
 
 
 def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> tuple[str, str, str, str]:
-    """Return a phase as texts: start, end, element (see ``element_label``) and mode.
+    """Return a phase of dry friction as texts: start and end [s], its place (``element_label``), its mode.
 
-    The end is "" if the phase lasts.
+    The end is "" if the phase lasts to the end of the run.
     """
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
@@ -89,10 +87,10 @@ class Touch:
             friction in a joint or on a slider.
         force: the force of the wall on the point, shape (T,) [N]; for a stop of a joint the absolute moment
             [N·m]; None for dry friction in a joint or on a slider.
-        penetration: shape (T,) [m]; None if not known.
-        rate: the rate of penetration, shape (T,) [m/s]; None if not known.
-        friction: dry friction along t = (n_y, −n_x), shape (T,) [N]; for a joint the moment [N·m]; None
-            without dry friction.
+        penetration: shape (T,) [m]; None if it is unknown. rate: the rate of penetration, shape (T,) [m/s];
+            None if it is unknown.
+        friction: the force of dry friction on the point along t = (n_y, −n_x), for the wall's normal n, shape
+            (T,) [N]; for a joint the moment [N·m]; None without dry friction.
         sticking: above 0 in rows in which the contact sticks, else 0, shape (T,); None without dry friction.
     """
 
@@ -106,24 +104,24 @@ class Touch:
 
     @classmethod
     def of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Touch]:
-        """Yield two contacts, one for each stop of a joint.
+        """Yield the contacts with joint_min and with joint_max, which share one output.
 
-        ``moment`` is the moment of the stops on the joint's link, shape (T,) [N·m]. It is positive where the
-        link touches joint_min, and negative where it touches joint_max.
+        ``moment`` is the moment of both stops on the joint's link, shape (T,) [N·m]: positive where the link
+        touches joint_min, negative where it touches joint_max.
         """
         for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
             yield cls(joint, stop, np.maximum(sign * moment, 0.0))
 
     @property
     def at_wall(self) -> bool:
-        """Whether the contact is at a wall, and not a stop or dry friction in a joint or on a slider."""
+        """Whether the contact is of a point with a wall; no stop, joint or slider."""
         return self.wall not in ("", *STOPS, *SLIDER_STOPS)
 
 
 def phases_from(time: np.ndarray, touches: Iterable[Touch], walls: Sequence[str]) -> np.ndarray:
-    """Return the phases of dry friction at walls, in joints and of a slider, see ``STICK_SLIP_DTYPE``.
+    """Return the table of phases of dry friction from values in rows, see ``STICK_SLIP_DTYPE``.
 
-    A start or an end is the time of a row, so it may be late by the distance between two rows.
+    A start or end is the time of a row, so it may be late by the distance between two rows.
     """
     changes: list[tuple[float, int, int, int]] = []
     for touch in touches:

@@ -18,9 +18,10 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
 
-LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10  # the largest number of impacts in a list, and in a short text
-JOINTS = 8  # the largest number of joints whose forces the text lists
-NAMED_STICKING = 3  # the largest number of contacts and joints that the text names as sticking at the end
+# largest numbers of impacts in a list: LISTED_IMPACTS in a long text, LISTED_IN_SHORT in a short one
+LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
+JOINTS = 8  # largest number of joints whose forces the summary lists
+NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
     (
@@ -30,18 +31,19 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     )
     for stop in (False, True)
 )
-"""The units of the columns VALUES in the list of impacts: at walls, and at stops of joints."""
-NONE = "—"  # the text in place of a number that does not exist
-LASTS = "lasts"  # the text for the duration of a contact that lasts to the end
-# numbers between FIVE_DIGITS and MILLION are rounded to four digits, and written without an exponent
+"""The units of the columns VALUES of the list of impacts: first at walls, then at stops of joints."""
+NONE = "—"  # the text for a number that does not exist or is unknown
+LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
+# a number between FIVE_DIGITS and MILLION is rounded to a whole number with four significant digits, and
+# written without an exponent
 FIVE_DIGITS, MILLION = 1e4, 1e6
 
 
 def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """Yield a line on the energies at the end and a line on their balance, if they are known.
+    """Yield a line on the energies at the end of the run and a line on their balance, if they are known.
 
-    The balance is only a check, not a bound on errors of the motion: in free flight, positions may be wrong
-    by the tolerance while the energy is constant up to round-off.
+    The balance checks the energy only; it does not bound errors of the motion: in free flight, positions may
+    be wrong by the tolerance although the energy is constant up to round-off.
     """
     if not {"total", "dissipated"} <= energies.keys() or not len(energies["total"]):
         return
@@ -57,12 +59,12 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 
 def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | TextTable]:
-    """Yield the summary: lines, and the list of the first impacts.
+    """Yield the summary of a run: lines, and the list of the first impacts.
 
     Args:
-        result: the result of a scene.
+        result: the result of the run.
         outputs: the number of outputs of the result.
-        facts: lines on the scene and the solver.
+        facts: lines on the scene and the solver, which follow the first line.
         most: the largest number of impacts in the list.
     """
     yield _headline(result, outputs)
@@ -75,7 +77,7 @@ def parts(result: Recording, outputs: int, facts: list[str], most: int) -> Itera
 
 
 def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
-    """Yield the first impacts as a table, and a line with the number of other impacts."""
+    """Yield the first ``most`` impacts as a table, and a line that tells how many more there are."""
     impacts = enumerate(result.impacts[:most], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
@@ -96,10 +98,10 @@ def _headline(result: Recording, outputs: int) -> str:
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
-    """Return the heads of the columns of ``impact_cells``, with their units.
+    """Return the heads of the columns of ``impact_cells``, with units.
 
-    Impacts at stops of joints have other units. With both kinds of impacts, or with the two
-    columns of loads, the heads have several lines, so that a row fits into 80 characters.
+    At stops of joints, the units differ. If the list has both kinds of impacts, or the two columns of loads,
+    the heads have several lines, so that a row fits into 80 characters.
     """
     stopped = result.at_stops
     at_walls, at_stops = not stopped.all(), bool(stopped.any())
@@ -119,7 +121,7 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
 def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     """Return the texts for an impact: time, point, wall, speed, duration, peak force, impulse.
 
-    If forces in joints are known, two more cells have the largest force in a joint, and the joint.
+    If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
     point = result.toucher(impact).removeprefix("point ")
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
@@ -131,7 +133,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return the text of a peak force or a duration; a dash for NaN, and for 0, which only an impulse has."""
+    """Return the text of a peak force or a duration; a dash if it is unknown, or 0 as for an impulse."""
     return digits(value) if value else NONE
 
 
@@ -144,7 +146,7 @@ def digits(value: float) -> str:
 
 
 def load_lines(result: Recording) -> Iterator[str]:
-    """Yield lines with the largest forces in joints, the largest first, if the scene asks for loads."""
+    """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads."""
     joints = result.columns_of("joint").items()
     peaks = {n: values["peak_force"][-1] for (n, _), values in joints if len(values.get("peak_force", ()))}
     for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n])[:JOINTS]):
@@ -171,7 +173,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield a line with the solver's numbers of steps and evaluations, and a line on the end of the run."""
+    """Yield a line with the solver's numbers of steps and evaluations, and a line if the run ended early."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
@@ -179,10 +181,10 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return a list of one sentence if a penetration of a wall is larger than the smallest body.
+    """Return one sentence, in a list, if a penetration is larger than the smallest body of the scene.
 
-    The sentence names the wall with the deepest penetration, which is too soft to stop a body. Otherwise the
-    list is empty.
+    The sentence names the wall with the deepest penetration: the wall is too soft to stop the body. Otherwise
+    the list is empty.
     """
     walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)

@@ -21,9 +21,9 @@ from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
 SUFFIXES = (".csv", ".json", ".parquet")
-"""The suffixes of a file with a list of impacts."""
+"""The suffixes that a file with a list of impacts may have."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
-"""Owner of an output → the dimensions of the output's array after the time."""
+"""Kind of owner of an output → the dimensions, after the time, of an array in a dataset of xarray."""
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
@@ -36,7 +36,7 @@ def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, n
 
 
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
-    """Return the table that ``Result.impact_table`` describes; ``stops``: whether joints have stops."""
+    """Return the table that ``Result.impact_table`` describes; ``stops`` says whether joints have stops."""
     pandas = require("pandas", "pandas")
     columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
@@ -80,8 +80,8 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
             values = np.full((len(time), *(sizes[dimension] for dimension in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
         index = variable.index[: len(dimensions)]
-        # the index of a contact in the record is not used, because it also counts stops of joints, which
-        # ``contacts`` lacks
+        # a contact's index in the record is not used: it also counts stops of joints, which the dimension
+        # "contact" lacks
         if owner == "contact":
             index = (contacts.index(variable.name.rpartition(".")[0]),)
         data[key][1][(slice(None), *index)] = motion[variable.name]
@@ -100,7 +100,7 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
 
 
 def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
-    """Return the columns of ``IMPACT_DTYPE`` with the names of the walls; unknown values are None."""
+    """Return the list of impacts as columns, with the names of walls; an unknown value is None."""
     columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
     return {
@@ -110,14 +110,9 @@ def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[
 
 
 def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
-    """Write a list of impacts, one impact in a row, with numbers in full precision.
+    """Write a list of impacts to a file, with all digits of the numbers.
 
-    JSON has an object for each impact.
-
-    Raises:
-        ValueError: when the file ends in none of the SUFFIXES.
-        MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
-        OSError: when the file cannot be written.
+    CSV and Parquet have one impact in a row; JSON has an object for each impact.
     """
     suffix, columns = path.suffix.lower(), impact_columns(impacts, walls)
     if suffix not in SUFFIXES:

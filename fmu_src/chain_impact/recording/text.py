@@ -1,4 +1,4 @@
-"""Functions that write counts, names and tables of results as text."""
+"""Writes counts, names, numbers and tables of results as text."""
 
 from __future__ import annotations
 
@@ -19,26 +19,20 @@ def plural(count: int, what: str) -> str:
 
 
 def few(names: Sequence[str], shown: int) -> str:
-    """Return the first ``shown`` names as text, with the number of other names."""
+    """Return the first ``shown`` names as text; if there are more, the text ends with their number."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
 
 
 def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
-    """Return the name of the point or joint of an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
-
-    Args:
-        number: the number of the point, or of the joint.
-        stop: the name of the stop among the walls; "" for an impact at a wall.
-        names: the names of points, by their numbers.
-    """
+    """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
     if stop in SLIDER_STOPS:
         return "slider"
     return f"joint {number}" if stop else point_label(number, names)
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number as text with at most ``digits`` digits, without zeros at the end: 1e8, 2.145e10."""
+    """Return a number as text with at most ``digits`` digits and no zeros at its end: 1e8, 2.145e10."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
 
 
@@ -47,13 +41,13 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 
 
 LOAD_UNITS = ("N", "N.m", "N.s", "N.m.s", "J", "W")
-"""Units that get a prefix in pictures, such as kN, for large and small values."""
+"""Units that get a prefix in pictures, as kN, so that large and small values have few digits."""
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return a factor, and the unit with a prefix, such as kN, into which the factor converts values.
+    """Return a factor and a unit with a prefix, such as 0.001 and kN: values times the factor have this unit.
 
-    With this unit the ``largest`` value is between 1 and 1000, if a prefix for this exists.
+    In this unit the ``largest`` value is between 1 and 1000, if a prefix for this exists.
     """
     power = 3 * math.floor(math.log10(largest) / 3.0) if 0.0 < largest < math.inf else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
@@ -61,7 +55,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 
 def speed_unit(at_stop: bool) -> str:
-    """Return the unit of an impact's speed, which differs at a stop of a joint."""
+    """Return the unit of an impact's speed: m/s, or rad/s if the impact is at a stop of a joint."""
     return unit_at("impact_speed", stop=at_stop)
 
 
@@ -74,7 +68,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 class TextTable(NamedTuple):
-    """A table of texts: the head and the rows."""
+    """A table of texts: the heads of its columns, and its rows."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]

@@ -1,4 +1,4 @@
-"""The rectangle that a picture of a motion shows, and the walls near the motion."""
+"""The view, a rectangle, that a picture of a motion shows, and the walls near the motion."""
 
 from __future__ import annotations
 
@@ -11,37 +11,39 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
-# the size of a motion is the larger of its width and height
-NEAR = 0.2  # the distance beyond which a wall is not near, relative to the size of the motion
-# If walls close a room that ends within this distance from the motion, an animation shows the whole room. The
-# distance is relative to the size of the motion.
+# [1] a wall at a larger distance from the motion is not near; the distance is relative to the size of the
+# motion, the longer side of the rectangle around it
+NEAR = 0.2
+# [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
+# room; relative to the size of the motion
 ROOM = 1.0
-MARGIN = 0.06  # the margin around the view of a film, relative to the size of the view
-LEAST = 1e-6  # [m] the size assumed for a chain that does not move
-# A wall bounds the view along an axis if the component of the wall's unit normal along this axis is larger
-# than this.
+MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
+LEAST = 1e-6  # [m] size assumed for the view of a chain that does not move
+# a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 UPRIGHT = 0.5
-ALONE = 1e-3  # a radius up to this size is not drawn, relative to the size of the motion
-SAME_LENGTH = 1e-9  # the largest difference of two lengths that counts as round-off, relative to the length
-PIN = 0.08  # the height of the ground mark of a pinned base, relative to the size of the motion
-# the corners of the ground mark's triangle, with the base at (0, 0) and y towards the ground, relative to the
-# height of the mark
+# [1] a point with at most this radius is not drawn as a circle; relative to the size of the motion
+ALONE = 1e-3
+# [1] two lengths are equal if their difference, relative to the length, is at most this, which is round-off
+SAME_LENGTH = 1e-9
+PIN = 0.08  # [1] height of the ground mark of a pinned base, relative to the size of the motion
+# [1] corners of the ground mark's triangle, relative to the mark's height: the base is at (0, 0), y points to
+# the ground
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 PIN_LINES = [SUPPORT, GROUND, *HATCHES]
-# in films and pages, the length of the arrow of the largest force, relative to the smaller side of the view;
-# the largest number of powers of ten on the ruler of forces
+# LONGEST_ARROW: in films and pages, length of the arrow of the largest force, relative to the shorter side of
+# the view; DECADES: largest number of powers of ten on the ruler of forces
 LONGEST_ARROW, DECADES = 0.26, 6
 Key = TypeVar("Key", bound=Hashable)
-"""The type of the keys of a dict of walls: names of walls; for a wall that moves, one key for each of several
-positions."""
+"""The type of the keys of a dict of walls: a wall's name or, for a wall that moves, one key for each of
+several positions."""
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     """Return the lines of a pinned base's ground mark at the start: a support on hatched ground.
 
-    The mark is above the base if the chain is on average below the base, else below it.
+    The mark is above the base if the chain's mean position is below the base; else it is below the base.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
@@ -64,21 +66,22 @@ def seen(
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
-    """Return the rectangle that a picture shows, and the walls near the motion.
+    """Return the rectangle that a picture of a motion shows, and the walls near the motion.
 
     The rectangle contains the motion, the ground mark of a pinned base, and a part of each near wall.
 
     Args:
-        points: positions, shape (T, N+1, 2) [m].
-        walls: name → free side; a wall that moves has a name for each of several positions.
+        points: positions of the points, shape (T, N+1, 2) [m].
+        walls: name → free side; a wall that moves has one name for each of several positions.
         radius: the radius of the points [m].
-        near: a wall is near up to this distance from the motion, relative to the size of the motion.
-        room: a distance, relative to the size of the motion. If the walls close a room that ends within
-            this distance, the rectangle contains the whole room, and all walls are near.
+        near: a wall is near if its distance from the motion, relative to the size of the motion, is at most
+            this.
+        room: if the walls enclose a room that ends within this distance, relative to the size of the motion,
+            the rectangle contains the whole room, and all walls are near.
         pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m], and the walls that are near.
+        The lower left and the upper right corner of the rectangle, shape (2, 2) [m], and the near walls.
     """
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
@@ -91,7 +94,7 @@ def seen(
         shown = np.concatenate([shown, corners])
     view, visible = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
     for name, wall in () if corners else walls.items():
-        # the corner of the motion's rectangle with the least clearance from the wall
+        # the corner of the rectangle around the motion that is nearest to the wall, or deepest in it
         corner = np.where(np.array(wall.normal) > 0.0, *reach)
         gap = wall.clearance(*corner)
         if -width <= gap <= near * width:
@@ -107,8 +110,8 @@ def framed(
     """Return the view of a film: the motion, the near walls, a closed room, and a margin.
 
     Returns:
-        The lower left and the upper right corner, shape (2, 2) [m]; and for each axis the fraction, 0…1, of
-        additional space that goes to the left or below: additional space goes to the side without a wall.
+        The lower left and the upper right corner, shape (2, 2) [m]; and for x and y the fraction, 0…1, of
+            additional space that goes to the left or below: it is 1 or 0 if only one side has no wall.
     """
     view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
     margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
@@ -116,12 +119,12 @@ def framed(
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sides to which a view can be extended: the sides without a wall.
+    """Return to which sides a view can be extended: to sides without a wall.
 
     The first result is the fraction, 0…1, of an extension that goes to the left, for x, and down, for y. The
     second result is whether at least one of the two sides has no wall, for x and for y.
     """
-    # the entries are 1 for a side without a wall: [[left, below], [right, above]]
+    # 1 for a side without a wall, else 0: [[left, below], [right, above]]
     open_sides = np.ones((2, 2))
     for wall in walls:
         normal = np.array(wall.normal)
@@ -130,12 +133,12 @@ def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def size_of(recording: Recording) -> float:
-    """Return the larger of width and height of the rectangle around all positions in a motion [m]."""
+    """Return the longer side [m] of the rectangle around all positions in a motion."""
     return size_of_motion(recording.all_points)
 
 
 def places_of(recording: Recording) -> np.ndarray:
-    """Return the positions of all points, and of the corners of a carriage, shape (T, M, 2) [m]."""
+    """Return the positions of all points and of a carriage's corners, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
     corners = recording.rail.carriage(np.zeros(2))
@@ -145,14 +148,14 @@ def places_of(recording: Recording) -> np.ndarray:
 def radius_of(recording: Recording) -> float:
     """Return the largest radius [m] of the points that can touch.
 
-    The result is 0 if the radius is unknown or too small to be seen.
+    The result is 0 if it is unknown or too small to be seen.
     """
     radius = max(recording.touching.values(), default=0.0)
     return radius if radius > ALONE * size_of(recording) else 0.0
 
 
 def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the room between some walls, if a rectangle contains the whole room; else none.
+    """Return the corners of the room that walls enclose, if all of it lies inside a rectangle; else none.
 
     Args:
         walls: name → free side.
@@ -172,7 +175,7 @@ def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray
 
 
 def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:
-    """Yield the corners of the part of a polygon on the free side of a wall (Sutherland & Hodgman, 1974)."""
+    """Yield the corners of the part of a polygon on a wall's free side (Sutherland & Hodgman, 1974)."""
     gaps = [wall.clearance(*corner) for corner in corners]
     for k, (here, gap) in enumerate(zip(corners, gaps, strict=True)):
         before = gaps[k - 1]
@@ -183,10 +186,10 @@ def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]
 
 
 def ball_of(recording: Recording) -> int | None:
-    """Return the number of the point at the centre of a ball; None if the chain is not a ball.
+    """Return the number of the point at the centre of a ball; None if the chain is no ball.
 
-    A ball is a free link that touches with one end only. This end is the centre of mass, or its radius is at
-    least the length of the link, so that it contains the link.
+    A ball is a free chain of one link that touches with one end only: this end is the centre of mass, or its
+    radius is at least the length of the link, so that its circle contains the link.
     """
     if recording.link_count != 1 or recording.pinned or recording.rail or recording.outlines:
         return None

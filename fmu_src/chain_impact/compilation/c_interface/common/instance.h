@@ -66,7 +66,7 @@ struct Instance {
     double time, stop_time;
 };
 
-/* Functions of life.c: what calls of both versions of FMI have in common. `call` is the name of the call, for messages. */
+/* Functions of life.c: what calls of both versions of FMI have in common. `call` is the call's name, for messages. */
 Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources);
 /* Return an instance of the same FMU, which shares the table of the first one. */
 Instance *another_instance(const Instance *first, const char *call, const char *name);

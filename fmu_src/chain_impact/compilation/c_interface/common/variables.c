@@ -58,7 +58,7 @@ static const Word *source(Instance *instance, const char *call, const uint32_t v
     return seen;
 }
 
-/* Return whether the variables, all of which exist, have together as many values as the call gives; else log an error. */
+/* Return whether the variables, which all exist, have together as many values as the call gives; else log an error. */
 static int fits(const Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count,
                 size_t length) {
     size_t wanted = 0;

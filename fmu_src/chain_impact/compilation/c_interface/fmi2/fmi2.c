@@ -3,7 +3,7 @@
 
 #include <fmi2Functions.h>
 
-/* Define a function of the standard: it evaluates `made`, usually a call of a shared function, and returns its status. */
+/* Define a function of the standard: it evaluates `made`, a call of a shared function, and returns its status. */
 #define FUNCTION(name, made, ...) \
     FMI2_Export fmi2Status name(__VA_ARGS__) { return (fmi2Status)(made); }
 
