@@ -134,7 +134,7 @@ def nowhere() -> str:
 
 def cores() -> int:
     """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # this function exists on Linux only
+    affinity = getattr(os, "sched_getaffinity", None)  # of the supported systems only Linux has this function
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 

@@ -59,7 +59,11 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 
 
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
-    """Yield the difference for a tendon that acts on the motion."""
+    """Yield a difference of the scene, which has no tendons, from the file if tendon t acts on the motion.
+
+    A tendon acts if one of its values in FORCES is not 0 and the file does not switch this kind of force off;
+    ``off`` has the names of the flags for the kinds that are off.
+    """
     acting = [
         field.removeprefix("tendon_")
         for field, flag in FORCES.items()

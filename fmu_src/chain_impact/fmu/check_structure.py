@@ -130,7 +130,7 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """Yield all unknowns of the model structure, each after words that name it in a fault."""
+        """Yield each unknown of the model structure as a pair: words that name it, and its element."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node

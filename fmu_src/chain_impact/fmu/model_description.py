@@ -141,7 +141,9 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 
 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
-    """Return the number of each output, and the numbers of the inputs that act on it directly.
+    """Return the number of each output, and the numbers of the inputs that act on this output directly.
+
+    The number of a variable is its index in FMI 2.0, and its value reference in FMI 3.0.
 
     These lists are for the time after the start. There is no list for the start: FMI then assumes that an
     output depends on all known values, which is right.

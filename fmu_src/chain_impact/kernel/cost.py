@@ -55,17 +55,17 @@ def count_other_cost(d, number):
 
 
 def counted_cost(d):
-    """Return the counts of evaluations and of the other cost, for a later ``uncount_cost``.
+    """Return two counts: the evaluations of the right-hand side, and the cost of other calculations.
 
-    That function resets the counts to these values.
+    ``uncount_cost`` can later reset both counts to these values.
     """
     return d.statistics.rhs_evaluations, d.limits.other_cost
 
 
 def uncount_cost(d, counted):
-    """Reset the counts to ``counted``, the result of ``counted_cost``.
+    """Reset both counts to ``counted``, an earlier result of ``counted_cost``.
 
-    The cost since then is that of outputs, which does not count.
+    The cost between the two calls is the cost of outputs, which does not count.
     """
     d.statistics.rhs_evaluations, d.limits.other_cost = counted
 

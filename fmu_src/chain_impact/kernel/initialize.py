@@ -192,7 +192,12 @@ def derive_chain(d):
 
 
 def derive_sites(d):
-    """Derive the first site of each link, the sites' radii and relative positions, and the chain's reach."""
+    """Derive what depends on sites.
+
+    This is the first site of each link, the positions of the corners of boxes, the radius of each site, the
+    position of each site divided by the length of the site's link, and the reach of the chain if a site
+    reaches farther than the links.
+    """
     before, s, chain = 0.0, 0, d.chain
     for i in range(d.links):
         chain.first_site[i] = s

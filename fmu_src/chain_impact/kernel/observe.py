@@ -40,7 +40,10 @@ from chain_impact.kernel.rows.geometry import (
 
 
 def observe(d):
-    """Fill the outputs with the values at ``step.time``, and call the hook ``on_observe``."""
+    """Fill the outputs with the values at ``step.time``, and call the hook ``on_observe``.
+
+    In a kernel that carries derivatives, this hook sets the derivatives of the outputs.
+    """
     fill_outputs(d)
     hooks.on_observe(d)
 
@@ -184,10 +187,7 @@ def fill_friction(d):
 
 
 def fill_quadratures(d, theta):
-    """Fill the outputs of impulses and of the energy of dry friction, at the fraction θ of the last step.
-
-    The impulse of the force at the tip is stored for the impulses in the joints.
-    """
+    """Fill the outputs of impulses and of the energy of dry friction, at the fraction θ of the last step."""
     quadrature = d.quadrature
     for i in range(len(quadrature.total)):
         fill_quadrature(d, i, quadrature.total[i])
@@ -196,9 +196,10 @@ def fill_quadratures(d, theta):
 
 
 def fill_quadrature(d, i, value):
-    """Fill the output of the quadrature with index i.
+    """Store the value of quadrature i in its output.
 
-    The impulse of the force at the tip is also stored.
+    The last two quadratures, the components of the impulse at the tip, have no output; their values are
+    stored for the calculation of the impulses in the joints.
     """
     e = i - d.candidates
     if e < 0:

@@ -133,7 +133,10 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
 
 
 def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
-    """Return packed columns, and the rows in which any column is not 0; None if there are no such rows."""
+    """Return the rows in which any column is not 0, and the values of all columns in these rows only.
+
+    The values are packed in 16 bits. The result is None if there are no such rows.
+    """
     rows = np.flatnonzero(np.any([*columns.values()], axis=0))
     if not len(rows):
         return None

@@ -141,12 +141,18 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
 
 
 def _height_above(ratio: float, width: float) -> float:
-    """Return the height of a motion above the other panels, relative to the height of a panel of energies."""
+    """Return the height of the panel of a motion above all other panels, relative to that of an energy panel.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
     if width < WIDE:
         return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio) * max(1.0, width / COLUMN)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 
 def _whole_height(ratio: float, width: float) -> float:
-    """Return the height [inches] of a motion that takes the whole width [inches] of a figure."""
+    """Return the height [inches] of the panel of a motion that takes the whole width of a figure.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
     return min((width - MARGINS) / ratio, HIGHEST * width)

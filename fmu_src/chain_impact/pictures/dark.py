@@ -28,8 +28,10 @@ LEAST_LUMINANCE = 0.2
 # which are lines. Paler greys are areas and grids, without a least ratio.
 READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# the number of mixtures with white that are tried
-MIXTURES, NEAR_WHITE = 41, 0.999
+# the number of mixtures, of a colour with white or of the ground's colour with the text's, that are tried
+# until one is light enough
+MIXTURES = 41
+NEAR_WHITE = 0.999  # the largest luminance that is required of a mixture of a colour with white
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"

@@ -303,7 +303,7 @@ def thin_ticks(axes: Axes) -> None:
 
 
 def numbers_meet(axis: Axis) -> bool:
-    """Return whether two neighbouring numbers at an axis nearly touch."""
+    """Return whether two neighbouring numbers at an x axis overlap or nearly touch."""
     boxes = [text.get_window_extent() for text in numbers_in_view(axis)]
     return any(map(meet, boxes, boxes[1:]))
 

@@ -100,10 +100,10 @@ class Ink:
         self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
 
     def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
-        """Return which boxes were free before any label was written, shape (B,).
+        """Return whether each box had no drawn pixel before any label was written, shape (B,).
 
         ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
-        With ``on_pale`` boxes without strong pixels are free, too.
+        With ``on_pale`` only strong pixels count as drawn, so that a box with pale pixels only was free.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
         counts = self._strong_counts if on_pale else self._counts

@@ -69,7 +69,7 @@ WHOLE = 99.5  # a number from this size on is written as a whole number: two dig
 
 
 def signed(value: float) -> str:
-    """Return a number with its sign and two digits or, from WHOLE on, a whole number."""
+    """Return a number with its sign to two significant digits; as a whole number if |value| ≥ WHOLE."""
     return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
 
 

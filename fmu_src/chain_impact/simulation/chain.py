@@ -38,7 +38,7 @@ MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """The place of a variable in the record, and the values that it may have."""
+    """The access to a variable: the variable's row of the table, and the values that it may have."""
 
     row: TableRow
     whole: bool
@@ -315,9 +315,9 @@ class Chain:
         return selection
 
     def _checked_value(self, name: str, value: Any) -> tuple[_Access, float]:
-        """Return the place of a variable and the checked value as a number.
+        """Return the access to a variable, and its new value as a number in SI units, after checks.
 
-        A value that is not allowed is refused.
+        Refused are an unknown name, a variable that cannot be set now, and a value that is not allowed.
         """
         access = self._accesses.get(name)
         if access is None:

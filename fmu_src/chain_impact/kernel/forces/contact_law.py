@@ -28,7 +28,9 @@ class ContactLaw:
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
-    # exponent s in d = f K^(1−s) m^s with the effective mass m; 0 for the Hunt–Crossley family: d = λ K/v₀
+    # The exponent s in the damping d = f K^(1−s) m^s, with the effective mass m. The value 0 means that this
+    # formula is not used: the Hunt–Crossley family has d = λ K/v₀ with λ = f, and rigid walls have no
+    # damping.
     mass_power: float = 0.0
     # whether the damping acts only while the penetration grows
     approach_only: bool = False

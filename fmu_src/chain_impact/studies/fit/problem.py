@@ -176,10 +176,13 @@ class Problem:
         )
 
     def bounds_reached(self, coordinates: np.ndarray, errors: np.ndarray) -> dict[int, str]:
-        """Return the parameters that are at a bound: index → "lower" or "upper".
+        """Return the parameters that are at a bound: index of the parameter → "lower" or "upper".
+
+        A parameter is at a bound if its distance from the bound is at most a small part of its standard
+        error, or of the range between its bounds (``_near``).
 
         Args:
-            coordinates: the coordinates of the parameters, shape (P,).
+            coordinates: the values of the parameters on the scale of the search, shape (P,).
             errors: standard error of each parameter with all others fixed, shape (P,).
         """
         lower = coordinates - self.low <= self._near(self.low, errors)

@@ -15,8 +15,8 @@ from chain_impact.system import LISTEN
 
 FIRST_BATCH, LONGEST_BATCH = 8, 2**18  # number of runs in the first and in the longest batch
 SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0  # [s] shortest and longest time that a batch may take
-# time that a batch may take, relative to the time so far; an interruption loses at most this part of the time
-# so far
+# The time that a batch may take, relative to the time so far, between the two limits above. After the first
+# batches, an interruption loses about this part of the time so far.
 SHARE = 0.2
 # A batch has at most BATCH_RATIO times as many runs as the batch before. The last batches are smaller, so
 # that all workers end together; but each takes at least 1/BATCH_RATIO of the time of a usual batch.

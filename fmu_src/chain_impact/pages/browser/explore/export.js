@@ -58,7 +58,7 @@ export function hashOf(changes, shown = {}) {
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 
-/** Return the contents of an address: name → text. */
+/** Return the names and texts in `hash`, the text of an address from the # on (see `hashOf`): name → text. */
 export function changesIn(hash) {
   const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));

@@ -44,7 +44,10 @@ export class ImpactList {
     element.after(this.more);
   }
 
-  /** Show all rows; or, in a page that scrolls, only the first rows. */
+  /**
+   * Show all rows if `isWhole`. Otherwise a page that scrolls shows only the first rows and the row of the present impact; a list that
+   * scrolls by itself still shows all rows.
+   */
   #showAll(isWhole) {
     this.element.classList.toggle("whole", isWhole);
     this.more.hidden = isWhole || !(this.rows?.length > FIRST);

@@ -53,7 +53,10 @@ function radiusOf({ sites, links }, valueOf, point) {
   return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
 }
 
-/** Return one coordinate of all points, row after row: in each row, one value for each point. */
+/**
+ * Return one coordinate of all points in one array: row after row, and in each row one value for each point. `each` has an array for each
+ * point, with the coordinate in all rows.
+ */
 function interleaved(each) {
   const rows = new Float64Array(each[0].length * each.length);
   each.forEach((column, point) => column.forEach((value, row) => {
