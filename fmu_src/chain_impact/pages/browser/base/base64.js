@@ -1,6 +1,6 @@
-// Bytes and numbers from text in base64, as Python packs them for the pages.
+// Functions that turn text in base64, in which Python packs bytes and numbers for the pages, into these bytes and numbers.
 
-/** Return the bytes of a text in base64. */
+/** Return the bytes that a text in base64 stands for. */
 export function bytesIn(text) {
   const signs = atob(text);
   const bytes = new Uint8Array(signs.length);
@@ -8,12 +8,12 @@ export function bytesIn(text) {
   return bytes;
 }
 
-/** Return the numbers of 8 bytes in a text in base64, whose bytes are not compressed. */
+/** Return the 64-bit real numbers that a text in base64 stands for, without decompression. */
 export function numbersIn(text) {
   return new Float64Array(bytesIn(text).buffer);
 }
 
-/** Return the decompressed bytes of a text in base64. */
+/** Return the bytes that a text in base64 stands for, after decompression. */
 export async function decompressed(text) {
   const stream = new Blob([bytesIn(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

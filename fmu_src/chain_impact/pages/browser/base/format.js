@@ -1,4 +1,4 @@
-// Functions that write numbers and other values as text.
+// Functions that write numbers, units and times as text.
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
@@ -8,12 +8,12 @@ export function unitText(unit) {
   return unit === "1" ? "" : unit.replaceAll(PRODUCT, "·").replaceAll(SQUARE, "²");
 }
 
-/** Return the unit of a stiffness, a force divided by a power of a penetration, as `of_power` does: N/m^1.5, or N/m. */
+/** Return the unit of a stiffness, force over penetration to a power, as `of_power` in Python: N/m^1.5, or N/m for the exponent 1. */
 export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }
 
-/** Return a unit with the digits of its power raised: N/m¹·⁵ for N/m^1.5. */
+/** Return a unit with the exponent as raised digits: N/m¹·⁵ for N/m^1.5. */
 export function raised(unit) {
   const raisedSign = (sign) => "·⁰¹²³⁴⁵⁶⁷⁸⁹"[".0123456789".indexOf(sign)];
   return unit.replace(/\^([\d.]+)$/, (_, power) => [...power].map(raisedSign).join(""));
@@ -24,50 +24,52 @@ export function withMinus(text) {
   return text.replace(/^-(?=[\d.])/, "−");
 }
 
-/** Return a number with `count` significant digits, or more if more are before the point, and at most 9 decimals. */
+/** Return a number with `count` significant digits, or with all digits before the point if these are more; it has at most 9 decimals. */
 export function digits(value, count = 3) {
   if (value === 0) return "0";
   const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
   return value.toFixed(Math.min(Math.max(decimals, 0), 9));
 }
 
-/** Return a number with some decimals; a number that is then zero has no sign. */
+/** Return a number with a given number of decimals; if it is rounded to 0, it has no minus sign. */
 export function fixed(value, decimals) {
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "");
 }
 
-const DECIMALS = 6; // largest number of decimals of a tick that has no exponent
-const LARGE = 1e6; // least absolute value of a tick that is written with an exponent
+const DECIMALS = 6; // largest number of decimals of an axis label that has no exponent
+const LARGE = 1e6; // absolute value from which on an axis label has an exponent
 
-/** Return ticks at equal distances as texts, all different, with as many digits as their distance needs. */
+/** Return the labels for ticks at equal distances: all labels differ, and have no more digits than this needs. */
 export function ticksOf(ticks) {
   const step = ticks.length > 1 ? Number((ticks[1] - ticks[0]).toPrecision(3)) : Math.abs(ticks[0]) || 1;
   const [mantissa, exponent] = step.toExponential().split("e");
-  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // number of decimals of the distance between ticks
+  const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // number of decimals of the distance between two ticks
   const largest = Math.max(...ticks.map(Math.abs));
   const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
   return ticks.map((tick) => {
     if (Math.abs(tick) < step / 2) return "0";
-    const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits after the first digit
+    const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits of this tick after its first digit
     return isPlain ? fixed(tick, Math.max(decimals, 0)) : tick.toExponential(Math.min(Math.max(afterFirst, 0), 15));
   });
 }
 
-/** Return a force as text, for example 12.3 kN: with `count` digits, or up to 6 if it is 0. A moment has another `unit`. */
+/**
+ * Return a force [N] as text, such as 12.3 kN: with `count` significant digits, or up to 6 if `count` is 0. A moment has another `unit`.
+ */
 export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
   const value = newtons / factor;
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
-/** Return the ticks of an axis of forces as texts, all with the prefix that suits the largest tick. */
+/** Return the labels for an axis of forces, all with the prefix of the unit that suits the largest tick. */
 export function forceTicks(ticks, unit) {
   const most = Math.max(...ticks.map(Math.abs));
   const [factor, prefix] = PREFIXES.find(([least]) => most >= least) ?? [1, ""];
   return ticks.map((tick) => (tick ? `${+(tick / factor).toPrecision(6)}\u202f${prefix}${unit}` : "0"));
 }
 
-/** Return a short time as text, for example 0.62 ms. */
+/** Return a short time [s] as text, for example 0.62 ms. */
 export function durationText(seconds, count = 3) {
   const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
   return `${digits(seconds * factor, count)}\u202f${unit}`;
@@ -81,13 +83,13 @@ export function rateText(value) {
   return rounded === "1" ? "real time" : `${rounded} × ${word}`;
 }
 
-/** Return a speed for a menu as text, for example ½ ×. */
+/** Return a speed of playing for a menu as text, for example ½ ×. */
 export function speedText(value) {
   const names = { 0.5: "½", 0.25: "¼", 0.125: "⅛", 0.0625: "1⁄16" };
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** Return the units of a contact; at a stop of a joint, the units of an angle and a moment. */
+/** Return the units of the quantities of a contact; at a stop of a joint (`atStop`), they are units of angles and moments. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
   return { speed: unitText(units.impact_speed), force: unitText(units.peak_force) };
@@ -98,12 +100,12 @@ export function readable(text) {
   return text.replaceAll(">=", "≥").replaceAll("<=", "≤").replaceAll(/(?<=[<>≤≥]) /g, "\u00a0");
 }
 
-/** Return a name or a unit in which a line may be broken after each part. */
+/** Return a name or a unit in which the browser may break the line after each part. */
 export function breakable(name) {
   return name.replaceAll(/([._/])/g, "$1\u200b");
 }
 
-/** Return a number as text with the fewest digits from which the same number is read. */
+/** Return a number as text with the fewest digits from which exactly this number is read again. */
 export function numberText(value) {
   const size = Math.abs(value);
   return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);

@@ -1,6 +1,6 @@
-// A function that computes new values for a table.
+// Computes a table with new values for the same keys.
 
-/** Return a table with each value of another table replaced by the value of a function. */
+/** Return a table with the same keys, in which each value is replaced by the result of the function `of` for it. */
 export function mapped(table, of) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [key, of(value)]));
 }

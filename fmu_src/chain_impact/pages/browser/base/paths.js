@@ -1,9 +1,9 @@
 // Paths in a scene file: lists of keys and of indices from 0.
 
-/** Return the value at a path of a file; undefined if a table on the way is missing. */
+/** Return the value at a path of a scene file; undefined if the file lacks a table on the path. */
 export const inFile = (file, path) => path.reduce((table, step) => table?.[step], file);
 
-/** Return a path in a file as text, with numbers from 1. */
+/** Return a path of a scene file as text, in which indices count from 1. */
 export function pathText(path) {
   return path.map((step) => (typeof step === "number" ? `[${step + 1}]` : `.${step}`)).join("").replace(/^\./, "");
 }

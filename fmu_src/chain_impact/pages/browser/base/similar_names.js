@@ -5,8 +5,8 @@ const INDICES = new RegExp(NUMBER, "g");
 const lastOf = (name) => name.slice(name.lastIndexOf(".") + 1);
 
 /**
- * Return the number of letters that two texts have in common: the longest common part, and the common parts of the texts on each side of
- * it, found in the same way.
+ * Return the number of letters that two texts have in common: those of their longest common part, and, found in the same way, those that
+ * the texts have in common before this part and after it.
  */
 function commonLetters(a, b) {
   let [size, atA, atB] = [0, 0, 0];
@@ -21,8 +21,8 @@ function commonLetters(a, b) {
 }
 
 /**
- * Return the name that is most similar to `name`; of equally similar names, the last by the alphabet. The result is undefined if no name
- * reaches the similarity `least`.
+ * Return the name that is most similar to `name`; of equally similar names, the one that is last in the alphabet. The result is undefined
+ * if no name has at least the similarity `least`.
  */
 function mostAlike(name, names, least) {
   const likeness = (other) => 2 * commonLetters([...other], [...name]) / ([...other].length + [...name].length);
@@ -30,7 +30,7 @@ function mostAlike(name, names, least) {
   return rated.reduce((best, one) => (one[0] > best[0] || (one[0] === best[0] && one[1] > best[1]) ? one : best), [-1])[1];
 }
 
-/** Return the name, of some names, that is most similar to an unknown name; undefined if no name is similar. */
+/** Return, from the list `names`, the one that is most similar to the unknown name; undefined if none is similar. */
 function nearest(name, names) {
   const bare = name.replaceAll(INDICES, "");
   const numbersOf = (text) => [...text.matchAll(INDICES)].map(([found]) => Number(found.slice(1, -1)));
@@ -53,13 +53,13 @@ function nearest(name, names) {
   return same.includes(found) ? found : mostAlike(name, same, SAME_LAST) ?? found;
 }
 
-/** Return the shortest of some names that contains a text as whole words; undefined if no name does. */
+/** Return the shortest name that contains a text as whole words; undefined if no name does. */
 function longer(text, names) {
   const words = new RegExp(`(?<![\\p{L}\\p{N}])${text.replaceAll(/[\\^$.*+?()[\]{}|]/g, "\\$&")}(?![\\p{L}\\p{N}])`, "u");
   return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];
 }
 
-/** Return the name that a message proposes for an unknown name; undefined if there is no proposal. */
+/** Return the name that a message proposes for an unknown name; undefined if no name is similar. */
 export function proposed(name, names) {
   return nearest(name, names) ?? longer(name, names);
 }

@@ -1,10 +1,10 @@
 // Round numbers for the ticks of an axis.
 
-const TICK_STEPS = [5, 2.5, 2, 1]; // the allowed steps between ticks, relative to a power of ten
+const TICK_STEPS = [5, 2.5, 2, 1]; // allowed distances between ticks, as multiples of a power of ten
 
 /**
- * Return round numbers between two numbers: with the largest round step that gives `fewest` or more numbers, and at most 10. With `whole`
- * the numbers are whole numbers, of which there may be fewer.
+ * Return the ticks of an axis from `low` to `high`: multiples of the largest round step that gives at least `fewest` of them; there are at
+ * most 10. With `whole` all of them are whole numbers, and there may be fewer.
  */
 export function ticksBetween(low, high, fewest = 4, whole = false) {
   if (!(high > low && high - low < Infinity)) return [low];

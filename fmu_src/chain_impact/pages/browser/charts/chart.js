@@ -1,49 +1,52 @@
-// The base class of all charts, which uPlot draws: axes, curves of motions for comparison, and a line at the present time.
+// The base class of all charts, which uPlot draws: axes, curves of compared motions, and a vertical line at the present time.
 
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
-/** The time [s] that is shown before and after an impact without a duration. */
+/** [s] time that a chart shows before and after an impact without a duration. */
 export const MOMENT = 1e-3;
-// the least numbers of ticks on a vertical axis: the second number holds if the first would put ticks nearer than TICKS_APART
+// least number of ticks on a vertical axis: FEWEST_TICKS or, if they would be nearer to each other than TICKS_APART, FEWEST_IF_LOW
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
-const TICKS_APART = 17; // [pixels] least distance of two ticks
-const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] heights of the space above the plot, and of the axis below it
-const NARROWEST = 48; // [pixels] the least width of a vertical axis; most labels need no more
-// positions of the letters of curves for comparison, relative to the width of the chart: the position of A, and the distance to the next
-// letter
+const TICKS_APART = 17; // [pixels] least distance between two ticks of a vertical axis
+const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] height of the space above the plot, and height of the axis below it
+const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for most labels
+// horizontal positions of the letters at curves of compared motions, relative to the width of the chart: of A, and from each letter to the
+// next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
-const LABEL_MARGIN = 4; // [pixels] the margin to the left of a label
-const DECIMALS_OF_LARGEST = 3; // number of decimals of values between 1 and 10
-const LEAST_WITH_DECIMALS = 1e-6; // the least absolute value, of the largest value, with which values are written without an exponent
+const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
+const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
+const LEAST_WITH_DECIMALS = 1e-6; // if the largest absolute value is below this, values are written with exponents
 
-/** Return a colour of the style sheet. */
+/** Return the value of a colour of the style sheet, by its name. */
 export function styleColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-/** Return the ticks of a vertical axis from `low` to `high`: round numbers, `whole` ones if wanted, with room for their labels. */
+/**
+ * Return the ticks of a vertical axis from `low` to `high`: round numbers (`whole`: only whole ones), few enough for their labels in a
+ * chart of a `height` [pixels].
+ */
 export function ticksUpwards({ height }, low, high, whole) {
   const ticks = ticksBetween(low, high, FEWEST_TICKS, whole);
   const apart = ((height - ABOVE_PLOT - BELOW_PLOT) * (ticks[1] - ticks[0])) / (high - low);
   return apart >= TICKS_APART ? ticks : ticksBetween(low, high, FEWEST_IF_LOW, whole);
 }
 
-/** Return a tick of a time axis as text, in the unit that suits all `ticks`: seconds or milliseconds. */
+/** Return the label of a tick of a time axis [s]: all of `ticks` are in seconds or all in milliseconds. */
 export function ticksText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
   return withMinus(`${+(factor * tick).toPrecision(6)} ${unit}`);
 }
 
-/** Return the times between two times whose distances from an onset are multiples of a step. */
+/** Return the times from `low` to `high` whose distances from the onset are whole multiples of a step, all in [s]. */
 export function timeTicks(low, high, step, onset = 0) {
   const first = Math.ceil((low - onset) / step - 1e-6);
   const count = Math.floor((high - onset) / step + 1e-6) - first + 1;
   return Array.from({ length: count }, (_, k) => onset + (first + k) * step);
 }
 
-/** Return times as texts in seconds; times since an onset may be in milliseconds. */
+/** Return the labels of times [s]; after an onset [s] they count from it, and may be in milliseconds. */
 export function timeTexts(ticks, onset) {
   if (onset === undefined) return ticksOf(ticks).map((tick) => `${withMinus(tick)} s`);
   const since = ticks.map((tick) => tick - onset);
@@ -56,8 +59,8 @@ export function largestIn(arrays, least = 0) {
 }
 
 /**
- * Return a function that writes the values in some arrays as text, so that they can be compared: with as many decimals as the largest value
- * needs, or with exponents if this value is very small.
+ * Return a function that writes values so that they can be compared: all with as many decimals as the largest value in the arrays needs, or
+ * all with exponents if this value is very small.
  */
 export function writerOf(arrays) {
   const largest = largestIn(arrays);
@@ -67,7 +70,7 @@ export function writerOf(arrays) {
   return (value) => withMinus(fixed(value, decimals));
 }
 
-/** Return words for an impact: its number, what touches, and where. */
+/** Return words for a contact: the number of the impact, what touches, and the wall. */
 export function contactTitle({ number, what, wall }) {
   return `${number ? `impact ${number}: ` : ""}${what} at ${wall}`;
 }
@@ -83,7 +86,10 @@ export function axisOptions(options = {}) {
   };
 }
 
-/** Return the width of a vertical axis, for the longest of its labels. uPlot asks several times in one layout; the first answer counts. */
+/**
+ * Return the width of a vertical axis [pixels] that its longest label needs. uPlot asks several times in one layout; only the first time
+ * the width is computed.
+ */
 export function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];
   if (cycle > 1) return _size;
@@ -94,7 +100,7 @@ export function labelledWidth(plot, labels, index, cycle) {
 
 /** A chart with a vertical line at the present time: the base class of all charts. */
 export class Chart {
-  compared = []; // the curves of recordings for comparison, each as {recording, stroke, letter}
+  compared = []; // the compared recordings, each as {recording, stroke (name of a colour), letter}
 
   constructor(element, height) {
     this.element = element;
@@ -103,7 +109,7 @@ export class Chart {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
   }
 
-  /** Make the plot of the chart, which replaces the plot before. */
+  /** Make the plot of the chart in place of the plot before. */
   make(options, data) {
     const { element, height } = this;
     this.plot?.destroy();
@@ -134,7 +140,7 @@ export class Chart {
     this.mark();
   }
 
-  /** Move the line to a value of x; without a value, draw it again at its present value. */
+  /** Move the vertical line to a value of the horizontal axis; without a value, draw the line again where it is. */
   mark(x = this.at) {
     this.at = x;
     if (x === undefined) return;
@@ -144,7 +150,9 @@ export class Chart {
   }
 }
 
-/** Draw a curve of a recording for comparison, given as { points, stroke, letter }: dashed, with its letter in a dot. */
+/**
+ * Draw the curve of a compared recording, {points: [horizontal values, vertical values], stroke, letter}: dashed, with its letter in a dot.
+ */
 export function drawCompared(plot, { points: [along, up], stroke, letter }) {
   drawCurve(plot, [along, up], stroke);
   const { ctx, bbox, valToPos } = plot;
@@ -165,7 +173,7 @@ export function drawCompared(plot, { points: [along, up], stroke, letter }) {
   ctx.restore();
 }
 
-/** Draw a curve through points of a chart, filled or dashed. */
+/** Draw a curve, [horizontal values, vertical values], and fill the area inside it with the colour `fill`; without `fill`, dash it. */
 export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();
   ctx.beginPath();

@@ -1,4 +1,4 @@
-// Any curves over time, in a chart for each unit: driven inputs, and the outputs that the reader chooses.
+// Charts of curves over time, one for each unit: of driven inputs, and of the outputs that the reader chooses.
 
 import { make } from "../base/dom.js";
 import { unitText } from "../base/format.js";
@@ -8,22 +8,23 @@ import { contactTitle, largestIn, MOMENT, writerOf } from "./chart.js";
 import { TimeChart } from "./time_chart.js";
 
 const INPUT_COLOURS = 6; // number of colours for curves that the style sheet has
-// The dashes of curves, as many as colours, because two colours may look alike: lengths [pixels] that are alternately drawn and left out.
+// The dashes of curves: lengths [pixels] that are drawn and left out in turn. There are as many as colours, because two colours may look
+// alike.
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
-/** The largest number of curves in a chart, and of charts in a page, that a reader can distinguish. */
+/** A reader can distinguish at most this many curves in a chart, and charts in a page. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
-const KILO = 1e3; // least force [N] or moment [N·m] that is shown in kN or kN·m
-const ROUND_OFF = 1e-12; // absolute value, relative to the largest value of the unit, below which a value is round-off and is shown as 0
+const KILO = 1e3; // [N or N·m] if a force or moment of a chart reaches this, the chart is in kN or kN·m
+const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
-/** Return curves in which values that are round-off of `largest`, or of the curve's largest value, are 0. */
+/** Return the curves with 0 in place of values that are round-off of the largest value in them or of `largest`. */
 function withoutRoundOff(curves, largest) {
   const scale = largestIn(curves.map(({ values }) => values), largest);
   return curves.map((curve) => ({ ...curve, values: curve.values.map((value) => (Math.abs(value) < ROUND_OFF * scale ? 0 : value)) }));
 }
 
 /**
- * Return the group of an output: a name with `*` that the names of its members match. If the name of the output has a number, the members
- * differ in this number, such as point[*].y; otherwise the members have the same beginning, such as energy.*.
+ * Return the group of an output as a pattern that the names of all its members match. Names with a number differ within a group only in
+ * this number (point[*].y); names without a number have the same part before the dot (energy.*).
  */
 export function groupOf(name) {
   const group = name.replaceAll(/\[\d+\]/g, "[*]");
@@ -32,7 +33,7 @@ export function groupOf(name) {
 
 const isCount = ({ values, isStepped }) => isStepped && values.every(Number.isInteger);
 
-/** Return for each curve a function that writes its values: the curves of a group share one function, and counts have no decimals. */
+/** Return for each curve a function that writes its values. The curves of a group share a function; counts are written as whole numbers. */
 export function writersOf(curves) {
   const measured = curves.filter((curve) => !isCount(curve));
   const valuesIn = (group) => measured.filter(({ name }) => groupOf(name) === group).map(({ values }) => values);
@@ -40,7 +41,7 @@ export function writersOf(curves) {
   return curves.map((curve) => (isCount(curve) ? String : writers.get(groupOf(curve.name))));
 }
 
-/** A chart of the curves with one unit. */
+/** A chart of all curves with one unit. */
 class UnitChart extends TimeChart {
   get span() {
     return this.close ?? super.span;
@@ -68,7 +69,10 @@ class UnitChart extends TimeChart {
     else this.makeCurves(curves, data);
   }
 
-  /** Draw the curves at the time `now`: over the whole time, or over the times `close`, [from, to], on an axis that counts from `onset`. */
+  /**
+   * Draw the curves with the line at the time `now` [s]: over the whole run or, in a close view, over `close`, [from, to], where the axis
+   * counts from `onset`.
+   */
   draw(now, close, onset) {
     if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
@@ -89,8 +93,8 @@ export class CurveCharts {
   #compared = [];
 
   /**
-   * `curvesOf` returns the curves of a recording, if it has any. The elements may be missing: `zoomButton` switches to the view of
-   * one impact, `title` names this impact, and `note` names the motions for comparison without some of the curves.
+   * `curvesOf` is a function that returns the curves of a recording, or nothing. Elements that may be missing: `zoomButton` switches to the
+   * view of one impact, `title` names this impact, and `note` names the compared motions that lack some of the curves.
    */
   constructor(element, seek, { curvesOf, label, zoomButton, title, note, wordsOf = (name) => name }) {
     Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, wordsOf, charts: new Map() });
@@ -117,7 +121,8 @@ export class CurveCharts {
         ...curve,
         words: this.wordsOf(curve.name),
         stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length], // the dash changes when the colours begin again
+        // when the colours begin again, the dashes begin one later, so that no two curves look alike
+        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length],
       })));
     });
     this.#nameWithout();
@@ -140,7 +145,7 @@ export class CurveCharts {
     this.#nameWithout();
   }
 
-  /** Name the motions for comparison that lack one of the shown curves. */
+  /** Name, below the charts, the compared motions that lack one of the shown curves. */
   #nameWithout() {
     if (!this.note || !this.recording) return;
     const namesOf = (recording) => this.curvesOf(recording)?.curves.map(({ name }) => name) ?? [];

@@ -1,15 +1,15 @@
-// The zero of the potential energy in a chart, as `over_time.py` chooses it for pictures.
+// The zero of the potential energy in a chart, which `over_time.py` chooses in the same way for pictures.
 
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";
 
-// the zero is moved if the range of all energies is then smaller than this, relative to the range with the usual zero
+// the zero is moved if this makes the range of all energies smaller than CLOSER times the range with the usual zero
 const CLOSER = 0.8;
 const MOVED = ["potential", "total"];
 
 /**
- * Return the number [J] that is added to the potential and the total energy, so that no gap between their curves and the others takes much
- * of the axis. The number has two digits; it is 0 without a large gap. `energies` maps names to values.
+ * Return the number [J] that a chart adds to the potential and the total energy, so that no large gap lies between their curves and the
+ * others. It has two significant digits, and is 0 if there is no large gap. `energies`: name → values.
  */
 export function energyOffset(energies) {
   const least = endsOf(energies.potential ?? [0])[0];
@@ -25,12 +25,12 @@ export function movedBy(energies, offset) {
     [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));
 }
 
-/** Return the name of an energy with its offset [J], such as "total + 22 J". */
+/** Return the name of an energy with the number [J] that the chart adds to it, such as "total + 22 J". */
 export function energyText(name, offset) {
   return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
 }
 
-/** Return the size [J] of the range that contains all energies and 0. */
+/** Return the size [J] of the range that contains 0 and all values of all energies. */
 function energyRange(energies) {
   const ends = [0, ...Object.values(energies).flatMap(endsOf)];
   return Math.max(...ends) - Math.min(...ends);

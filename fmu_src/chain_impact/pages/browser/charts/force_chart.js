@@ -6,18 +6,18 @@ import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
 
-const AROUND = 0.35; // the time that is shown before and after a contact, relative to the duration of the contact
-const MARGIN = 1.08; // largest shown force, relative to the largest force of the curves
-const NO_FORCE = 1e-9; // [N] force below which a contact counts as having no force
+const AROUND = 0.35; // time shown before and after a contact, relative to the contact's duration
+const MARGIN = 1.08; // upper end of the axis of forces, relative to the largest force of the curves
+const NO_FORCE = 1e-9; // [N] a contact whose forces are all smaller has no curve
 
-/** Return the largest of the numbers in some arrays; if it is not above zero, a tiny number above zero. */
+/** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis has a length. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
 
 /**
- * Return the rows around a contact: times since its onset [s], force, penetration and dry friction, all 0 outside of the
- * contact. Penetration and friction are undefined if they are unknown.
+ * Return the values in the rows around a contact: times since the onset [s], force, penetration and dry friction. Before the onset and
+ * after the end they are 0. Penetration and friction are undefined if they are unknown.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;
@@ -32,7 +32,7 @@ function courseAround(recording, contact) {
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
-/** Return a tick of a penetration axis as text in millimetres or micrometres: all of `ticks` have the same unit. */
+/** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in millimetres or all in micrometres. */
 function depthText(tick, ticks) {
   const [factor, unit] = ticks.at(-1) >= 1e-4 ? [1e3, "mm"] : [1e6, "µm"];
   return `${+(factor * tick).toPrecision(6)} ${unit}`;
@@ -43,14 +43,14 @@ export class ForceChart extends Chart {
   constructor(element, quantity, title, loopButton) {
     super(element, 120);
     Object.assign(this, { quantity, title, loopButton });
-    this.unit = { ...unitsOf({}) }; // the units of the shown contact
+    this.unit = { ...unitsOf({}) }; // the units of the quantities of the contact that the chart shows
     this.make(
       {
         series: [
           {},
           {
             stroke: () => styleColour("force"), width: 2, fill: () => styleColour("force-fill"), points: { show: false },
-            paths: uPlot.paths.spline(), // this spline is monotone between the rows
+            paths: uPlot.paths.spline(), // this spline has no maximum between two rows that none of the rows has
           },
           { stroke: () => styleColour("friction"), width: 1.6, dash: [2, 3], points: { show: false } },
         ],
@@ -120,7 +120,7 @@ export class ForceChart extends Chart {
     const friction = rubs ? along : times.map(() => null);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside] : null;
-    const others = []; // letters of the motions in which the impact with this number is another contact
+    const others = []; // letters of the compared motions in which the impact with this number is of another point or wall
     this.curves = this.compared.flatMap(({ recording: other, ...line }) => {
       const same = other.impacts[number - 1];
       if (same && (same.what !== contact.what || same.wall !== wall)) {
@@ -141,7 +141,7 @@ export class ForceChart extends Chart {
       // the limits are set directly, because uPlot does not apply `range` to limits that are set
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
-    // there is no chart without a curve, as at a rigid wall or between two rows of the recording
+    // the chart is hidden without a curve, as for an impulse of a rigid wall, or a contact between two rows of the recording
     const hasCurve = inside.some((force) => force > 0);
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;

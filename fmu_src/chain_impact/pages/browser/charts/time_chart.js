@@ -5,32 +5,33 @@ import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwa
 import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
-const CURVE_APART = 0.3; // [pixels of the screen] least distance between positions of a curve
+const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
-/** A chart of quantities over the whole time, with their names and their values at the present time. */
+/** A chart of quantities over time, with a list of their names and their values at the present time. */
 export class TimeChart extends Chart {
   names = [];
-  soft = false; // whether the vertical axis begins at zero if zero is near
-  isOfCounts = false; // whether the ticks of the values are whole numbers
-  onset = undefined; // the time [s] from which the axis counts, if it counts from an impact
+  soft = false; // true: the vertical axis begins at 0 if 0 is near the values
+  isOfCounts = false; // true: the values are counts, so the ticks are whole numbers
+  onset = undefined; // [s] the time from which the axis counts: an onset, or undefined to count from 0
 
   constructor(element, height, entries, seek) {
     super(element, height);
     Object.assign(this, { entries, seek });
   }
 
-  /** Return the first and the last time on the axis [s]: those of the recording, unless the chart shows a part of it. */
+  /** Return the first and the last time on the axis [s]: those of the recording, or of a part that a derived class shows. */
   get span() {
     return [this.recording.start, this.recording.end];
   }
 
-  /** Return the curves of recordings for comparison in the form that `drawCompared` takes. */
+  /** Return the curves of the compared recordings, as `drawCompared` takes them. */
   get comparedCurves() {
     return [];
   }
 
   /**
-   * Make the plot of curves. A curve has a name, a colour of the style sheet, and optionally words for its name, dashes and `isStepped`.
+   * Make the plot of curves. A curve has a `name` and a `stroke` (a colour of the style sheet); it may have words for its name, dashes, and
+   * `isStepped`: values hold until the next row.
    */
   makeCurves(curves, data) {
     this.names = curves.map(({ name }) => name);
@@ -61,7 +62,7 @@ export class TimeChart extends Chart {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
             this.comparedCurves.forEach((curve) => drawCompared(plot, curve));
-            if (plot === this.plot) this.mark(); // the scale of the time may have changed, so the line is put at its time again
+            if (plot === this.plot) this.mark(); // the horizontal axis may have changed, so the line at the present time is drawn again
           }],
         },
       },
@@ -98,8 +99,8 @@ export class TimeChart extends Chart {
 /** The chart of all energies over the whole time; the zero of the potential energy is moved if it is far from the others. */
 export class EnergyChart extends TimeChart {
   soft = true;
-  energies = {}; // the energies as they are drawn, by name
-  offset = 0; // [J] the number that is added to the potential and the total energy
+  energies = {}; // name → values of an energy, with the offset, as they are drawn
+  offset = 0; // [J] the number that the chart adds to the potential and the total energy (energy_zero.js)
 
   constructor(element, energies, seek) {
     super(element, 180, energies, seek);
@@ -123,7 +124,8 @@ export class EnergyChart extends TimeChart {
     this.written = writerOf(data.slice(1));
     this.legend?.parentElement.remove();
     const letters = this.compared.map(({ letter }) => letter).join(", ");
-    const stroke = this.compared.length === 1 ? this.compared[0].stroke : "muted"; // one entry stands for all pins
+    // one entry of the list stands for the curves of all compared motions
+    const stroke = this.compared.length === 1 ? this.compared[0].stroke : "muted";
     this.legend = letters ? entryOf(this.entries, { name: `${letters}: total`, stroke, dash: [6, 3] }) : undefined;
   }
 
@@ -141,8 +143,8 @@ export class EnergyChart extends TimeChart {
 }
 
 /**
- * Return the path of a curve through all rows that the eye can tell apart. The paths of uPlot have steps of a pixel if the rows are much
- * denser than the pixels.
+ * Return the path of a curve through all rows that the eye can tell apart. uPlot's own paths are rounded to pixels if rows are much denser
+ * than pixels.
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];
@@ -157,14 +159,16 @@ function pathOf(plot, series, first, last) {
   return { stroke };
 }
 
-/** Return a line as a background for the style sheet; `dash` are lengths [pixels] that are alternately drawn and left out. */
+/**
+ * Return a background for the style sheet that looks like the curve's line; `dash`: lengths [pixels] that are drawn and left out in turn.
+ */
 function patternOf(stroke, dash = [1]) {
   const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
   const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
 }
 
-/** Add an entry to a list: words for a name, with a line in their colour; return the element for the present value. */
+/** Add an entry to a list: the words for a quantity with a line that looks like its curve. Return the element for its present value. */
 function entryOf(list, { name, words = name, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   Object.assign(term, { textContent: words, title: words === name ? "" : name });
@@ -174,7 +178,7 @@ function entryOf(list, { name, words = name, stroke, dash }) {
   return value;
 }
 
-/** Draw faint lines at the impacts. */
+/** Draw faint vertical lines at the onsets of the impacts. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.save();
   ctx.strokeStyle = styleColour("onset");

@@ -3,20 +3,21 @@
 
 import { forceText } from "../base/format.js";
 
-// largest number of powers of ten on the ruler; and length of the arrow for the largest force, relative to the smaller side of the drawing
+// DECADES: largest number of powers of ten on the ruler of forces; LONGEST_ARROW: length of the largest force's arrow, relative to the
+// shorter side of the drawing
 const { DECADES, LONGEST_ARROW } = SHARED.view;
-const LEAST_ARROW = 9; // [pixels] least length of an arrow, so that a small force is visible
-const MARKS_FROM = 6; // [pixels] least distance of a mark from the foot of the ruler
+const LEAST_ARROW = 9; // [pixels] length of the arrows of small forces, which would be too short to be seen
+const MARKS_FROM = 6; // [pixels] least distance of a mark of the ruler from its left end
 const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's numbers
 const NUMBERS_APART = 6; // [pixels] least distance between two numbers
 
 export class ArrowScale {
-  /** The scale for a largest force [N], in a drawing of a width and height [pixels]. */
+  /** The scale of arrows for a largest force `peak` [N], in a drawing of a width and height [pixels]. */
   constructor(peak, width, height) {
     Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
   }
 
-  /** Return the length [pixels] of a force [N] on the scale. */
+  /** Return the length [pixels] that a force [N] has on the scale, however short. */
   #lengthOnScale(force) {
     return this.peak > 0 ? this.longest * Math.cbrt(force / this.peak) : 0;
   }
@@ -26,14 +27,15 @@ export class ArrowScale {
     return Math.max(LEAST_ARROW, this.#lengthOnScale(force));
   }
 
-  /** Return whether the length of a force's arrow is that of the scale, and not lengthened to LEAST_ARROW. */
+  /** Return whether a force's arrow has the length of the scale; a shorter one is drawn with LEAST_ARROW. */
   isOnScale(force) {
     return this.#lengthOnScale(force) >= LEAST_ARROW;
   }
 
   /**
-   * Return the marks of the ruler: powers of ten whose numbers have room. `at` is the distance [pixels] of a mark from the foot of the
-   * ruler, and `text` its number. If fewer than two marks have room below the largest force, the ruler continues to the next power of ten.
+   * Return the marks of the ruler: those powers of ten [N] whose numbers have room. `at` is the distance [pixels] of a mark from the
+   * ruler's left end, `text` its number. The ruler goes on to the next power of ten if there are fewer than two marks below the largest
+   * force.
    */
   get marks() {
     const highest = Math.floor(Math.log10(this.peak));

@@ -12,26 +12,27 @@ import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { traceFinder, traceOf } from "./trace.js";
 
-const LABEL_FROM = 14; // [pixels] least length of an arrow with a label
+const LABEL_FROM = 14; // [pixels] an arrow that is shorter has no label
 const [FORCE_TEXT, NUMBER_TEXT] = [13, 11]; // [pixels] size of the letters of forces and of numbers
-// distances from an arrow's head to its label, in the order in which they are tried, relative to the first distance
+// distances from an arrow's head to its label that are tried in this order, as multiples of the first
 const FORCE_MULTIPLES = [1, 1.5, 2, 3, 4, 5];
-const { TAIL } = SHARED.pacing; // [s] simulated time in which the bright end of the trace fades
+const { TAIL } = SHARED.pacing; // [s] simulated time after which the bright end of the trace is faded
 const TAIL_PARTS = 10;
-const HATCH = 9; // [pixels] distance of the lines that hatch the space beyond walls
-const STOP_DOT = 11; // [pixels] size of the mark of a joint at its stop
+const HATCH = 9; // [pixels] distance between the hatching lines beyond walls
+const STOP_DOT = 11; // [pixels] diameter of the mark of a joint that touches its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
-const STUCK_DOT = 10; // [pixels] size of the mark of a sticking joint
-// radius of the arc that shows a joint's range, relative to the length of the link; number of the arc's corners; length of the mark of a
-// stop, relative to the radius
+const STUCK_DOT = 10; // [pixels] diameter of the mark of a sticking joint
+// ARC: radius of the arc that shows a joint's range, relative to the link's length; ARC_CORNERS: number of the arc's points; TICK: length
+// of a stop's mark, relative to the radius
 const { ARC, CORNERS: ARC_CORNERS, TICK } = SHARED.jointStops;
 const BESIDE = 18; // [pixels] distance from a point to its number
-// distances from a point to its number that are tried, relative to BESIDE; farther away, a number would seem to belong to no point
+// distances from a point to its number that are tried in this order, as multiples of BESIDE; farther away, a number would seem to belong to
+// no point
 const NAME_MULTIPLES = [1, 1.25, 1.5];
-const NUMBERED = 12; // largest number of links with which points have numbers
-const MANY_LINKS = 60; // least number of links with which the chain is drawn as one line, without joints
+const NUMBERED = 12; // with more links, points have no numbers
+const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
-/** Return the direction on the screen from a point of the chain to the outside of the bend at this point. */
+/** Return the unit vector on the screen from a point of the chain to the outer side of the bend of the chain at this point. */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
   const directions = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
@@ -43,7 +44,7 @@ function outOfChain(positions, point) {
   return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
 }
 
-/** Return the direction on the screen from the middle of a body (of the rectangle around its corners) to a point of the body. */
+/** Return the unit vector on the screen from the middle of the rectangle around a body's corners to a point of the body. */
 function outOfBody(position, corners) {
   const vector = position.map((at, axis) => {
     const reach = corners.map((corner) => corner[axis]);
@@ -95,7 +96,7 @@ export class ChainDrawing {
   #makeChain() {
     const { links, pointCount, touching, pointNames, radius, ball, traced, bodies, rail } = this.recording;
     const names = new Map(pointNames);
-    // each link has an edge, which shows the reader which link is in front
+    // each link has an edge in the colour of the ground, which shows which of two crossing links is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     const isBall = ball !== null;
     // a ball is shown by a thin line from its centre to a mark on it, as in pictures
@@ -117,8 +118,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the index of the body to which a point belongs. For an end of the chain it is the outline of its link, or −1 without an outline;
-   * for a joint between two links it is undefined; for a point of a link it is the outline with the nearest corner.
+   * Return the index of the body beside which the number of a point stands: for an end of the chain the outline of its link, or −1 if the
+   * link has none; for a point of a link the outline with the nearest corner; undefined for a joint between two links.
    */
   #nearestBody(point) {
     const { links, bodies } = this.recording;
@@ -130,13 +131,13 @@ export class ChainDrawing {
     return distances.indexOf(Math.min(...distances));
   }
 
-  /** Set the width and height [pixels] that the drawing has from the next frame on. */
+  /** Set width and height [pixels] of the drawing, which the next frame uses. */
   resize(width, height) {
     this.size = [width, height];
     this.isFitted = false;
   }
 
-  /** Fit the camera, and all drawn things that are the same in all frames, into the size of the drawing. */
+  /** Fit the camera to the size of the drawing, and draw again what is the same in all frames. */
   #fit() {
     this.isFitted = true;
     const [width, height] = this.size;
@@ -163,7 +164,7 @@ export class ChainDrawing {
     return points.map(([x, y]) => this.camera.toScreen(x, y));
   }
 
-  /** Draw the walls, and the free region between them, at a frame. */
+  /** Draw the walls, and the free region between them, in their positions at a frame. */
   #drawWalls(frame) {
     const { corners, edges } = freeRegionWithin(this.recording.wallsAt(frame), this.camera.rectangle);
     this.walls.clear();
@@ -172,7 +173,7 @@ export class ChainDrawing {
     this.edges.forEach((ends) => this.walls.polyline(ends).addClass("wall"));
   }
 
-  /** Keep labels, if possible, off the space beyond the walls. */
+  /** Let labels avoid the space beyond the walls, if they have room elsewhere. */
   #avoidWalls(frame) {
     const walls = Object.values(this.recording.wallsAt(frame));
     this.labelSpace.avoid(([left, top, right, bottom]) => {
@@ -187,7 +188,7 @@ export class ChainDrawing {
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** Draw a frame with one camera for all its parts; only this function changes the camera. */
+  /** Draw everything at a frame. Only this function changes the camera, so that all parts of a frame have the same one. */
   draw(frame) {
     if (!this.isFitted) this.#fit();
     const { recording, camera } = this;
@@ -211,7 +212,7 @@ export class ChainDrawing {
     [...this.dots.map(([point]) => all[point]), ...this.lettersBehind()].forEach((at) => this.labelSpace.reserveAround(at));
     const rings = this.#drawRings(frame);
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
-    texts.forEach((text) => this.#label(...text)); // texts come after the arrows, because names must not cover arrows
+    texts.forEach((text) => this.#label(...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
     this.#drawNames(all, bodies);
     this.#numberRings(rings);
   }
@@ -261,9 +262,9 @@ export class ChainDrawing {
   }
 
   /**
-   * Return the position on the screen at which a contact is drawn, and a direction, `away`. At a wall, the position is the
-   * foot of the point on the wall, and the direction points away from the wall. At a stop, the position is the place where
-   * the link crosses the arc of its range, and the direction is at a right angle to the link.
+   * Return where a contact is drawn on the screen, and a direction, `away`, for its label. At a wall these are the foot of the point on the
+   * wall, and the direction away from the wall. At a stop these are the place where the link crosses the arc of the joint's range, and a
+   * direction at a right angle to the link.
    */
   #contactPosition(frame, point, wall) {
     const side = this.recording.sidesAt(frame)[wall];
@@ -282,7 +283,7 @@ export class ChainDrawing {
     return { position: this.camera.toScreen(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
   }
 
-  /** Return whether a contact can be drawn: its wall is known, or it is at a stop. */
+  /** Return whether a contact can be drawn: it is at a stop, or the recording has its wall. */
   #isShown({ point, wall }) {
     const { walls, stops, rail } = this.recording;
     return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
@@ -302,7 +303,7 @@ export class ChainDrawing {
     return rings;
   }
 
-  /** Write the numbers of impacts beside their rings; a number that has no room beside its ring is left out. */
+  /** Write the numbers of impacts beside their rings; a number without a free place beside its ring is left out. */
   #numberRings(rings) {
     rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
       const { number, position, away, radius } = ring;
@@ -315,7 +316,10 @@ export class ChainDrawing {
     });
   }
 
-  /** Draw the forces of walls, and marks of stops and of sticking; return texts for forces and moments in the form for `#label`. */
+  /**
+   * Draw the arrows of the forces of walls, and the marks of stops and of sticking; return the labels for forces and moments as arguments
+   * of `#label`.
+   */
   #drawArrows(frame) {
     const { recording } = this;
     this.arrows.clear();
@@ -324,7 +328,7 @@ export class ChainDrawing {
     recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
       const { position: [x, y], away: [nx, ny] } = this.#contactPosition(frame, point, wall);
       const force = Math.hypot(normal, friction);
-      // on the screen, where y points down, the direction of dry friction along t is (−ny, nx)
+      // unit vector of the whole force on the screen, where y points down: the unit vector t of dry friction is (−ny, nx) there
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
@@ -335,7 +339,7 @@ export class ChainDrawing {
       if (sticks) {
         this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
-      // the text says if the force includes friction, because the list of impacts has the force without friction
+      // the label tells if the force includes friction, because the list of impacts has the force without it
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
       texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
@@ -347,7 +351,10 @@ export class ChainDrawing {
     return texts;
   }
 
-  /** Draw the forces in joints that are large enough to be seen; return the texts, in which only the largest force has its size. */
+  /**
+   * Draw the arrows of forces in joints that are large enough to be seen; return the labels, of which only that of the largest force has a
+   * number.
+   */
   #drawLoads(frame) {
     const { recording, camera } = this;
     const sized = recording.drawnAt("loads", frame).map((load) => ({ ...load, size: Math.hypot(load.x, load.y) }));
@@ -359,8 +366,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw the arrow of a force [N] from a position in a direction; return a list with its text for `#label`, empty without a text or
-   * for a short arrow.
+   * Draw the arrow of a force [N] from a position in a direction. Return a list with the arguments of `#label` for its text; the list is
+   * empty without a text, and for a short arrow.
    */
   #arrow([x, y], [dx, dy], force, kind, text) {
     const length = this.arrowScale.lengthOf(force);
@@ -373,7 +380,10 @@ export class ChainDrawing {
     return text && length >= LABEL_FROM ? [[at(length, 0), [dx, dy], 14, text, kind]] : [];
   }
 
-  /** Write a text at the first free position around a given position, from a direction on; without a free position, write nothing. */
+  /**
+   * Write a text at the first free place around a position: first in the given direction, then in others. Without a free place, write
+   * nothing.
+   */
   #label(position, direction, distance, text, kind) {
     const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance, FORCE_MULTIPLES));
     if (!label) return;

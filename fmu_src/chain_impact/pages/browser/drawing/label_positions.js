@@ -1,18 +1,22 @@
-// Positions for labels, at which a label covers neither another label nor anything that is drawn.
+// Finds positions for labels at which they cover neither each other nor anything that is drawn.
 
-// approximate width of a letter, width of a narrow letter, and height of a line, relative to the size of the letters
+// widths of a usual letter and of a narrow one, and height of a line, relative to the size of the letters; they are approximate
 const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
 const NARROW = /[fijlrt.,:'\s]/g;
-const BESIDE_LINE = 3; // [pixels] distance between a text and the middle of a line
-const BESIDE_TEXT = 4; // [pixels] distance between two texts side by side, so that they do not read as one text
-// the number of further candidates (two rounds of directions) that a label tries to avoid covering things that it should not cover
+const BESIDE_LINE = 3; // [pixels] least distance between a label and a drawn line
+const BESIDE_TEXT = 4; // [pixels] least distance between two labels side by side, so that they do not read as one text
+// a place at which a label would cover what it should avoid is taken only if the next AVOIDED places (two rounds of directions) are not
+// free
 const AVOIDED = 16;
-const FROM_EDGE = 3; // [pixels] distance between a text and an edge of the drawing, so that the edge does not cut the outline of the text
-const BESIDE_RING = 2; // [pixels] distance between a text and the middle of the line of a ring
-// [pixels] half the side of the square that is kept free for a mark; the square has room for the outline of a text beside the mark
+const FROM_EDGE = 3; // [pixels] least distance between a label and an edge of the drawing
+const BESIDE_RING = 2; // [pixels] least distance between a label and the line of a ring
+// [pixels] half the side of the square that is kept free around a mark, with room for the outline of a label beside it
 const HALF = 7;
 
-/** Return the box of a text, [left, top, right, bottom]; y is the middle of its height. */
+/**
+ * Return the rectangle [left, top, right, bottom] of a text whose vertical middle is y; `anchor` says whether it begins, has its middle or
+ * ends at x.
+ */
 function boxOf(text, [x, y], size, anchor) {
   const narrow = text.match(NARROW)?.length ?? 0;
   const width = size * (LETTER_WIDTH * (text.length - narrow) + NARROW_WIDTH * narrow);
@@ -21,8 +25,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a line crosses the box of a text, or comes near the box: whether the part of the line between left and right overlaps its
- * part between top and bottom.
+ * Return whether a line crosses the rectangle of a text, or comes near it: the part of the line between left and right overlaps the part
+ * between top and bottom.
  */
 export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
@@ -36,7 +40,7 @@ export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   return from < to;
 }
 
-/** Return whether the box of a text meets the line of a ring. */
+/** Return whether the rectangle of a text covers a part of a ring's line. */
 function meetsRing([left, top, right, bottom], { position: [x, y], radius }) {
   const nearest = Math.hypot(Math.max(left - x, x - right, 0), Math.max(top - y, y - bottom, 0));
   const farthest = Math.hypot(Math.max(x - left, right - x), Math.max(y - top, bottom - y));
@@ -44,17 +48,17 @@ function meetsRing([left, top, right, bottom], { position: [x, y], radius }) {
 }
 
 export class LabelSpace {
-  #taken = []; // the boxes of texts and marks that are used
-  #rings = []; // the rings that labels must not cover: {position, radius}
-  #lines = []; // the lines that labels must not cover: pairs of positions
-  #avoided = []; // functions that return whether a box covers things that labels should avoid, if they can
+  #taken = []; // the rectangles of labels and marks that have been placed
+  #rings = []; // the rings that labels must not cover: {position, radius [pixels]}
+  #lines = []; // the lines that labels must not cover: [position of one end, of the other]
+  #avoided = []; // functions of a rectangle that return true if it covers what labels should avoid
 
   /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
   constructor(width, height, strip) {
     this.limits = [FROM_EDGE, strip, width - FROM_EDGE, height - FROM_EDGE];
   }
 
-  /** Keep labels away from the surroundings of a position. */
+  /** Keep labels away from a square around a position; `half` is half of its side [pixels]. */
   reserveAround([x, y], half = HALF) {
     this.#taken.push([x - half, y - half, x + half, y + half]);
   }
@@ -69,15 +73,14 @@ export class LabelSpace {
     positions.slice(1).forEach((to, k) => this.#lines.push([positions[k], to]));
   }
 
-  /** Keep labels away from boxes for which a function returns true, if they have a position elsewhere that is near. */
+  /** Let labels avoid rectangles for which a function returns true, unless they would have to go far away. */
   avoid(covers) {
     this.#avoided.push(covers);
   }
 
   /**
-   * Return the first of some candidates {at, anchor} at which a text of some size covers nothing and `isAllowed` accepts its middle, and
-   * mark the position as used; undefined if there is none. A candidate that covers things that labels should avoid ranks AVOIDED places
-   * later.
+   * Return the first of the candidates {at, anchor} at which a text covers nothing and whose middle `isAllowed` accepts, and keep later
+   * labels off it; undefined if there is none. A candidate that covers what labels should avoid counts as AVOIDED places later.
    */
   findPosition(text, size, candidates, isAllowed = () => true) {
     let [best, least] = [undefined, Infinity];
@@ -92,14 +95,14 @@ export class LabelSpace {
     return best;
   }
 
-  /** Return whether a box is in the drawing and covers no text and no mark. */
+  /** Return whether a rectangle lies in the drawing, and overlaps no placed label or mark. */
   isClear(box) {
     const [left, top, right, bottom] = this.limits;
     if (box[0] < left || box[1] < top || box[2] > right || box[3] > bottom) return false;
     return !this.#taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1]);
   }
 
-  /** Return whether a box is in the drawing and covers nothing. */
+  /** Return whether a rectangle lies in the drawing, and covers no placed label, mark, ring or line. */
   #isFree(box) {
     if (!this.isClear(box)) return false;
     return !this.#rings.some((ring) => meetsRing(box, ring)) && !this.#lines.some((line) => isCrossed(box, line));
@@ -111,8 +114,8 @@ export class LabelSpace {
 }
 
 /**
- * Return candidates for a position around a given position. At a distance they begin in a direction and continue in directions farther and
- * farther from it; then they continue at twice the distance, and at further multiples.
+ * Return candidates for a label around a position: at a distance [pixels] first in a given direction, then in directions that deviate more
+ * and more from it; then the same at further `multiples` of the distance.
  */
 export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
@@ -123,7 +126,10 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
   }));
 }
 
-/** Return the attribute text-anchor of a text beside a position, by the horizontal component of the direction to the text. */
+/**
+ * Return the attribute text-anchor of a label, from the horizontal component of the direction to it: the label's nearest end is at its
+ * position.
+ */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
 }

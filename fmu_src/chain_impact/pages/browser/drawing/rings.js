@@ -1,24 +1,24 @@
-// The rings at recent impacts, which widen and fade, and the rule for their numbers.
+// The rings around recent impacts, which grow and fade, and the rule for the numbers beside them.
 
-const RING_TIME = 0.25; // [s] simulated time for which the position of an impact is marked
-// [pixels] width of the line of a ring, and difference in width between successive rings at one position
+const RING_TIME = 0.25; // [s] simulated time for which an impact has a ring
+// RING: [pixels] diameter of a ring at the onset, and its growth; RINGS_APART: difference of the diameters of two rings at one position
 const [RING, RINGS_APART] = [20, 7];
-const SAME = 12; // [pixels] largest distance of rings that count as being at one position
-const OWN = 0.8; // largest distance of a number from its ring, relative to the distance from any other ring
-const NUMBERED_PART = 0.5; // part of RING_TIME for which a ring has its number beside it
-const PALE = 0.1; // opacity below which a ring may lie behind a label
-const NUMBERS = 8; // largest number of recent impacts with a number
+const SAME = 12; // [pixels] rings that are nearer to each other count as being at one position
+const OWN = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
+const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its number beside it
+const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
+const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 
-/** Return the impacts that have rings at a frame. */
+/** Return the impacts that have rings at a frame: those that began less than RING_TIME before it. */
 export function recentImpacts(recording, frame) {
   const now = recording.timeAt(frame);
   return recording.impacts.filter(({ onset }) => onset <= now && onset > now - RING_TIME);
 }
 
 /**
- * Return the rings of recent impacts at a time. `places` are {position [pixels], away}. A ring has its place, `number`, `radius` [pixels],
- * `opacity`, `isSeen` (whether labels keep off the ring) and `isNumbered` (whether it has its number). At one position, each ring begins
- * wider than the ring before.
+ * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away} for each impact. A ring has these, and
+ * `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off it) and `isNumbered` (its number is shown). Of several rings at one
+ * position, each is wider than the ring before.
  */
 export function ringsOf(recent, places, now) {
   return recent.map(({ onset, number }, k) => {
@@ -35,7 +35,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function that returns whether a number, in the middle of a place, is nearer to its own ring than to any other ring. */
+/** Return a function from the middle of a number's place to whether the number is clearly nearer to its own ring than to any other. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

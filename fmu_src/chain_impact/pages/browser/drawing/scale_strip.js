@@ -4,11 +4,11 @@ const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
 const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
-const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width
-const BAR_TEXT = 6; // largest number of letters in the text at the scale bar
-export const STRIP = 30; // [pixels] height of the strip at the top for the scale bar
+const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the drawing
+const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
+export const STRIP = 30; // [pixels] height of the strip
 
-/** Return the part of a line on the screen that is below the strip with the scale bar. */
+/** Return the part of a line on the screen that lies below the strip. */
 export function belowStrip([[x0, y0], [x1, y1]]) {
   const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
   const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
@@ -16,8 +16,8 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a bar of a round length, at most LONGEST_BAR of the width, in the middle, or behind the end of the ruler; no bar if it
- * would end beyond the width. `scale` is in pixels per metre.
+ * Draw a scale bar of a round length, at most LONGEST_BAR of the width: in the middle, or after the end of the ruler. If it would end
+ * beyond the width, draw none. `scale` is in pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;
@@ -33,7 +33,7 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
   group.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
 }
 
-/** Draw the ruler with the lengths of round forces, up to the largest force or beyond; return the position of the ruler's end. */
+/** Draw the ruler of forces with its marks, up to the largest force or beyond; return the horizontal position of its end [pixels]. */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at));
@@ -50,7 +50,9 @@ export function drawRuler(group, { longest, marks }, width) {
   return end + RULER_LETTER * name.length;
 }
 
-/** Draw the legend of the two kinds of arrows, on a ground that covers walls; return the position of its begin. */
+/**
+ * Draw the legend of the two kinds of arrows, with a background that hides walls; return the horizontal position of its left end [pixels].
+ */
 export function drawKey(group, width) {
   group.rect(2 * KEY, STRIP - 5).move(width - 2 * KEY, 0).addClass("key-ground");
   [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {

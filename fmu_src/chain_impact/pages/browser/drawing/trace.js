@@ -1,16 +1,17 @@
-// The trace of the tip, or of the centre of a ball, on the screen: a smooth curve through the frames, with corners at impacts.
+// The trace of the tip, or of the centre of a ball, on the screen: a smooth curve through its positions at the frames, with corners at
+// impacts.
 
-const APART = 1.5; // [pixels] least distance between positions of the trace
-const OFF = 0.05; // [pixels] largest distance of the trace's curve from the straight lines with which it is drawn
-// largest distance of a curve from its chord, relative to the difference between the slopes of curve and chord at one end
+const APART = 1.5; // [pixels] least distance between two points of the drawn trace
+const OFF = 0.05; // [pixels] largest distance of the curve from the straight lines with which it is drawn
+// largest distance of a cubic curve from its chord for each unit by which its slope at one end differs from the chord's
 const BEND = 4 / 27;
-const MOST_PARTS = 16; // largest number of parts of the curve between two frames
-const MOST = 20_000; // largest number of positions of a trace
-const CELL = 6; // [pixels] size of the cells in which the trace is searched for
+const MOST_PARTS = 16; // largest number of straight lines with which the curve between two frames is drawn
+const MOST = 20_000; // largest number of points of the drawn trace
+const CELL = 6; // [pixels] size of the cells in which the search for the trace divides the drawing
 
 /**
- * Return positions of the traced point on the screen, each at least APART from the position before, and the frame of each position; the
- * frame may have a fraction.
+ * Return the points of the trace on the screen, each at least APART from the point before, and for each the frame at which the tip or ball
+ * is there; between two frames it has a fraction.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
@@ -33,12 +34,13 @@ export function traceOf(recording, camera) {
 }
 
 /**
- * Return a function that returns whether the trace, up to a frame, enters a box [left, top, right, bottom] of a drawing with some width.
+ * Return a function (rectangle [left, top, right, bottom], frame) that returns whether the trace enters the rectangle up to the frame;
+ * `width`: of the drawing [pixels].
  */
 export function traceFinder({ frames, positions }, width) {
   const columns = Math.ceil(width / CELL);
   const cellAt = (x, y) => columns * Math.floor(y / CELL) + Math.floor(x / CELL);
-  const firstFrames = new Map(); // for each cell of the trace, the frame in which the trace first enters the cell
+  const firstFrames = new Map(); // cell → the frame at which the trace first enters it
   const fill = () => positions.forEach(([x, y], k) => {
     const [x0, y0] = positions[Math.max(k - 1, 0)];
     const parts = Math.ceil(Math.hypot(x - x0, y - y0) / CELL) || 1;
@@ -59,15 +61,15 @@ export function traceFinder({ frames, positions }, width) {
 }
 
 /**
- * Return the slopes of the curve at both ends of each step between frames, in pixels per step; undefined if an impact begins
- * in the step.
+ * Return for each step between frames the slopes of the curve at both its ends [pixels per step]; undefined if an impact begins in the
+ * step.
  */
 function slopesOf(at, recording) {
   const { time, impacts } = recording;
   const broken = new Set(impacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
   const steps = Array.from({ length: at.length - 1 }, (_, k) => broken.has(k) ? undefined : time[k + 1] - time[k]);
   const speed = (k) => [0, 1].map((axis) => (at[k + 1][axis] - at[k][axis]) / steps[k]);
-  // the slope of the parabola through three frames without an impact between them
+  // slope at each frame of the parabola through the positions at this frame and its two neighbours; undefined beside an impact
   const within = at.map((_, k) => {
     const [h0, h1] = [steps[k - 1], steps[k]];
     if (!(h0 > 0 && h1 > 0)) return undefined;
@@ -77,7 +79,7 @@ function slopesOf(at, recording) {
   return steps.map((h, k) => {
     if (!(h > 0)) return [];
     const chord = speed(k);
-    // where the slope at one end is unknown, the curve is a parabola
+    // if the slope at one end is unknown, the curve of the step is a parabola
     const other = (slope) => slope && chord.map((value, axis) => 2 * value - slope[axis]);
     const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
     return [from, to].map((slope) => (slope ?? chord).map((value) => h * value));
@@ -85,8 +87,8 @@ function slopesOf(at, recording) {
 }
 
 /**
- * Return the cubic curve with given slopes between two positions, and its distance from the straight line; without slopes, the
- * straight line.
+ * Return the cubic curve between two positions with given slopes at its ends, and its largest distance from the straight line (`bend`);
+ * without slopes, the straight line.
  */
 function curveBetween(from, to, first, last) {
   const chord = [0, 1].map((axis) => to[axis] - from[axis]);

@@ -1,11 +1,11 @@
-// The address of the page, which contains the open scene, the changes and the chosen outputs.
+// The address of the page, which contains the open scene, the reader's changes and the chosen outputs.
 
 import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
 import { contentsIn } from "../scene/scene_file.js";
 import { changesIn, hashOf } from "./export.js";
 
-const REST = 300; // [ms] the time without a change after which the changes are put into the address
+const REST = 300; // [ms] the changes are put into the address when nothing has changed for this time
 
 export class Address {
   #timer;
@@ -23,15 +23,15 @@ export class Address {
     return location.href.split("#")[0] + (hash && `#${hash}`);
   }
 
-  /** Put the changes into the address after a time without changes, because browsers limit how often a page may change its address. */
+  /** Put the changes into the address when nothing has changed for a while: browsers limit how often a page may change its address. */
   updateSoon() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => history.replaceState(null, "", this.text), REST);
   }
 
   /**
-   * Use the scene and the changes in the address; a fault is shown. With a fault in the scene, nothing changes; with a fault in the
-   * changes, all changes of the address are left out.
+   * Use the scene and the changes in the address, and show a fault. If the scene has a fault, nothing is used; if a change has a fault,
+   * none of the changes is used.
    */
   #apply() {
     const { changes, choice, openScene } = this;

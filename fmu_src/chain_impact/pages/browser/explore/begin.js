@@ -1,4 +1,4 @@
-// The two slowest tasks begin before the page has read its libraries: the kernel is compiled, and the first worker starts.
+// Begins the two slowest tasks before the page reads its libraries: compiling the kernel, and starting the first worker.
 
 import { decompressed } from "../base/base64.js";
 import { find } from "../base/dom.js";

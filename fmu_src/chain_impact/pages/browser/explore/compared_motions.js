@@ -5,11 +5,11 @@ import { make } from "../base/dom.js";
 import { durationText, forceText, unitsOf } from "../base/format.js";
 import { hashOf } from "./export.js";
 
-const GESTURE = 800; // [ms] changes that follow each other at a shorter distance in time count as one change
+const GESTURE = 800; // [ms] changes with less time between them count as one change
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
-const LETTERS = "ABCDE"; // the letter of each colour, because two colours may look alike on some screens and to some eyes
-const [TIP, TIPS_APART] = [15, 16]; // [pixels] size of the dot of a letter, and least distance of two such dots
-const LISTED = 40; // largest number of impacts that are listed side by side
+const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
+const [TIP, TIPS_APART] = [15, 16]; // TIP: [pixels] diameter of the dot of a letter; TIPS_APART: least distance between two of them
+const LISTED = 40; // largest number of impacts in the table that compares motions
 
 export class ComparedMotions {
   #last = -Infinity;
@@ -24,8 +24,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Listen to changes of parameters: each change makes the shown motion the motion before the change. While a handle is dragged, all
-   * changes count as one.
+   * Listen to changes of parameters: the motion that is shown when a change begins becomes the motion before the change. While a handle is
+   * dragged, all changes count as one.
    */
   follow(changes, handles) {
     let last = { hash: hashOf(changes), dragged: null };
@@ -37,8 +37,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Keep the shown motion as the motion before the change. If the change continues the last one (`goesOn`, or within GESTURE), the motion
-   * that was kept before stays.
+   * Keep the shown motion as the motion before the change. If the change continues the last one (`goesOn`, or within GESTURE), nothing is
+   * kept anew.
    */
   #change(goesOn) {
     const now = performance.now();
@@ -51,7 +51,7 @@ export class ComparedMotions {
     return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
   }
 
-  /** Pin the shown motion, unless it is pinned already. In the list, the motion is named by its changes. */
+  /** Pin the shown motion, unless it is pinned already; its changes are its name in the list. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
@@ -63,7 +63,7 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its changes, and whether it belongs to another scene than the shown motion. */
+  /** Return words for a pinned motion: its changes, and the scene if it is another one than the shown motion's. */
   #textOf({ recording: { name, text, scene } }) {
     const { name: shownName, scene: shown } = this.player.recording;
     if (isSame(scene.file, shown.file)) return text || "as in the scene";
@@ -77,8 +77,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Return the other motions at the present time: frame, class of the style sheet, positions of the points on the screen, and letter with
-   * its position.
+   * Return the compared motions at the present time, each with its frame, class of the style sheet, positions of the points on the screen,
+   * letter and position of the letter.
    */
   get #shown() {
     const { drawing: { camera }, clock, recording: shown } = this.player;
@@ -94,12 +94,12 @@ export class ComparedMotions {
     });
   }
 
-  /** Return the positions of the letters on the screen. */
+  /** Return the positions of the letters of compared motions on the screen. */
   get letters() {
     return this.pinned.length ? this.#shown.filter(({ letter }) => letter).map(({ at }) => at) : [];
   }
 
-  /** Draw the other motions at the present time. */
+  /** Draw the compared motions at the present time. */
   draw() {
     const { behind, camera } = this.player.drawing;
     behind.clear();
@@ -119,7 +119,7 @@ export class ComparedMotions {
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
-    // while the panel is shown, the charts are less high, so that the list of impacts has space
+    // while the list is shown, the charts are lower, so that the list of impacts has room
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
@@ -152,12 +152,12 @@ export class ComparedMotions {
   }
 }
 
-/** Return whether two complete scene files have the same contents. */
+/** Return whether two complete scene files have equal contents. */
 function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
-/** Return a position on the screen, moved to the right until its distance from all `others` is at least TIPS_APART. */
+/** Return a position on the screen, moved to the right until it is at least TIPS_APART away from all `others`. */
 function besideOthers([x, y], others) {
   const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
   return isNear ? besideOthers([x + 1, y], others) : [x, y];

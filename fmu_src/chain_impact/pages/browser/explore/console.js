@@ -1,31 +1,31 @@
-// The interface of the page for the console of the browser, and for other pages that contain this page.
+// Functions of the page for the console of the browser, and for other pages that contain this page.
 
 import { Changes } from "../scene/changes.js";
 
-/** Return words for the fault of a run, with the part of the scene that is the reason, if there is one. */
+/** Return words for the fault of a run, with the part of the scene that causes it, if the kernel names one. */
 export function faultText({ status, part }, scene) {
   return [SHARED.kernel.STATUS_TEXT[status], scene.partsInWords[part - 1]].filter(Boolean).join(": ");
 }
 
-/** Return a sentence on the time at which a run has stopped, and on the reason. */
+/** Return the end of a sentence: when a run stopped, and why. */
 export function stopText(run, scene) {
   return `stopped at t = ${+run.reached.toPrecision(9)} s: ${faultText(run, scene)}`;
 }
 
-/** Return the interface; `ask` sends a request to the worker. */
+/** Return the object `chainImpact` of the page's window; `ask` is the function that sends a request to the worker. */
 export function consoleInterface(changes, ask) {
   return {
     get scene() {
       return changes.scene.name;
     },
-    /** Return the present values of all parameters by name; the value of a choice is its name. */
+    /** Return name → present value of each parameter; the value of a choice is its name. */
     get parameters() {
       const values = changes.scene.parameters.map(({ name }) => [name, changes.valueOf(name)]);
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
     /**
-     * Simulate the scene with the changes `given` only, without the changes on the page; return {time, columns, impacts, statistics}. If
-     * the simulation stops before its end, throw an error with `status`, `time` [s] and the `result` so far.
+     * Simulate the scene with the changes `given`, without the changes on the page; return {time, columns, impacts, statistics}. If the run
+     * stops before its end, throw an error with its `status`, the `time` reached [s] and the `result` up to then.
      */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;
@@ -42,7 +42,7 @@ export function consoleInterface(changes, ask) {
       }
       return run;
     },
-    /** Change some more parameters of the scene that the page shows. */
+    /** Change these parameters of the scene that the page shows, too; earlier changes stay. */
     show(given = {}) {
       changes.set(given);
     },

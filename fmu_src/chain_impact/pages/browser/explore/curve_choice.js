@@ -6,7 +6,7 @@ import { proposed } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 import { shownIn } from "../scene/angles.js";
 
-/** Return the names that match a text, in which `*` stands for any text. */
+/** Return the columns whose names match a text, in which `*` stands for any text. */
 function like(text, columns) {
   const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
   const pattern = new RegExp(`^${parts.join(".*")}$`);
@@ -20,8 +20,8 @@ function noOutput(name, columns) {
 }
 
 /**
- * Return the names of outputs in a text with commas and `*`, as for `simulate --curves`; refuse unknown names, and too many curves or
- * units.
+ * Return the names of outputs that a text with commas and `*` names, as for `simulate --curves`; refuse an unknown name, and more curves or
+ * units than charts can show.
  */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
@@ -90,8 +90,8 @@ export class CurveChoice {
   }
 
   /**
-   * Return the element for a group of outputs: a list that opens, with a button that chooses all shown members or, if all are chosen, none
-   * of them.
+   * Return the element for a group of outputs: a list that opens, with a button that chooses all its shown members or, if all are chosen,
+   * none of them.
    */
   #group(group, members) {
     const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
@@ -110,7 +110,7 @@ export class CurveChoice {
     return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
   }
 
-  /** Choose the outputs in a text, without a call of the listener; an error says which choice is not possible. */
+  /** Choose the outputs that a text names, without calling the listener; an error tells which choice is not possible. */
   take(text) {
     this.names = namesIn(text, this.#columns);
   }

@@ -1,4 +1,5 @@
-// The reader's changes when a scene is edited: each changed variable stays with its link or point, whose number the edit may change.
+// Keeps the reader's changes when a scene is edited: an edit may change the number of a link or point, and a changed variable stays with
+// its owner.
 
 import { inFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";
@@ -7,8 +8,8 @@ import { filled, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /**
- * Return the links of a scene file as it is written, and its points: each with its link, its index there, and its `entry` in the file or
- * the number of a corner. An edit changes the numbers of links and points, but the entries stay the same objects.
+ * Return the links of a scene file, and all points of links: each with its `link`, its `index` there, and its `entry` in the file or, for a
+ * corner of a box, the corner's number. An edit changes numbers, but the entries stay the same objects, by which a part is found again.
  */
 export function partsOf({ chain: { links } }) {
   const entriesOf = ({ shape, points }) => [...(shape ? CORNERS.keys() : []), ...points];
@@ -16,7 +17,10 @@ export function partsOf({ chain: { links } }) {
   return { links: [...links], sites };
 }
 
-/** Return an owner of variables with its numbers after an edit; undefined if the edit has removed it. `counts`: see `kit.py`. */
+/**
+ * Return an owner of variables with the numbers that it has after an edit; undefined if the edit has removed it. `counts`: what its number
+ * counts (`COUNTED` in kit.py).
+ */
 function ownerAfter(owner, counts, before, after) {
   const { n, at } = owner;
   const linkAt = (k) => after.links.indexOf(before.links[k]);
@@ -26,13 +30,15 @@ function ownerAfter(owner, counts, before, after) {
     const site = after.sites[siteAt(at)];
     return site && { ...owner, n: site.index + 1, of: after.links.indexOf(site.link) + 1 };
   }
-  if (!counts || n === 0) return owner; // the base is point 0 before and after an edit
+  if (!counts || n === 0) return owner; // point 0, the base, keeps its number
   const isLink = n <= before.links.length;
   const k = isLink ? linkAt(n - 1) : siteAt(n - 1 - before.links.length);
   return k < 0 ? undefined : { ...owner, n: k + 1 + (isLink ? 0 : after.links.length) };
 }
 
-/** Return a function from the name of a variable before an edit of a scene to its name afterwards; undefined if the owner is removed. */
+/**
+ * Return a function from the name of a variable before an edit of the scene to its name after the edit; undefined if its owner is removed.
+ */
 function namesAfter({ file }, kit, before, after) {
   const { owners } = structureOf(file, kit);
   const names = new Map();
@@ -46,8 +52,8 @@ function namesAfter({ file }, kit, before, after) {
 }
 
 /**
- * Let signals drive the same inputs as before, as far as these still exist; remove signals without inputs. Return words for the removed
- * signals.
+ * Let signals drive the same inputs as before the edit, under their new names; remove inputs that do not exist any more, and signals
+ * without inputs. Return words for what is removed.
  */
 function keepSignals(contents, nameOf, open) {
   const { scene: { inputs, still } } = open({ ...contents, signals: {} });
@@ -62,12 +68,12 @@ function keepSignals(contents, nameOf, open) {
 }
 
 /**
- * Return the scene of edited contents, with the reader's changes: `whole` and `scene`, which `open` returns for contents with the values
- * before the changes; the changes `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for
- * the signals, and the inputs of signals, that are `removed`. A value that the edit has replaced is not a change. If the scene is not
- * possible without the changes, only changes of inputs stay changes.
+ * Return the scene with edited contents, and the reader's changes in it: the complete file `whole` and its `scene`, both without the
+ * changes; the changes that are `kept`; `nameOf`, the function from a name before the edit to the name after it; and words for signals and
+ * their inputs that are `removed`. If the edit itself gives a changed parameter a value, the change is dropped. If the scene without the
+ * changes is impossible, only changes of inputs are kept.
  *
- * @param before from `partsOf`, for the contents before the edit.
+ * @param before the result of `partsOf` for the contents before the edit.
  */
 export function editedScene(contents, before, { scene, parameters, values, inputSteps }, { kit, open }) {
   const nameOf = namesAfter(scene, kit, before, partsOf(contents));
@@ -89,7 +95,7 @@ export function editedScene(contents, before, { scene, parameters, values, input
   return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf, removed };
 }
 
-/** Return the result of `open` for a complete file, if the scene is possible and has parameters of all `names`; else undefined. */
+/** Return the result of `open` for a complete file; undefined if the scene is impossible, or lacks one of the parameters `names`. */
 function openIfPossible(file, open, names) {
   try {
     const opened = open(asWritten(file));

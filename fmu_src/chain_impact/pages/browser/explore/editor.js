@@ -12,7 +12,7 @@ import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { partsOf } from "./edited_scene.js";
 
 export class Editor {
-  /** `keys` are the rules of the keys of a scene file, with their units and labels. */
+  /** `keys`: the rules of the keys of a scene file, with units and labels. */
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
@@ -30,14 +30,14 @@ export class Editor {
     find("edit-choose").addEventListener("click", () => find("edit-file").click());
     find("edit-file").addEventListener("change", ({ target }) => {
       this.#read(target.files[0]);
-      target.value = ""; // an empty field lets the reader choose the same file a second time
+      target.value = ""; // the field is emptied, so that choosing the same file again is a change, too
     });
     find("edit-first").addEventListener("click", () => {
       openScene.openFirst();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
-      // if no files are dropped, the browser puts a dropped text into a field itself
+      // a dropped text is left to the browser, which puts it into a field
       if (!event.dataTransfer.types.includes("Files")) return;
       event.preventDefault();
       take([...event.dataTransfer.files]);
@@ -46,7 +46,7 @@ export class Editor {
     onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
-  /** Open a scene file; `onFault` is called with the fault if the file cannot be opened. */
+  /** Open a scene file; if it has a fault, call `onFault` with the fault. */
   async #read(file, onFault = () => {}) {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
@@ -58,7 +58,7 @@ export class Editor {
     });
   }
 
-  /** Change the contents of the page's present scene. */
+  /** Apply a function, `edit`, to the contents of the scene that the page shows, and show the edited scene. */
   #change(edit) {
     const file = contentsOf(this.changes);
     const before = partsOf(file);
@@ -108,26 +108,30 @@ export class Editor {
     find("edit-walls").hidden = file.walls.length === 0;
   }
 
-  /** Return the keys that the reader can change in a table of the scene file, such as `link`: those with a label. */
+  /** Return the keys of a table of the scene file that the editor shows: those with a label. */
   #keysIn(table) {
     return Object.keys(this.tables[table]).filter((key) => this.tables[table][key].label);
   }
 
-  /** Return the keys of links that the reader can change; a free chain of one link has no joint, and so no keys of stops. */
+  /** Return the keys of links that the editor shows: without those of stops for a free chain of one link, which has no joint. */
   #keysOfLinks({ chain: { base, links } }) {
     const hasJoints = base !== "free" || links.length > 1;
     return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
   }
 
-  /** Return the heads of the columns for some keys of a table: labels with units. */
+  /** Return the heads of the columns for some keys of a table: their labels and units. */
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
-      return unit && shownIn({ unit }).factor === 1 ? `${label}, ${unitText(unit)}` : label; // the text of an angle has its unit
+      // a value of an angle is text with its unit, so the head has none
+      return unit && shownIn({ unit }).factor === 1 ? `${label}, ${unitText(unit)}` : label;
     });
   }
 
-  /** Return the cells of a link's row. A free base has no joint, and so no stop; the only link of a chain cannot be removed. */
+  /**
+   * Return the cells of a link's row. Joint 1 of a free base does not exist, so it has no stop; the only link of a chain has no button to
+   * remove it.
+   */
   #linkRow(file, link, k) {
     const { base, links } = file.chain;
     const field = (key) =>
@@ -138,7 +142,7 @@ export class Editor {
     return [`${k + 1}`, ...cells, remover];
   }
 
-  /** Return the cells of the row of a link's point, among them a field for the link to which the point belongs. */
+  /** Return the cells of the row of a link's point; one of them is the field for the link to which the point belongs. */
   #pointRow(file, site, s) {
     const { link, entry } = site;
     const number = file.chain.links.length + 1 + s;
@@ -161,13 +165,16 @@ export class Editor {
     return [name, ...coordinates, turn, this.#remover(`wall ${name}`, (all) => removeWall(all, k))];
   }
 
-  /** Return a field for a number or a text, such as a name or an angle; an empty field stands for no value. */
+  /**
+   * Return a field for the value of a key; an empty field means that the file does not give the key. `set` is called with the new value.
+   */
   #field(name, value, set, unit = "") {
     const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
-    const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole; // fits into the field
+    // a value with at most 4 digits fits into the field
+    const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole;
     const field = make("input", { value: short, title: whole, autocomplete: "off" });
     field.setAttribute("aria-label", name);
-    // if the scene does not give a key, and its value follows from other keys, this value is the placeholder of the empty field
+    // an empty field of a key that follows from others shows the value that follows, as a placeholder
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
     field.addEventListener("change", () => {
@@ -186,7 +193,7 @@ export class Editor {
   }
 }
 
-/** Return a cell that has the head of its column as data: on a narrow screen the style sheet shows this head above the cell. */
+/** Return a cell that stores the head of its column: on a narrow screen the style sheet shows the head above the cell. */
 function withHead(cell, head) {
   cell.dataset.head = head;
   return cell;

@@ -1,5 +1,5 @@
-// The page that simulates: each change of a parameter gives another motion. All modules of a page become one script (assembly.py),
-// so the names at the top level of all modules differ.
+// The program of the page that simulates: each change of a parameter gives another motion. All modules of a page become one script
+// (assembly.py), so no two modules may have the same name at the top level.
 
 import { find } from "../base/dom.js";
 import { Player } from "../player/player.js";
@@ -21,8 +21,7 @@ import { showMainParameters } from "./parameters/sliders.js";
 import { Simulation } from "./simulation.js";
 import { keepChartsWhole } from "./whole_charts.js";
 
-// The present view stays if the next view lies inside it and is larger than this fraction of it. The size of a view is the larger of its
-// width and height.
+// the present view stays if the next view lies inside it and is larger than KEPT times it; the size of a view is its longer side
 const KEPT = 0.5;
 
 const { file, kit, command } = JSON.parse(find("data").textContent);
@@ -33,9 +32,9 @@ const handles = new Handles(player, changes, find("scene"));
 player.layers.push(comparedMotions, handles);
 
 /**
- * Return the parts of the next motion, with two views: `view` contains this motion and the motions behind it of scenes with the same name,
- * `ownView` contains this motion alone. The present view stays, so that the picture does not move, if the next one lies inside it and is
- * not much smaller (KEPT), or while a handle is dragged.
+ * Return the parts of the next motion with two views: `ownView` contains this motion alone, `view` also the compared motions of scenes with
+ * the same name. So that the picture does not move, `view` is the present view if the next one lies inside it and is not much smaller
+ * (KEPT), or while a handle is dragged.
  */
 function withSteadyView(next) {
   const ownView = next.view;
@@ -44,12 +43,12 @@ function withSteadyView(next) {
   const before = player.recording;
   const size = ([low, high]) => Math.max(high[0] - low[0], high[1] - low[1]);
   const isWithin = before && [0, 1].every((axis) => view[0][axis] >= before.view[0][axis] && view[1][axis] <= before.view[1][axis]);
-  const isKept = handles.dragged !== null; // the view stays while a handle is dragged, so that the handle stays below the pointer
+  const isKept = handles.dragged !== null; // while a handle is dragged, the view stays, so that the handle stays below the pointer
   return isKept || (isWithin && size(view) > KEPT * size(before.view))
     ? { ...next, ownView, view: before.view, anchor: before.anchor } : { ...next, ownView, view };
 }
 
-// the engine is one that begin.js has begun, or a new one
+// the engine (the worker with a kernel) that begin.js has started, or a new one
 const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about) => {
@@ -75,7 +74,7 @@ comparedMotions.follow(changes, handles);
 const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...end) => simulation.faultOf(...end) });
-// the map and the motion have separate workers
+// a map has engines of its own, so that it does not delay the motion
 find("map-open").addEventListener("click", () => new GridMap(beginEngine, changes).open(), { once: true });
 find("reset-all").addEventListener("click", () => changes.replace({}, {}));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());

@@ -1,10 +1,10 @@
-// The exports of the page: the command that repeats a motion, a link, the scene file, tables and pictures.
+// What the page exports: the command that repeats a motion, a link, the scene file, tables and pictures.
 
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
 /**
- * Return a word of a command as a shell needs it: if necessary in double quotes, which Windows also accepts, or in single quotes for $ and
- * similar characters.
+ * Return a word of a command as a shell needs it: in double quotes, which Windows accepts, too, if it has special characters; in single
+ * quotes if it has $ or similar characters.
  */
 function quoted(word) {
   if (/^[\w./:=+,-]+$/.test(word)) return word;

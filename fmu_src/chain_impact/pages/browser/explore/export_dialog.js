@@ -6,13 +6,11 @@ import { inputSignals } from "../scene/input_steps.js";
 import { commandOf, csvOf, pictureOf, save } from "./export.js";
 
 /**
- * Connect the dialog.
+ * Connect the buttons of the dialog with their exports.
  *
- * @param keys the rules of the keys of a scene file.
- * @param ask sends a request to the worker.
- * @param address the address of the page, with the changes.
- * @param openScene the open scene; the command needs its file unless it is the page's own scene.
- * @param faultOf function that returns a sentence on the fault of a run.
+ * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the address
+ * of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene. @param
+ * faultOf function that returns a sentence on the fault of a run.
  */
 export function connectExport(changes, { keys, ask, address, openScene, faultOf }) {
   find("export-open").addEventListener("click", () => {
@@ -46,7 +44,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let a button save a file, and show a message about the file. */
+/** Let a button save a file that `write` returns, and show a message about it. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

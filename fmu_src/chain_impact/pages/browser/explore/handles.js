@@ -6,17 +6,18 @@ import { STRIP } from "../drawing/scale_strip.js";
 import { edgeBefore, edgesOf } from "../recording/free_region.js";
 import { discOf, pointsOf, wallsAt } from "../scene/geometry.js";
 
-const ARROW_TIME = 0.1; // [s] an arrow of velocity is as long as the distance that is covered in this time
-// the largest length of an arrow of velocity, relative to the size of the view; for longer arrows a shorter time is used
+const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in this time
+// largest length of an arrow of velocity, relative to the size of the view; if an arrow would be longer, all arrows stand for a shorter
+// time
 const LONGEST = 0.2;
-const GRIP = 26; // [pixels] the size of a grip, large enough for a finger
-// [pixels] the distance from a joint to the start of its arrow, so that the grip of a velocity of 0 lies beside the joint
+const GRIP = 26; // [pixels] diameter of a grip, large enough for a finger
+// [pixels] distance from a point to the start of its arrow, so that the grip of a velocity of 0 lies beside the point
 const STEM = 32;
-const WALL = 18; // [pixels] the size of the grip of a wall
-const PLACES = 9; // number of positions, on each side of the first one, that are tried for the grip of a wall
+const WALL = 18; // [pixels] size of the grip of a wall
+const PLACES = 9; // number of places on each side of the middle of a wall that are tried for its grip
 const BESIDE_GRIP = 2; // [pixels] least distance between two grips
 const MOST_DECIMALS = 15;
-const STEPS_OF_KEYS = [4, 24]; // [pixels] the distances by which an arrow key moves a grip: alone, and with Shift
+const STEPS_OF_KEYS = [4, 24]; // [pixels] distances by which an arrow key moves a grip: alone, and with Shift
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SLIDER_VELOCITY = "initial.slider_velocity";
 const SPOKEN = {
@@ -26,7 +27,7 @@ const SPOKEN = {
   wall: (name) => `Wall ${name}: arrow keys move it`,
 };
 
-/** Return a value that was set by hand, rounded to the decimals that distinguish it from a value one pixel away. */
+/** Return a value that the reader has set with a handle, rounded to the decimals that a move by one pixel changes. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
@@ -37,7 +38,8 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    // the handle that is dragged, as {kind, index, time, pointer}; for a key, `by` [pixels] replaces the pointer; null if none is
+    // the handle that is being dragged, {kind, index, time, pointer}, or with `by` [pixels] in place of `pointer` if a key moves it; else
+    // null
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);
@@ -46,9 +48,9 @@ export class Handles {
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
     element.setAttribute("role", "group"); // a drawing that contains grips is a group, and not an image, for screen readers
     element.addEventListener("keydown", (event) => this.#press(event));
-    // a pointer does not give the focus to a grip, so that the arrow keys still step through time
+    // a pointer does not move the focus to a grip, so that the arrow keys go on stepping through time
     element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
-    // a finger on a handle drags the handle, and does not scroll the page
+    // a finger that drags a handle does not scroll the page
     const keepStill = (event) => gripOf(event) && event.preventDefault();
     element.addEventListener("touchstart", keepStill, { passive: false });
   }
@@ -64,7 +66,7 @@ export class Handles {
 
   /** Return positions [m] and velocities [m/s] of the points at the start, for the present parameters. */
   get #start() {
-    // a signal that drives the base determines its position
+    // a base that a signal drives starts where the signal says
     const isDriven = this.changes.scene.driven.some(({ name }) => name === "base.x" || name === "base.y");
     const base = isDriven ? this.player.recording.pointAt(0, 0) : [this.#value("initial.x"), this.#value("initial.y")];
     const numbers = Array.from({ length: this.changes.scene.links }, (_, k) => k + 1);
@@ -79,15 +81,15 @@ export class Handles {
     return { positions, velocity };
   }
 
-  /** Return the direction of the slider's line; null without a slider. */
+  /** Return the unit vector along the slider's line; null without a slider. */
   get #line() {
     const angle = this.#value("slider.angle");
     return this.changes.parameters.has(SLIDER_VELOCITY) ? [Math.cos(angle), Math.sin(angle)] : null;
   }
 
   /**
-   * Return the time [s] t with which the arrows show velocities: the arrow of a velocity v has the length v·t. The time is
-   * shorter for fast motions, so that no arrow is too long, and constant while something is dragged.
+   * Return the time t [s] that scales the arrows of velocities: the arrow of a velocity v has the length v·t. It is shorter for fast
+   * motions, so that no arrow is too long, and does not change while a handle is dragged.
    */
   #arrowTime(velocity) {
     if (this.dragged) return this.dragged.time;
@@ -97,8 +99,9 @@ export class Handles {
   }
 
   /**
-   * Return the position on the screen of the grip of each wall that can be moved: near the middle of its visible part or, for a wall beyond
-   * the view, inside the edge of the view; if possible apart from points, arrows, links, texts and other grips.
+   * Return the positions on the screen of the grips of all walls that can be moved. A grip lies near the middle of the visible part of its
+   * wall or, for a wall beyond the view, just inside the edge of the view; if possible, it lies apart from points, arrows, links, texts and
+   * other grips.
    */
   get #walls() {
     const { camera } = this.player.drawing;
@@ -116,7 +119,7 @@ export class Handles {
     });
   }
 
-  /** Return the things on the screen from which the grips of walls keep a distance: points with a grip, and lines. */
+  /** Return what the grips of walls keep a distance from, on the screen: points with a grip, and lines. */
   #marks() {
     const screen = (point) => this.player.drawing.camera.toScreen(...point);
     const { positions } = this.#start;
@@ -125,7 +128,7 @@ export class Handles {
     return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
   }
 
-  /** Return the position on a line for the grip of a wall: the free position nearest to the middle, or the middle if none is free. */
+  /** Return where the grip of a wall is put on a line: the free place nearest to the middle, or the middle if none is free. */
   #freePlace([from, to], { points, lines }) {
     const { labelSpace } = this.player.drawing;
     const [left, top, right, bottom] = labelSpace.limits;
@@ -142,8 +145,8 @@ export class Handles {
   }
 
   /**
-   * Return the ends of the line, just inside the edge of the view, on which the grip of a wall beyond the view may stand, if there is such
-   * a line.
+   * Return the two ends of the line, just inside the edge of the view, on which the grip of a wall beyond the view may be put; undefined if
+   * there is no such line.
    */
   #edgeBefore(wall) {
     const { rectangle: [low, [right, top]] } = this.player.drawing.camera;
@@ -154,7 +157,7 @@ export class Handles {
     return [-half, half].map((along) => [middle[0] - along * wall.normal[1], middle[1] + along * wall.normal[0]]);
   }
 
-  /** Draw the handles, if the clock shows the start. */
+  /** Draw the handles if the clock shows the start; otherwise remove them. */
   draw() {
     const { drawing } = this.player;
     const focused = gripOf({ target: document.activeElement });
@@ -188,8 +191,8 @@ export class Handles {
   }
 
   /**
-   * Return the points of links that can be moved, and their positions at the start [m]; corners of boxes move with their
-   * links.
+   * Return the points of links that the reader can move, with their positions at the start [m]. Corners of boxes are left out, because they
+   * move with their links.
    */
   #sites(positions) {
     const { scene } = this.changes;
@@ -204,8 +207,8 @@ export class Handles {
   }
 
   /**
-   * Return the arrows, on the screen, of the velocities that can be changed. A stem goes from the point (`from`) to `foot`, the arrow from
-   * `foot` to `to`.
+   * Return the arrows of the velocities that the reader can change, on the screen: a stem from the point (`from`) to `foot`, and the arrow
+   * from `foot` to `to`.
    */
   #arrows() {
     const { positions, velocity } = this.#start;
@@ -223,9 +226,8 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem of a point at rest: of a slider along its line, at another base opposite to
-   * link 1, at another point the direction in which a positive angular velocity of the link before it moves it; another
-   * direction if the edge would cut off the grip.
+   * Return the direction on the screen of the stem of a point at rest: of a slider along its line, of another base opposite to link 1, of
+   * any other point as the link before it moves it when it turns anticlockwise; another one if the grip would lie beyond the edge.
    */
   #aside(k, [x, y]) {
     if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];
@@ -249,7 +251,7 @@ export class Handles {
 
   #drop() {
     this.dragged = null;
-    this.changes.replace({ ...this.changes.values }); // this simulates again, with a view that fits the motion
+    this.changes.replace({ ...this.changes.values }); // the values stay, but the run is repeated, now with a view that fits the motion
   }
 
   #drag(event) {
@@ -257,7 +259,7 @@ export class Handles {
     this.#move(event.clientX - left, event.clientY - top);
   }
 
-  /** Move the grip that has the focus, after a press of an arrow key. */
+  /** Move the grip that has the focus when an arrow key is pressed. */
   #press(event) {
     const grip = gripOf(event);
     const direction = KEYS[event.key];
@@ -271,17 +273,19 @@ export class Handles {
     this.dragged = { kind, index, by, apart: this.#apart(event.target, kind, index), time: this.#arrowTime(this.#start.velocity) };
     this.#move(x + width / 2 + by[0], y + height / 2 + by[1]);
     this.dragged = null;
-    this.draw(); // the drawing is made at once, so that the next key finds the grip at its new position
+    this.draw(); // drawn at once, so that the next press of a key starts from the grip's new position
   }
 
-  /** Return the distance [m] of a wall's grip from the wall, along its normal; 0 for a wall beyond the view, which moves to its grip. */
+  /**
+   * Return the distance [m] of a wall's grip from the wall, along the wall's normal; 0 for a wall beyond the view, which jumps to its grip.
+   */
   #apart(element, kind, name) {
     if (kind !== "wall" || element.classList.contains("wall-beyond")) return 0;
     const { x, y, width, height } = element.getBBox();
     return this.#beyond(this.player.drawing.camera.toMetres(x + width / 2, y + height / 2), name);
   }
 
-  /** Return the distance [m] of a position from a wall, along the wall's normal. */
+  /** Return the distance [m] of a position from a wall: positive on the free side. */
   #beyond([x, y], name) {
     const { normal: [nx, ny], offset } = this.#wall(name);
     return nx * x + ny * y - offset;
@@ -291,7 +295,7 @@ export class Handles {
     return wallsAt(this.changes.scene, (parameter) => this.changes.valueOf(parameter))[name];
   }
 
-  /** Move the dragged handle to a position on the screen. */
+  /** Move the dragged handle to a position on the screen, if the scene allows the values that this needs. */
   #move(left, top) {
     const at = this.player.drawing.camera.toMetres(left, top);
     const { kind, index } = this.dragged;
@@ -309,7 +313,7 @@ export class Handles {
     return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
-  /** Return the changes that move the base to a position [m], or that turn the link before another joint towards the position. */
+  /** Return the changes that move the base to a position [m] or, for another joint, turn the link that ends at it towards the position. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
@@ -320,7 +324,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes of a point's coordinates on its link that move it to a position [m]. */
+  /** Return the changes of a point's coordinates on its link with which the point lies at a position [m]. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));
@@ -332,8 +336,8 @@ export class Handles {
   }
 
   /**
-   * Return the changes with which an arrow of velocity ends at a position [m]. They change the velocity of the base or, for another joint,
-   * the angular velocity of the link before it.
+   * Return the changes with which the arrow of a velocity ends at a position [m]: of the velocity of the base or, for another joint, of the
+   * angular velocity of the link that ends at it.
    */
   velocity([x, y], index) {
     const k = Number(index);
@@ -342,10 +346,10 @@ export class Handles {
     const line = k === 0 ? this.#line : null;
     const from = vectorTo(positions[k], [x, y]);
     const vector = line ? line.map((component) => component * componentOf(from, line)) : from;
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // the fraction without the stem
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // fraction of the vector that is arrow, without the stem
     const speed = vector.map((component) => (share * component) / this.dragged.time);
     if (line) {
-      // a key changes the speed of a slider also through 0, where its arrow turns
+      // with a key, the speed of a slider can pass 0, where its arrow turns round
       const { by } = this.dragged;
       const own = by ? this.#value(SLIDER_VELOCITY) + componentOf([by[0], -by[1]], line) * pixel : componentOf(speed, line);
       return { [SLIDER_VELOCITY]: byHand(own, pixel) };
@@ -357,7 +361,7 @@ export class Handles {
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes that move a wall along its normal with its grip, which is at a position [m]. */
+  /** Return the changes that move a wall along its normal so that its grip lies at a position [m]. */
   wall(position, name) {
     const { normal: [nx, ny] } = this.#wall(name);
     const distance = this.#beyond(position, name) - this.dragged.apart;
@@ -369,12 +373,12 @@ export class Handles {
   }
 }
 
-/** Return the handle at which an event happens, if any. */
+/** Return the grip on which an event happens; undefined if there is none. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** Return the attributes that make an element a grip for a pointer and for keys; `label` is the name of a point, if it has one. */
+/** Return the attributes that make an element a grip for pointers and keys; `label`: the name of a point, or "". */
 function gripFor(kind, index, label = "") {
   return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index, label) };
 }
@@ -389,7 +393,7 @@ function componentOf([x, y], [dx, dy]) {
   return x * dx + y * dy;
 }
 
-/** Return the position [m] of a point after it has moved with its velocity for a time. */
+/** Return the position [m] that a point would reach with its velocity in a time [s]. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }

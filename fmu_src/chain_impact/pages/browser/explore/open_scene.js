@@ -8,26 +8,26 @@ import { inputText } from "../scene/words.js";
 import { editedScene } from "./edited_scene.js";
 
 export class OpenScene {
-  text = ""; // the text of the file; empty for the page's own scene
+  text = ""; // the text of the scene's file; "" for the page's own scene
 
   constructor(changes, choice, kit) {
     Object.assign(this, { changes, choice, kit, first: changes.scene });
     this.#describe();
   }
 
-  /** Show the page's own scene. */
+  /** Show the scene with which the page was made. */
   openFirst() {
     this.#show(this.first, "");
   }
 
-  /** Open a scene with the contents of a file; an error names the wrong key. */
+  /** Open a scene with the contents of a file; if they have a fault, the error names the wrong key. */
   open(contents) {
     this.#showFile(this.#sceneIn(contents));
   }
 
   /**
-   * Open contents edited from those of the present scene, with the reader's changes and chosen outputs; an error names the wrong key.
-   * `before`: the parts before the edit. Return words for the parts that the edit removes.
+   * Open the edited contents of the present scene, and keep the reader's changes and chosen outputs. A fault gives an error that names the
+   * wrong key. `before`: the parts (`partsOf`) before the edit. Return words for what the edit removes.
    */
   openEdited(contents, before) {
     const { changes, choice, kit } = this;
@@ -37,7 +37,7 @@ export class OpenScene {
     return removed;
   }
 
-  /** Return the complete file for some contents, and its scene; in commands, the file has the name of the scene. */
+  /** Return the complete file for some contents, and its scene; in commands the file is called by the scene's name. */
   #sceneIn(contents) {
     const whole = complete(contents, this.kit);
     return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
@@ -47,14 +47,14 @@ export class OpenScene {
     this.#show(scene, tomlText(asWritten(whole), this.kit.keys), kept);
   }
 
-  /** Show a scene with the text of its file; `kept` are the changes in it that stay. */
+  /** Show a scene, with the text of its file and the changes `kept` in it. */
   #show(scene, text, kept) {
     this.text = text;
     this.changes.open(scene, kept);
     this.#describe();
   }
 
-  /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs are constant here. */
+  /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs stay constant on the page. */
   #describe() {
     const { name, text, still, inputs } = this.changes.scene;
     document.querySelector("h1").textContent = name;

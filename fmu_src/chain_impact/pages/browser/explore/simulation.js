@@ -5,25 +5,26 @@ import { readable } from "../base/format.js";
 import { inputStepTexts } from "../scene/input_steps.js";
 import { faultText, stopText } from "./console.js";
 
-const WAITING = 120; // [ms] the computing time after which the old motion becomes pale
-const PATIENCE = 250; // [ms] the time that a run has before the next change ends it; so a slider shows its effect while it is dragged
+const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
+// [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
+const PATIENCE = 250;
 
 export class Simulation {
-  #started = -Infinity; // the time at which the present run began
-  #nextRun = 0; // the timer of the next run
+  #started = -Infinity; // [ms] when the present run began; −∞ if none runs
+  #nextRun = 0; // the timer that starts the next run
   #status = 0; // the status of the last run
-  #sentence = ""; // the sentence on the end of the last run
+  #sentence = ""; // the sentence that tells how the last run ended
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
-   * Make the runs. `beginEngine` makes an engine for the present scene; `show` shows the parts of a motion, with its scene and a text on
-   * its changes.
+   * `beginEngine` is a function that starts an engine for the present scene. `show` is a function that shows the parts of a motion, with
+   * its scene and words for its changes.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
   }
 
-  /** Simulate now and after each change; for another scene, make another engine. */
+  /** Simulate at once and after each change; start another engine when another scene is opened. */
   begin() {
     this.engine = this.beginEngine();
     this.changes.onOpen(() => {
@@ -39,7 +40,7 @@ export class Simulation {
     this.soon();
   }
 
-  /** Simulate with the present parameters, as soon as the present run has ended or has taken PATIENCE. */
+  /** Simulate with the present parameters as soon as the present run has ended, or has taken PATIENCE. */
   soon() {
     clearTimeout(this.#nextRun);
     const left = this.#started + PATIENCE - performance.now();
@@ -72,7 +73,7 @@ export class Simulation {
     if (this.#nextRun) this.soon();
   }
 
-  /** Return a sentence on the fault of a run; "" without a fault. `hasMotion`: whether the run has given a motion before the fault. */
+  /** Return a sentence on the fault of a run; "" without one. `hasMotion`: whether the run has computed a motion up to the fault. */
   faultOf(run, hasMotion) {
     const { scene } = this.changes;
     if (run.status === 0) return "";
@@ -93,7 +94,7 @@ export class Simulation {
     if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
   }
 
-  /** Return a button that sets all friction of walls to zero, for a law that does not allow friction. */
+  /** Return a button that sets the friction of all walls to 0; it is shown if the law allows no friction. */
   #withoutFriction() {
     const { changes } = this;
     const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });

@@ -1,4 +1,4 @@
-// The charts beside the motion: the list of impacts never covers a part of a chart.
+// Keeps the list of impacts beside the motion from covering a part of a chart.
 
 import { find } from "../base/dom.js";
 

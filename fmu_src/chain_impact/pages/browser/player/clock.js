@@ -1,12 +1,13 @@
-// The clock: the frame on the screen, and the rate at which the simulated time passes.
+// The clock of the player: the frame on the screen, and the rate at which simulated time passes.
 
 export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
-const STEP = 1 / 30; // [s] time on the screen by which a press of an arrow key moves
+const STEP = 1 / 30; // [s] time on the screen by which one press of an arrow key moves the motion
 
-/** The clock, which calls its listeners when the frame, the speed, or play and pause change. */
+/** The clock. It calls its listeners when the frame or the speed changes, and at play and pause. */
 export class Clock {
   #listeners = [];
-  // the impact that the reader has chosen, until the time changes; it is stored because another impact may have the same onset
+  // the impact to which the reader has gone, until the time changes; the time alone would not tell it, because impacts may have the same
+  // onset
   #goneTo = null;
 
   constructor(speed) {
@@ -17,7 +18,7 @@ export class Clock {
     this.loop = false;
   }
 
-  /** Use another recording; the simulated time stays or, if the recording does not have this time, becomes the nearest one. */
+  /** Use another recording. The simulated time stays or, if the recording does not reach it, becomes the nearest time. */
   show(recording) {
     const time = this.recording ? this.time : recording.start;
     this.recording = recording;
@@ -32,7 +33,7 @@ export class Clock {
     return this.recording.timeAt(this.frame);
   }
 
-  /** Return the contact that all parts of the page describe; undefined if the recording has no contacts. */
+  /** Return the contact that list, chart and caption describe; undefined if the recording has none. */
   get contact() {
     return this.#goneTo ?? this.recording.contactAt(this.time);
   }
@@ -41,7 +42,7 @@ export class Clock {
     return this.recording.time.length - 1;
   }
 
-  /** Return whether the clock stands still at the end. */
+  /** Return whether the motion is paused at the end of the recording. */
   get hasEnded() {
     return !this.playing && this.frame >= this.last;
   }
@@ -51,7 +52,7 @@ export class Clock {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
-  /** Change some of the properties frame, playing, slow, loop and speed. Without a recording, nothing changes. */
+  /** Change any of the properties frame, playing, slow, loop and speed, and call the listeners. Without a recording, nothing changes. */
   set(changes) {
     if (!this.recording) return;
     Object.assign(this, changes);
@@ -64,13 +65,13 @@ export class Clock {
     this.set({ frame: this.recording.frameAt(time) });
   }
 
-  /** Play, or pause; at the end of the recording, play from the start. */
+  /** Play or pause; after the end of the recording, play from the start. */
   toggle() {
     const again = this.hasEnded;
     this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
   }
 
-  /** Advance the frame by a time on the screen [s], forwards or backwards. */
+  /** Advance the frame by a time on the screen [s], which may be negative. */
   advance(seconds) {
     const frame = this.slow
       ? this.frame + seconds * this.speed * this.recording.frameRate
@@ -79,33 +80,33 @@ export class Clock {
     this.set({ frame: again ? 0 : frame, playing: this.playing && (again || frame < this.last) });
   }
 
-  /** Pause, and go one step back (−1) or ahead (1). */
+  /** Pause, and move by STEP back (−1) or ahead (1). */
   step(direction) {
     this.playing = false;
     this.advance(direction * STEP);
   }
 
-  /** Choose the next of the speeds: a faster one (1) or a slower one (−1). */
+  /** Choose the next faster (1) or slower (−1) speed of SPEEDS. */
   shift(direction) {
     const faster = SPEEDS.filter((speed) => (speed - this.speed) * direction > 1e-9);
     if (faster.length) this.set({ speed: direction > 0 ? faster[0] : faster[faster.length - 1] });
   }
 
-  /** Go to the time of the largest force of an impact. */
+  /** Go to the time of an impact's largest force. */
   toImpact(impact) {
     this.seek(impact.peakTime);
-    // round-off in the frame can give a time just before the onset
+    // round-off could give a frame just before the onset, where the contact is not shown
     while (this.time < impact.onset) this.frame += 1e-3;
     this.#goneTo = impact;
     this.set({});
   }
 
-  /** Go to the impact before (−1) or after (1) the present time; if there is no impact before it, go to the start. */
+  /** Go to the largest force of the impact before (−1) or after (1) the present time; if none is before it, go to the start. */
   stepImpact(direction) {
     const now = this.time;
     const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;
     const ahead = ({ peakTime }) => direction * (peakTime - now);
-    // impacts are in order of onset, which need not be the order of their largest forces
+    // the largest forces of impacts may be in another order than the onsets
     const nearest = this.recording.impacts.filter((impact) => ahead(impact) > same)
       .reduce((best, impact) => (best && ahead(best) <= ahead(impact) ? best : impact), null);
     if (nearest) this.toImpact(nearest);

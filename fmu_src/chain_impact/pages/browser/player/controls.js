@@ -1,11 +1,11 @@
-// The buttons, the slider and the keys of the player.
+// Connects the buttons, the slider of time and the keys of the player with its clock.
 
 import { find } from "../base/dom.js";
 import { speedText } from "../base/format.js";
 import { SPEEDS } from "./clock.js";
 
 /**
- * Connect buttons, slider and keys with the clock; without a recording they have no effect. Return a function that must be called when the
+ * Connect buttons, slider and keys with the clock; they do nothing until it has a recording. Return a function that must be called when the
  * clock has another recording.
  */
 export function connect(clock, drawing) {
@@ -48,7 +48,7 @@ export function connect(clock, drawing) {
   return connectSlider(clock);
 }
 
-/** Return whether the element with the focus uses a key itself. */
+/** Return whether the element with the focus uses the key itself, as a text field does. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
@@ -81,7 +81,7 @@ function connectSlider(clock) {
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
   const marks = find("marks");
-  // Size and colour are stored: reading them after a change would make the browser lay out the page twice.
+  // size and colour of the slider are kept: reading them after a change would make the browser lay out the page twice
   let look;
   const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);
   const fit = () => {
@@ -96,7 +96,7 @@ function connectSlider(clock) {
   };
 }
 
-/** Draw a mark above the slider for each impact; faster impacts have higher marks. */
+/** Draw a mark above the slider for each impact; the faster the impact, the higher the mark. */
 function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });
@@ -104,7 +104,7 @@ function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   context.scale(density, density);
   context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
-  const thumb = 16; // [pixels] the width of the slider's thumb, whose middle stays half of this width away from the ends of the slider
+  const thumb = 16; // [pixels] width of the slider's thumb: its middle stays half of this away from both ends of the slider
   const lowest = 5; // [pixels] least height of the mark of an impact above the slider
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);

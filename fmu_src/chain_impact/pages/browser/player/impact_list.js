@@ -1,24 +1,24 @@
-// The list of impacts; a click on an impact goes to its largest force.
+// The list of impacts; a click on a row goes to the largest force of its impact.
 
 import { find, make } from "../base/dom.js";
 import { forceText, unitsOf } from "../base/format.js";
 
-const LONGEST_LIST = 2000; // largest number of impacts in the list, because each of them is a row of elements in the page
-const FIRST = 10; // number of rows that are shown at first in a page that scrolls
+const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
+const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
-const JOINT_FORCE = "in joint"; // head of a further column, which is shown if forces in joints are known
+const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
   peak: "Largest force of the contact, at a stop the largest moment",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
-/** Return the largest force or moment as text; a dash if it is unknown. */
+/** Return the largest force or moment of an impact as text; a dash if it is unknown. */
 function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
 }
 
-/** Return the name of the wall of an impact; for a stop, only the name of its end: min or max. */
+/** Return the name of an impact's wall; for a stop, only which end it is: min or max. */
 export function wallText({ wall }) {
   return wall.replace(/^(joint|slider)_(?=(min|max)$)/, "");
 }
@@ -27,10 +27,7 @@ function approachText(impact) {
   return `${impact.speed.toFixed(2)}\u202f${unitsOf(impact).speed}`;
 }
 
-/**
- * Return the ratio of separation speed to impact speed as text; "lasts" for a contact that has not ended; a dash if it is
- * unknown.
- */
+/** Return separation speed over impact speed as text: "lasts" if the contact has not ended, a dash if the ratio is unknown. */
 function reboundText({ speed, rebound, peak }) {
   if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
   return speed > 0 ? (rebound / speed).toFixed(3) : "–";
@@ -94,12 +91,13 @@ export class ImpactList {
     if (columns.includes(JOINT_FORCE)) row.append(make("td", ofJoint));
     row.addEventListener("click", () => {
       goTo(impact);
-      find("stage").scrollIntoView({ block: "nearest" }); // on a phone on its side, the list is far below the motion
+      // on a phone on its side, the list lies far below the motion, so the page scrolls back to it
+      find("stage").scrollIntoView({ block: "nearest" });
     });
     return row;
   }
 
-  /** Mark the present contact in the list if it is an impact, and scroll the list, but not the page, to it. */
+  /** Mark the present contact in the list, and scroll the list to it, but not the page. */
   draw(frame, contact) {
     if (contact === this.current) return;
     this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
@@ -115,7 +113,10 @@ export class ImpactList {
   }
 }
 
-/** Return words for a contact at a time, the force first, because a narrow screen cuts the end; "" if the contact is not an impact. */
+/**
+ * Return words for a contact at a time [s]. The force comes first, because a narrow screen cuts the end. The result is "" for a contact
+ * that is not in the list of impacts.
+ */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;

@@ -1,17 +1,15 @@
-// The reader of the numbers that `recorded.py` has packed.
+// Reads the numbers of a recording, which `recorded.py` has packed as integers from 0 to FINEST.
 
 import { bytesIn, numbersIn } from "../base/base64.js";
 import { mapped } from "../base/mapped.js";
 
-/** Return the numbers low + (high − low) · integer / FINEST. */
+/** Return the real numbers for packed integers k: low + (high − low) · k / FINEST. */
 function numbers({ low, high, values }) {
   const scale = (high - low) / SHARED.packed.FINEST;
   return Float64Array.from(new Uint16Array(bytesIn(values).buffer), (value) => low + scale * value);
 }
 
-/**
- * Return a function that returns numbers at every row, from numbers that are packed for some rows; in all other rows the numbers are zero.
- */
+/** Return a function that unpacks the numbers of some rows, and returns numbers for all rows; in the other rows they are 0. */
 function atAllRows(packedRows, count) {
   const rows = new Uint32Array(bytesIn(packedRows).buffer);
   return (packed) => {
@@ -23,7 +21,7 @@ function atAllRows(packedRows, count) {
   };
 }
 
-/** Return the rows of a recording, in the form for `framesOf`. */
+/** Return the packed recording as the argument `rows` of `framesOf`. */
 export function unpack(packed) {
   const time = numbersIn(packed.time);
   const [x, y] = [packed.x, packed.y].map(numbers);

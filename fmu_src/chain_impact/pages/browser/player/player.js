@@ -11,11 +11,12 @@ import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
 
-// [s] longest step of the animation; after a longer pause of the browser, the animation continues from its last frame
+// [s] longest time by which one frame of the screen advances the motion; after a longer pause of the browser, the motion goes on where it
+// stood
 const LONGEST_FRAME = 0.1;
 
 export class Player {
-  layers = []; // further objects that draw in each frame
+  layers = []; // further objects whose method `draw` is called in each frame
   #isDrawingDue = false;
   #lastTick = undefined;
 
@@ -41,7 +42,7 @@ export class Player {
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
-  /** Show another recording, from the present simulated time on; a panel without contents becomes hidden. */
+  /** Show another recording, at the present simulated time; hide panels that have nothing to show. */
   show(recording) {
     const first = !this.recording;
     this.recording = recording;
@@ -73,7 +74,7 @@ export class Player {
     requestAnimationFrame((next) => this.#tick(next));
   }
 
-  /** Fit the drawing into its place on the page, and draw at once: a drawing in the next frame would be one frame late. */
+  /** Fit the drawing to its place on the page, and draw at once: drawn with the next frame, it would be one frame late. */
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");
@@ -81,7 +82,7 @@ export class Player {
     this.draw();
   }
 
-  /** Draw once before the browser paints the next time. */
+  /** Draw once before the browser next paints the page. */
   drawSoon() {
     if (this.#isDrawingDue) return;
     this.#isDrawingDue = true;
@@ -91,7 +92,7 @@ export class Player {
     });
   }
 
-  /** Draw the clock, the caption and all other parts of the page at the present frame. */
+  /** Draw clock, caption and all other parts of the page at the present frame. */
   draw() {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
@@ -107,7 +108,7 @@ export class Player {
   }
 }
 
-/** Return words for the contents of a recording: numbers of links and impacts, and the duration. */
+/** Return words for a recording: its numbers of links and impacts, and its duration. */
 function subtitle({ links, impacts: { length: count }, start, end }) {
   return `${links} link${links === 1 ? "" : "s"}, ` +
     `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`;

@@ -1,15 +1,15 @@
-// The frames of a recording: the parts of a `Recording`, computed from rows of numbers.
+// Computes the frames of a recording, the parts of a `Recording`, from rows of numbers.
 
 import { STOPS } from "../scene/geometry.js";
 import { frameTimes, PACING, slowSpans } from "./pacing.js";
 import { viewOf } from "./view.js";
 
-const COORDINATES = 2_000_000; // largest number of coordinates in all frames
+const COORDINATES = 2_000_000; // largest number of coordinates of points in all frames together
 const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
- * Return the impacts in the form that the page uses: `end` is `stop`, the recording's end, if it is unknown, and `peak` null if it is 0.
- * `impactEnd` is the end of the impact: `end` or an earlier time, whose distance from the onset follows from depth and speed.
+ * Return the impacts in the form of the page: an unknown `end` becomes `stop`, the end of the recording, and a `peak` of 0 becomes null.
+ * `impactEnd` is when the impact is over for slow motion: `end`, or earlier in a long contact, by penetration and speed.
  */
 export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
@@ -19,13 +19,13 @@ export function impactsUntil(impacts, stop) {
   });
 }
 
-/** Return the simulated times of the frames, and the number of frames per second on the screen. */
+/** Return the simulated times [s] of the frames, and the number of frames per second on the screen. */
 export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
   return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
 }
 
-/** Return for each time the number of the row before it, and the fraction of the way from this row to the next row. */
+/** Return for each of `times` the index of the row before it, and the fraction of the way from this row to the next. */
 function bracketsOf(time, times) {
   let row = 0;
   return Array.from(times, (now) => {
@@ -34,7 +34,7 @@ function bracketsOf(time, times) {
   });
 }
 
-/** Return values at frames, interpolated between rows; the values stand row after row, `width` values in each row. */
+/** Return values at frames, interpolated between rows. The values are in one array, row after row, `width` values in each row. */
 function interpolatedColumn(values, brackets, width) {
   const column = new Float64Array(brackets.length * width);
   brackets.forEach(([row, share], frame) => {
@@ -46,7 +46,7 @@ function interpolatedColumn(values, brackets, width) {
   return column;
 }
 
-/** Return the first and last frame of each span in which numbers are above zero. */
+/** Return the first and the last frame of each span of frames in which the values are positive. */
 function spansOf(values) {
   const spans = [];
   values.forEach((value, frame) => {
@@ -61,7 +61,7 @@ function largest(values) {
   return values.reduce((most, value) => Math.max(most, value), 0);
 }
 
-/** Return the moments of the two stops of a joint, as forces on a point at a wall. */
+/** Return the moments at joint_min and joint_max, which are one output with a sign, in the form of two forces of walls. */
 function ofStops({ n, columns: { moment } }) {
   return STOPS.map((wall, k) => ({ point: n, wall, force: moment.map((value) => Math.max(k ? -value : value, 0)) }));
 }
@@ -104,7 +104,7 @@ export function framesOf(rows, { times, frameRate }) {
     .map(({ sticking, ...course }) => ({ ...course, spans: sticking ? spansAbove(sticking) : [] }));
   const stuckJoints = drawn.joints.map(({ n, columns: { sticking } }) => ({ joint: n, spans: spansAbove(sticking) }));
   const energies = Object.entries(drawn.energies[0]?.columns ?? {}).filter(([, values]) => values.some((value) => value !== 0))
-    .sort(([a], [b]) => (a === "total") - (b === "total")); // the total energy is drawn last, above the other curves
+    .sort(([a], [b]) => (a === "total") - (b === "total")); // the total energy is last, so that it is drawn above the other curves
   const peaks = [
     ...impacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),

@@ -1,4 +1,4 @@
-// The free region between walls, each of which is the edge of a half-plane n·p ≥ offset.
+// The free region between walls: the points on the free sides n·p ≥ offset of all walls.
 
 /** Return the part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
 function clipped(polygon, { normal: [nx, ny], offset }) {
@@ -13,7 +13,7 @@ function clipped(polygon, { normal: [nx, ny], offset }) {
   });
 }
 
-/** Return the free region inside a rectangle: its corners and, for each wall that bounds it, the ends of the visible part. */
+/** Return the free region inside a rectangle: its corners and, for each wall that bounds it, the ends of the wall's visible part. */
 export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
   const all = Object.values(walls);
   const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
@@ -25,8 +25,8 @@ export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Return where the perpendicular from the middle of the view to a wall beyond the view is `inside` [m] before the edge of the view;
- * undefined if the middle is not on the wall's free side.
+ * Return the point that lies `inside` [m] before the edge of the view, on the perpendicular from the view's middle to a wall beyond the
+ * view; undefined if the middle is not on the wall's free side.
  */
 export function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
@@ -36,7 +36,7 @@ export function edgeBefore({ normal, offset }, [low, high], inside) {
   return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
 }
 
-/** Return a list with the ends of the visible part of a wall; an empty list if no part is visible. */
+/** Return a list with the two ends of a wall's visible part; the list is empty if no part is visible. */
 export function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
   const { edges } = freeRegionWithin(walls, rectangle);

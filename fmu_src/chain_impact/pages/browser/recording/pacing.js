@@ -5,7 +5,7 @@
 
 export const PACING = SHARED.pacing;
 
-/** Return the onset and the end [s] of the impacts that are shown slowly: of the fastest impacts, in the order of time. */
+/** Return onset and end [s] of the impacts that are shown in slow motion, the fastest ones, in the order of time. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
@@ -14,13 +14,13 @@ export function slowSpans(impacts) {
     .sort((a, b) => a[0] - b[0]);
 }
 
-/** Return equally spaced numbers between two numbers. */
+/** Return `count` equally spaced numbers from one number to another. */
 function between(from, to, count) {
   const step = (to - from) / (count - 1);
   return Array.from({ length: count }, (_, k) => (k < count - 1 ? from + k * step : to));
 }
 
-/** Return linearly interpolated values at `allX`; `allX` and `nodes` increase. */
+/** Return values at `allX`, linearly interpolated between the `values` at `nodes`; both increase. */
 function interpolated(allX, nodes, values) {
   let at = 0;
   return allX.map((x) => {
@@ -30,7 +30,7 @@ function interpolated(allX, nodes, values) {
 }
 
 /**
- * Return the simulated times of the frames, which follow each other evenly on the screen, and the number of frames per second: about
+ * Return the simulated times [s] of the frames, which have equal distances in time on the screen, and the number of frames per second:
  * `rate`, or less if there would be more than `most` frames.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
@@ -46,7 +46,7 @@ export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.F
     const distance = Math.max(0, onset - time, time - end);
     return Math.min(slowest, Math.min(1, (end - onset) / impactTime) + distance / PACING.RAMP);
   }, 1));
-  // the time on the screen is ∫ dt / rate, computed by the trapezoidal rule
+  // the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
   const screen = new Float64Array(grid.length);
   for (let k = 1; k < grid.length; k += 1) {
     screen[k] = screen[k - 1] + ((grid[k] - grid[k - 1]) * (slowness[k] + slowness[k - 1])) / 2;

@@ -7,7 +7,7 @@ function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
 }
 
-/** Return the largest index in increasing numbers whose value is at most the wanted number; 0 if there is none. */
+/** Return the index of the last of increasing numbers that is at most the wanted number; 0 if there is none. */
 export function lastBefore(numbers, wanted) {
   let low = 0;
   let high = numbers.length - 1;
@@ -20,11 +20,11 @@ export function lastBefore(numbers, wanted) {
 }
 
 /**
- * A simulation at frames, which follow each other evenly on the screen and are dense in simulated time at impacts. The
- * number of a frame may have a fraction: values are then interpolated.
+ * A simulation at frames, which have equal distances in time on the screen, and so are close in simulated time at impacts. The number of a
+ * frame may have a fraction: values are then interpolated between frames.
  */
 export class Recording {
-  /** Keep the fields of `parts`, the result of `framesOf`; also number the impacts, and find the time of the largest force of each. */
+  /** Keep the fields of `parts`, the result of `framesOf`; number the impacts, and find the time of the largest force of each. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];
@@ -32,8 +32,7 @@ export class Recording {
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
-    // The times from which each contact is the present contact: the middle between the end of the contact before and the onset of this
-    // contact.
+    // The time from which on each contact is the present contact: the middle between the end of the contact before it and its own onset.
     this.turns = this.impacts.map(({ onset }, index) =>
       index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
@@ -50,20 +49,23 @@ export class Recording {
     return this.between(this.time, frame);
   }
 
-  /** Return the rate at a frame: simulated seconds per second on the screen with slow motion, at the speed 1. */
+  /** Return the rate at a frame in slow motion at the speed 1: simulated seconds per second on the screen. */
   rateAt(frame) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     return (this.time[index + 1] - this.time[index]) * this.frameRate;
   }
 
-  /** Return the value of a column at a frame, which may have a fraction; the column has `width` values for each frame. */
+  /**
+   * Return a value at a frame, interpolated if the frame has a fraction. `values` has `width` values for each frame, of which `column` is
+   * wanted.
+   */
   between(values, frame, column = 0, width = 1) {
     const index = Math.min(Math.floor(frame), this.time.length - 2);
     const first = values[index * width + column];
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
-  /** Return the value at a frame of a column with values in all rows, which may be denser than the frames. */
+  /** Return a value at a frame from values at all rows, which may be closer to each other than the frames. */
   betweenRows(values, frame) {
     const { rowTime } = this;
     const now = this.timeAt(frame);
@@ -72,12 +74,12 @@ export class Recording {
     return values[row] + share * (values[row + 1] - values[row]);
   }
 
-  /** Return force [N], penetration [m] and dry friction [N] of a contact in all rows, each only if it is known. */
+  /** Return force [N], penetration [m] and dry friction [N] of a contact at all rows; those that are unknown are left out. */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
 
-  /** Return the time [s] of a contact's largest force; the onset if the force over time is not known. */
+  /** Return the time [s] of a contact's largest force; the onset if the force is unknown. */
   #peakTimeOf(contact) {
     const { rowTime: time } = this;
     const { force } = this.courseOf(contact);
@@ -95,8 +97,8 @@ export class Recording {
   }
 
   /**
-   * Return the corners of the bodies at a frame [m]: the links with points, and the carriage of a slider; `shown` is the recording that
-   * determines the size of the carriage.
+   * Return the corners [m] of all bodies at a frame: outlines of links with points, and the carriage of a slider, as large as in the
+   * recording `shown`, so that compared motions have carriages of one size.
    */
   bodiesAt(frame, shown = this) {
     const links = this.bodies.map(([link, corners]) => {
@@ -112,7 +114,7 @@ export class Recording {
     return [...links, this.rail.carriage.map(([dx, dy]) => [x + scale * dx, y + scale * dy])];
   }
 
-  /** Return the walls in their positions at a frame: name → normal and offset [m]. */
+  /** Return name → normal and offset [m] of each wall in its position at a frame. */
   wallsAt(frame) {
     const moved = this.moved.map(([name, values]) => {
       const { normal, offset } = this.walls[name];
@@ -121,13 +123,14 @@ export class Recording {
     return { ...this.walls, ...Object.fromEntries(moved) };
   }
 
-  /** Return the free sides, at a frame, of the walls and of the stops of a slider. */
+  /** Return name → free side of each wall and of each stop of a slider at a frame. */
   sidesAt(frame) {
     return { ...this.wallsAt(frame), ...this.rail?.stops };
   }
 
   /**
-   * Return the contacts at a frame: point, wall, force and dry friction along the wall [N], and whether the contact sticks.
+   * Return the contacts with a force at a frame, each with point, wall, normal force [N], dry friction along the wall [N], and whether it
+   * sticks.
    */
   contactsAt(frame) {
     return this.forces
@@ -141,7 +144,7 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** Return the entries of a group of `drawn.py` at a frame: { n, name } of the owner, and each quantity under its name. */
+  /** Return the entries of a group of `drawn.py` at a frame: { n, name } of the owner, and the value of each quantity by its name. */
   drawnAt(group, frame) {
     return this.drawn[group].map(({ n, name, columns }) =>
       ({ n, name, ...mapped(columns, (values) => this.betweenRows(values, frame)) }));
@@ -153,7 +156,8 @@ export class Recording {
   }
 
   /**
-   * Return the contact that list, chart and caption describe at a time: the latest contact, or the next one if it is nearer.
+   * Return the contact that list, chart and caption describe at a time [s]: the latest one or, nearer to the next onset than to the latest
+   * end, the next one.
    */
   contactAt(time) {
     return this.impacts[lastBefore(this.turns, time)];

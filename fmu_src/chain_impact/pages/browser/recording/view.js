@@ -1,4 +1,4 @@
-// The view of a motion: the space that the motion needs, with the walls near it. `view.py` does the same for pictures and films, and has
+// The view of a motion: the rectangle that the motion and the walls near it need. `view.py` does the same for pictures and films, and has
 // the constants.
 
 import { endsOf } from "../base/range.js";
@@ -7,8 +7,8 @@ import { freeRegionWithin } from "./free_region.js";
 export const VIEW = SHARED.view;
 
 /**
- * Return the lines of the mark of a pinned base, for its position at the start: above it if the chain is on average below it; `x`
- * and `y` contain all points in all rows.
+ * Return the lines of a pinned base's ground mark at the start: above the base if the chain's mean position is below the base, else below
+ * it. `x` and `y` contain the coordinates of all points in all rows.
  */
 function pinLines(x, y, points) {
   const size = VIEW.PIN * sizeOf(x, y);
@@ -20,9 +20,7 @@ function pinLines(x, y, points) {
   return VIEW.PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/**
- * Return the corners of the free region between the walls, if this region ends on all sides within ROOM of the motion; else an empty list.
- */
+/** Return the corners of the free region between the walls if all of it lies within ROOM of the motion; otherwise an empty list. */
 function enclosureOf(walls, [low, high], width) {
   const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];
   const { corners } = freeRegionWithin(walls, around);
@@ -31,8 +29,9 @@ function enclosureOf(walls, [low, high], width) {
 }
 
 /**
- * Return the number of the point at the centre of a ball; null if the chain is not a ball. A ball is a free link that touches with one end
- * only. This end is the centre of mass, or its radius is at least the length of the link; `centre` and `length` [m] are those of the link.
+ * Return the number of the point at the centre of a ball; null if the chain is no ball. A ball is a free chain of one link that touches
+ * with one end only: this end is the centre of mass, or its radius is at least the link's length. `centre` and `length` [m]: of the link,
+ * from its proximal end.
  */
 export function ballOf({ links, pinned, rail, bodies, touching }, centre, length) {
   if (links !== 1 || pinned || rail || bodies.length || touching.length !== 1) return null;
@@ -41,14 +40,14 @@ export function ballOf({ links, pinned, rail, bodies, touching }, centre, length
   return isCentre || radius >= length * (1 - VIEW.SAME_LENGTH) ? end : null;
 }
 
-/** Return the larger of width and height of a motion [m], whose points are at `x` and `y`. */
+/** Return the longer side [m] of the rectangle around all positions in a motion. */
 export function sizeOf(x, y) {
   return Math.max(...[x, y].map((all) => endsOf(all)).map(([low, high]) => high - low));
 }
 
 /**
- * Return view, anchor and pin of a recording whose points are at `x` and `y`: row after row, one value for each of the
- * `points` in a row. `carriage`: the corners of a carriage around the base.
+ * Return view, anchor (see camera.js) and ground mark of a recording. `x` and `y` have the coordinates of its `points` points, row after
+ * row. `carriage`: the corners of a carriage relative to the base.
  */
 export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const bases = [x, y].map((all) => endsOf(all.filter((_, k) => k % points === 0)));
@@ -61,7 +60,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const pins = pin.flat().flatMap((position) => [0, 1].map((end) => position.map((value, axis) => value + travels[axis][end])));
   const enclosure = enclosureOf(walls, reach, width);
   const corners = [...reach, ...pins, ...enclosure];
-  const open = [[1, 1], [1, 1]]; // 1 stands for open space and 0 for a wall: to the left and below, to the right and above
+  const open = [[1, 1], [1, 1]]; // 1: open space, 0: a wall; [[to the left, below], [to the right, above]]
   for (const { normal, offset } of Object.values(walls)) {
     if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);

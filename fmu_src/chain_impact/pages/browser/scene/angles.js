@@ -1,20 +1,20 @@
-// Angles: texts in degrees, which are read beside radians, and shown.
+// Angles: texts in degrees, which the page accepts beside numbers in radians, and in which it shows angles.
 
 import { numberText, unitText } from "../base/format.js";
 
-// table: unit of an angle → the word for its unit in degrees, the pattern of a text in degrees, and words for a refusal
+// unit of an angle → the word for this unit in degrees, the pattern of a text in degrees, and words for an error
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
   [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad] one degree
-const DEGREE_DIGITS = 5; // number of digits of a shown value in degrees
+const DEGREE_DIGITS = 5; // number of significant digits with which an angle is shown in degrees
 
-/** Return a text such as "90 deg" in radians; return other values unchanged. */
+/** Return an angle in radians for a text such as "90 deg"; return any other value unchanged. */
 export function inRadians(value, unit) {
   const [, number] = (typeof value === "string" && IN_DEGREES[unit]?.text.exec(value)) || [];
   return number ? Number(number) * DEGREE : value;
 }
 
-/** Return words for a refusal, such as ', or text in degrees as "90 deg"'; "" if the unit is not a unit of angles. */
+/** Return the end of an error, such as ', or text in degrees as "90 deg"'; "" if the unit is not one of angles. */
 export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }

@@ -3,7 +3,7 @@
 import { numberText } from "../base/format.js";
 import { asWritten } from "./scene_file.js";
 
-/** Return the contents of the scene file with the changes of parameters, without the changes of inputs, and with some more signals. */
+/** Return the contents of the scene file with the reader's changes of parameters, but not of inputs, and with the additional `signals`. */
 export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
@@ -19,7 +19,7 @@ export function tomlText(file, keys) {
   return blocksOf(file, { keys }, "").join("\n");
 }
 
-/** Return the blocks of text for a table: first its head line and its values, then the blocks of the tables inside it. */
+/** Return the text for a table as blocks: first its head and its values, then the blocks of the tables inside it. */
 function blocksOf(table, { kind, keys }, name, headline = "") {
   const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);
   const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);
@@ -33,7 +33,7 @@ function blocksOf(table, { kind, keys }, name, headline = "") {
   return [...(lines.length ? [headline + lines.join("")] : []), ...inner];
 }
 
-/** Put a value at its path in a scene file; missing tables on the path are created. */
+/** Put a value at its path in a scene file, and create tables on the path that are missing. */
 function put(table, [key, ...rest], value) {
   if (rest.length) put((table[key] ??= {}), rest, value);
   else table[key] = value;

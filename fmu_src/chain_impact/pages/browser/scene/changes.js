@@ -1,4 +1,4 @@
-// The present parameters of the page: the values of the scene, and the changes of the reader.
+// The present parameters of the page: the values of the scene, and the reader's changes of them.
 
 import { numberText } from "../base/format.js";
 import { inFile, pathText } from "../base/paths.js";
@@ -19,11 +19,12 @@ export class Changes {
     this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
     this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
     this.names = new Map(scene.parameters.flatMap(({ name, filePath }) => (filePath ? [[pathText(filePath), name]] : [])));
-    this.values = {}; // the changed values, by name, as numbers
-    this.inputSteps = {}; // inputs that were changed while the motion played: name → pairs of a time [s] and the value from this time on
+    this.values = {}; // name → changed value, a number; a choice is the number of its item
+    // inputs that the reader changed while the motion played: name → pairs of a time [s] and the input's value from then on
+    this.inputSteps = {};
   }
 
-  /** Use another scene; changes `from` an earlier scene are kept if this scene has their parameters. */
+  /** Use another scene. Of the changes `from` an earlier scene, those stay whose parameters this scene has, too. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
@@ -32,7 +33,7 @@ export class Changes {
     this.replace(this.with(values), inputSteps);
   }
 
-  /** Add a listener that is called when another scene is opened; it is called before the listeners for values. */
+  /** Add a function that is called when another scene is opened, before the listeners for changed values. */
   onOpen(opener) {
     this.#openers.push(opener);
   }
@@ -46,8 +47,8 @@ export class Changes {
   }
 
   /**
-   * Return the value of `name` with the changes `values`: the changed value itself; without it, the value that follows from other
-   * parameters; if it does not follow from others, the scene's value.
+   * Return the value of a parameter with the changes `values`: the changed value; else the value that follows from other parameters; else
+   * the value in the scene.
    */
   valueOf(name, values = this.values) {
     const { derived } = this.parameters.get(name) ?? {};
@@ -55,7 +56,7 @@ export class Changes {
     return sumOf(derived, (factor) => this.valueOf(factor, values));
   }
 
-  /** Return the value of an input at a time, or of any other parameter. */
+  /** Return the value of an input at a time [s], or the value of any other parameter, which has no time. */
   valueAt(name, time) {
     return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }
@@ -65,8 +66,8 @@ export class Changes {
   }
 
   /**
-   * Return the number for a value of a parameter: a number, a text, in which degrees become radians, or the name of a choice. An error
-   * names the allowed values.
+   * Return the number that stands for a value that the reader gives: a number, a text (degrees become radians), or the name of a choice. If
+   * the value is not allowed, the error names the allowed values.
    */
   numberOf(name, given) {
     const parameter = this.parameters.get(name);
@@ -87,8 +88,8 @@ export class Changes {
   }
 
   /**
-   * Return the changes `from`, with the changes `given` added, after a check. A value that equals the scene's value is not a change, unless
-   * the scene derives the value: the change then fixes the value.
+   * Return the changes `from` with the changes `given` added, after a check. A value that equals the scene's value is no change, unless the
+   * scene derives it: a given value then no longer follows from others.
    */
   with(given, from = this.values) {
     const values = { ...from };
@@ -101,7 +102,7 @@ export class Changes {
     return values;
   }
 
-  /** Refuse values that are valid alone but not together, as the scene does. */
+  /** Refuse values that are valid alone, but not together. */
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
@@ -109,12 +110,12 @@ export class Changes {
     keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
   }
 
-  /** Change some values: name → number, text, or the name of a choice. An input then has its value at all times. */
+  /** Change some values: name → number, text, or name of a choice. A changed input has its value at all times. */
   set(given) {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
 
-  /** Give an input a value from a time on; its steps from this time on are removed. */
+  /** Give an input a value from a time [s] on, and remove its later steps. */
   setFrom(name, given, time) {
     const before = (this.inputSteps[name] ?? []).filter(([from]) => from < time);
     this.replace(this.values, { ...this.inputSteps, [name]: [...before, [time, this.numberOf(name, given)]] });
@@ -124,13 +125,13 @@ export class Changes {
     this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
-  /** Replace all changes on the page by the given changes. */
+  /** Replace all of the reader's changes by the given ones, and call the listeners. */
   replace(values, inputSteps = this.inputSteps) {
     Object.assign(this, { values, inputSteps });
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Return the changes in the form for a command or a link: pairs of a name and a text; for a choice, the text is its name. */
+  /** Return the changes for a command or a link, as pairs of a name and a text; a choice is given by its name. */
   texts(values = this.values) {
     return Object.entries(values).map(([name, value]) => {
       const { items } = this.parameters.get(name);

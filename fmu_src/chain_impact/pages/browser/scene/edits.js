@@ -1,4 +1,4 @@
-// The changes of a scene file that the dialog of the page makes: links, points, walls and stops.
+// The edits of a scene file that the page's editor makes: of links, points, walls and stops.
 
 import { CORNERS, pointsOf, STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
@@ -14,12 +14,12 @@ export function setOfLink(file, k, key, value) {
   const link = file.chain.links[k];
   setOrRemove(link, key, value);
   if (key === "height") setOrRemove(link, "shape", value === undefined ? undefined : "box");
-  if (!stopsOf(file).length) file.stops = {}; // the law of stops is removed together with the last stop
+  if (!stopsOf(file).length) file.stops = {}; // without a stop, the table [stops] must have no values
 }
 
 /**
- * Return a point of a link by its index among all points of the link; the first points of a box are its corners, which a scene file leaves
- * out.
+ * Return a point of a link by its index among all points of the link, of which a box's corners are the first; a scene file has no entries
+ * for corners.
  */
 export function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];
@@ -61,7 +61,7 @@ export function setBase(file, base) {
   keepPoints(file);
 }
 
-/** Keep, among the listed points of the file, the points that exist and can move. */
+/** Remove from the file's list contact.points all points that do not exist or cannot move. */
 function keepPoints(file) {
   const movable = movablePoints(file);
   file.contact.points &&= file.contact.points.filter((point) => movable.includes(point));
@@ -71,7 +71,7 @@ function keepPoints(file) {
 export function addLink({ chain: { links }, initial, contact }) {
   const tip = links.length;
   links.push(structuredClone(links.at(-1)));
-  // the stops of the new link are deleted, because those of link 1 are angles from +x, but those of link 2 are relative to link 1
+  // the new link 2 has no stops: the angles of joint 1 are from +x, but those of joint 2 are relative to link 1
   if (tip === 1) STOPS.forEach((stop) => delete links[tip][stop]);
   [initial.angles, initial.angular_velocities].forEach((list) => list.push(list.at(-1)));
   if (contact.points?.includes(tip)) contact.points.push(tip + 1);
@@ -80,9 +80,9 @@ export function addLink({ chain: { links }, initial, contact }) {
 export function removeLink(file, k) {
   [file.chain.links, file.initial.angles, file.initial.angular_velocities].forEach((list) => list.splice(k, 1));
   const { links } = file.chain;
-  // the link that becomes the first one has no stop, because its stops were relative to the removed link
+  // the link that becomes the first has no stops, because its stops were relative to the removed link
   STOPS.forEach((stop) => setOfLink(file, 0, stop, k === 0 ? undefined : links[0][stop]));
-  // the two ends of the removed link become a single point
+  // the two ends of the removed link become one point, so all later points have lower numbers
   const points = file.contact.points?.map((point) => (point > k ? point - 1 : point));
   file.contact.points &&= [...new Set(points)];
   keepPoints(file);
@@ -110,7 +110,7 @@ export function setBox(file, key, value) {
   if (value === undefined) forget(file, key);
 }
 
-/** Remove the material and the motion of a wall that is removed. */
+/** Forget the material and the motion of a removed wall. */
 function forget({ contact, inputs }, name) {
   delete contact.wall[name];
   inputs.wall_motion = inputs.wall_motion.filter((other) => other !== name);

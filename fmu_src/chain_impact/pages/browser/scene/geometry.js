@@ -1,8 +1,8 @@
-// The geometry of a scene for given values of its parameters: walls, points of links, names of stops.
+// The geometry of a scene for given values of its parameters: walls, and points of links; and the names of stops.
 
 /**
- * NORMALS: wall of the box → its inward normal. STOPS: the stops of a joint, whose names are keys of a link and names among the walls.
- * SLIDER_STOPS: name of a slider's stop among the walls → its key.
+ * NORMALS: wall of the box → its normal, which points inwards. STOPS: the stops of a joint: keys of a link, and names among the walls.
+ * SLIDER_STOPS: name of a slider's stop among the walls → the slider's key.
  */
 export const { NORMALS, STOPS, SLIDER_STOPS } = SHARED.names;
 /** The names of the walls of the box, in the order of their numbers. */
@@ -10,15 +10,15 @@ export const BOX_WALLS = Object.keys(NORMALS);
 /** The corners of a box, in the order of their numbers: positions along the link and to its left, as fractions of length and height. */
 export const { CORNERS } = SHARED.file;
 
-/** Return the coordinates [m] of a corner of a box by its number, from 1: along the link, and to its left. */
+/** Return the coordinates [m] of the corner of a box with a number from 1: along the link, and to its left. */
 export function cornerOf(number, length, height) {
   const [along, left] = CORNERS[number - 1];
   return [along * length, left * height];
 }
 
 /**
- * Return the coordinates of a point of a link, along the link and to its left, and its radius [m]; corners of a box follow from its length
- * and height.
+ * Return a point of a link as a disc: coordinates [m] along the link and to its left, and radius [m]. A box's corner follows from the
+ * link's length and height.
  */
 export function discOf({ link, entry, corner }, valueOf) {
   const of = `link[${link + 1}]`;
@@ -26,7 +26,7 @@ export function discOf({ link, entry, corner }, valueOf) {
   return [...cornerOf(corner, valueOf(`${of}.length`), valueOf(`${of}.height`)), valueOf("contact.radius")];
 }
 
-/** Return the value of a default that follows from others: a sum of products of values, divided by a number. */
+/** Return the value of a default that follows from other values: the sum of the products `terms`, divided by `divisor`. */
 export function sumOf({ terms, divisor }, valueOf) {
   const products = terms.map((factors) => factors.reduce((product, factor) => product * valueOf(factor), 1) / divisor);
   return products.reduce((sum, term) => sum + term, 0);
@@ -37,7 +37,7 @@ export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
 }
 
-/** Return the inward normal of a wall: a wall of the box is given by its name, another wall by its angle [rad]. */
+/** Return the normal of a wall on its free side: of a wall of the box by its name, of any other wall by its angle [rad]. */
 export function normalOf(name, angle) {
   return NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
 }
@@ -50,7 +50,7 @@ export function pointsOf(base, links) {
   }, [base]);
 }
 
-/** Return the free sides of the walls for the present parameters: name → normal and offset. */
+/** Return name → normal and offset [m] of each wall, for the present parameters. */
 export function wallsAt(scene, valueOf) {
   const sides = Object.entries(scene.walls).map(([name, wall]) => {
     if (valueOf(`box.${name}`) !== undefined) {

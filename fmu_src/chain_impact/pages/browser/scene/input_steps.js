@@ -1,15 +1,15 @@
-// Inputs that the reader changed while the motion played: as parts of a link, and as signals of a scene.
+// Inputs that the reader changed while the motion played: written as parts of a link, and as signals of a scene.
 
 import { numberText } from "../base/format.js";
 
-const MARK = "@"; // the mark after the name of an input with steps in a link
+const MARK = "@"; // in a link, this mark follows the name of an input with steps
 
-/** Return the inputs with steps as parts of a link: pairs of a name and a text, such as 0.5:2,1:3 for times and values. */
+/** Return the inputs with steps as parts of a link: pairs of a name and a text of times and values, such as 0.5:2,1:3. */
 export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
-/** Return the inputs with steps in the parts of a link, and the other parts. An error names the allowed form. */
+/** Return the inputs with steps that the parts of a link contain, and the other parts; an error names the allowed form. */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];
   for (const [key, text] of Object.entries(texts)) {
@@ -39,8 +39,8 @@ function stepsOf(name, text, changes) {
 }
 
 /**
- * Return signals that drive all changed inputs: name → contents. An input without steps has a constant signal,
- * because a joint may not have a signal for its target angle and a number for its target velocity.
+ * Return name → contents of signals that drive all changed inputs. An input without steps in time gets a constant signal, because a joint
+ * may not have a signal for its target angle and a number for its target velocity.
  */
 export function inputSignals(changes) {
   const changed = changes.scene.inputs.filter((name) => changes.isChanged(name));

@@ -1,4 +1,4 @@
-// The model of a scene for the page: its variables and its record. They are made from the contents of the scene's file and the templates of
+// The model of a scene for the page: its variables and its record, made from the contents of the scene's file and the templates of
 // `kit.py`.
 
 import { mapped } from "../base/mapped.js";
@@ -9,7 +9,10 @@ import { filled, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
-/** Return all values for `rows` in a file: name → the number, the path in the file (`steps`), and the rule if the value is derived. */
+/**
+ * Return the values in a file for `rows` of variables: name → the number, its path in the file (`steps`), and the rule by which it is
+ * derived, if it is.
+ */
 function valuesOf(file, rows) {
   const [values, derived] = [new Map(), []];
   for (const { name, path, owner, rule, items, has, ifNotGiven = null } of rows) {
@@ -32,7 +35,7 @@ function valuesOf(file, rows) {
 }
 
 /**
- * Return the words of the record that the page draws: `points`, the coordinates of each point, and `groups`, the quantities in
+ * Return the indices in the record of what the page draws: `points`, the coordinates of each point, and `groups`, the quantities of
  * `drawn.py` by group and owner.
  */
 function drawnOf(kit, known, outputs) {
@@ -49,8 +52,8 @@ function drawnOf(kit, known, outputs) {
 }
 
 /**
- * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, then all `others` (inputs and
- * times).
+ * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, then `others`: inputs, stop time and
+ * communication step.
  */
 function parametersOf(rows, others, values, { known }, byName) {
   const shown = rows.filter(({ name, has }) => has && values.has(name));
@@ -66,7 +69,7 @@ function parametersOf(rows, others, values, { known }, byName) {
   });
 }
 
-/** Return the words for the parts that can be the reason of a fault, in the order of `parts_in_words` in Python. */
+/** Return words for each part of a scene that can be the reason for a fault, in the order of `parts_in_words` in candidates.py. */
 function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
@@ -79,7 +82,7 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
   ];
 }
 
-/** Return the model of a scene; `command` are the words after `chain-impact simulate` in the command that repeats a run. */
+/** Return the model of a scene; `command`: the words after `chain-impact simulate` in the command that repeats a run. */
 export function describe(kit, file, command) {
   const structure = structureOf(file, kit);
   const { stops, wallNames, existingWalls, known, sites } = structure;

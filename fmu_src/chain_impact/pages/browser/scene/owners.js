@@ -1,5 +1,5 @@
-// The structure of a scene: its facts and lists, and the conditions, counts and owners of variables, which follow from these by the tables
-// of `facts.py` and `owners.py`.
+// The structure of a scene: its facts and lists, and the conditions, counts and owners of variables that follow from them by the tables of
+// `facts.py` and `owners.py`.
 
 import { mapped } from "../base/mapped.js";
 import { inFile } from "../base/paths.js";
@@ -8,7 +8,7 @@ import { holds, membersIn, numberIn, valuesOfMembers } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
-/** Return the structure of a scene, as in `structure.py`, with the parts of the scene from which it follows. */
+/** Return the structure of a scene, as `structure.py` does, and the parts of the scene from which it follows. */
 export function structureOf(file, kit) {
   const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
@@ -21,7 +21,7 @@ export function structureOf(file, kit) {
   return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
 }
 
-/** Return the function from a name in the rules of `owners.py` to its value, as `values_of` in that file does. */
+/** Return a function from a name in the rules of `owners.py` to its value, as `values_of` there. */
 export function valuesOfScene(file, lists, known) {
   return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
 }
@@ -56,12 +56,12 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
   return lists;
 }
 
-/** Return the values of a table under their dotted keys; a list of names is replaced by its length. */
+/** Return the values of a table by their dotted keys; a list counts as its length. */
 function flags(table, name) {
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [`${name}.${key}`, value.length ?? value]));
 }
 
-/** Return the facts and counts of a scene, and the lengths of its lists, see `owners.py`. */
+/** Return name → number for the keys of [inputs] and [outputs], the facts, the counts and the lengths of lists (owners.py). */
 function knownOf(file, lists, { facts, counts }) {
   const known = { ...flags(file.inputs, "inputs"), ...flags(file.outputs, "outputs") };
   const valueOf = valuesOfScene(file, lists, known);
@@ -70,8 +70,8 @@ function knownOf(file, lists, { facts, counts }) {
 }
 
 /**
- * Return the owners of one row of the table of owners: the members of its list that meet its rule `has`, with their numbers and
- * conditions.
+ * Return the owners that one row of the table of owners finds: the members of its list for which its rule `has` is true, each with its
+ * numbers and conditions.
  */
 function ownersIn({ over, has, numbers, conditions }, known, lists) {
   const found = new Map();
@@ -87,13 +87,13 @@ function ownersIn({ over, has, numbers, conditions }, known, lists) {
   return [...found.values()];
 }
 
-/** Return a template with the words of an owner filled in. */
+/** Return a template with an owner's words in place of the words in braces. */
 export function filled(text, { n, of, name }) {
   const before = n > 1 ? `link ${n - 1}` : "the base";
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
 
-/** Return the rows of all groups for each owner of the group's kind; `has` returns whether the owner meets a row's conditions. */
+/** Return the rows of all groups, once for each owner of the group's kind; `has` tells whether the owner meets the row's conditions. */
 export function rowsOfOwners(groups, { owners, known }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...known, ...owner };

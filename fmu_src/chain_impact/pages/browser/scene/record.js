@@ -1,29 +1,32 @@
-// The record of a scene, with which the kernel begins: its size, the indices of its words, and its contents.
+// The record of a scene, with which a run of the kernel begins: its size, the indices of its words (8 bytes each), and its contents.
 
 import { valuesOfScene } from "./owners.js";
 import { numberIn, valuesOfMembers } from "./rules.js";
 import { putSignals } from "./signals.js";
 
-/** Return the index of a word in a record of some sizes: a constant, plus multiples of each count and of the index of the owner. */
+/**
+ * Return the index of a word in a record: a constant, plus a multiple of each count in `sizes`, plus a multiple of the `index` of the
+ * owner.
+ */
 export function wordIndex([constant, ...slopes], sizes, index = 0) {
   const counts = SHARED.record.COUNTS.map((name) => sizes[name]);
   return [...counts, index].reduce((sum, count, k) => sum + slopes[k] * count, constant);
 }
 
-/** Return the indices of all words in nested tables, in a record of some sizes. */
+/** Return nested tables of words with their indices in a record with the counts `sizes`. */
 export function wordIndices(words, sizes) {
   if (Array.isArray(words)) return wordIndex(words, sizes);
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));
 }
 
-/** Return where the record has an input, as `input_at` of `signal_filling.py`: the number of its kind, and its index. */
+/** Return the number of an input's kind and its index, as `input_at` of `signal_filling.py`. */
 function actingOf({ acts: [number, index], owner: { at } }) {
   return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
 }
 
 /**
- * Return the record of the scene, not yet initialized; `driven` are its driven inputs with their outputs, and `byName` its inputs, with or
- * without a signal.
+ * Return the record of the scene, before its initialization. `driven`: the driven inputs with all quantities that they determine; `byName`:
+ * all inputs, driven or not.
  */
 export function recordOf(kit, structure, driven, rows, values, byName) {
   const { file, known, lists, mayTouch } = structure;

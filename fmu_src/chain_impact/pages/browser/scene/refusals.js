@@ -1,9 +1,9 @@
-// The sentences and rules with which the page refuses contents of a scene file; they are those of Python, in `refusals.py`.
+// Refuses contents of a scene file with the sentences and rules of `refusals.py`, which Python uses, too.
 
 import { inFile, pathText } from "../base/paths.js";
 import { holds, numberIn } from "./rules.js";
 
-/** Return a value as text for a message, in the form of Python's messages; some numbers have another form (1 for 1.0). */
+/** Return a value as text for an error, in the form of Python's errors; some numbers differ (1 for 1.0). */
 export function shown(value) {
   const text = written(value);
   return text.length > SHARED.file.SHOWN ? `${text.slice(0, SHARED.file.SHOWN)}...` : text;
@@ -16,7 +16,7 @@ function written(value) {
   return `{${Object.entries(value).map(([key, inner]) => `${written(key)}: ${written(inner)}`).join(", ")}}`;
 }
 
-/** Refuse the value at a path of the file with the sentence of a fault, in which `words` replace the names in braces. */
+/** Throw the error for the value at a path of the file: the sentence of a fault, with `words` in place of words in braces. */
 export function refuse(path, fault, words = {}) {
   const sentence = SHARED.refusals[fault].replace(/\{(\w+)\}/g, (_, word) => {
     if (words[word] === undefined) throw new Error(`${fault}: no word for ${word}`);
@@ -26,8 +26,8 @@ export function refuse(path, fault, words = {}) {
 }
 
 /**
- * Refuse the first value that a rule refuses; `valueOf` returns the value of a key or fact, `nameOf` the text for a key, and
- * `words` are further words of the sentences.
+ * Refuse a value if one of the rules is true for it. `valueOf` returns the value of a key or fact, `nameOf` the name of a key for the
+ * error; `words` are further words of the sentence.
  */
 export function keepRules(rules, valueOf, nameOf, words = {}) {
   const rule = rules.find(({ condition }) => holds(condition, valueOf));
@@ -59,14 +59,12 @@ export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) 
   }
 }
 
-/**
- * Return the path of each table with properties of a contact law, and the function that returns its values and the properties of the law.
- */
+/** Return, for each table of a contact law, its path and a function that returns its values and the properties of its law. */
 function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
   const table = (path, law, otherwise) => [path, (key) =>
     (key.startsWith("law.") ? SHARED.laws[law]?.[key.slice(4)] : valueAt([...path, key]) ?? otherwise(key, path))];
-  // a wall with its own sliding friction has a static friction of 0 by default
+  // a wall with its own sliding friction has, by default, the static friction 0
   const ofWall = (key, path) => {
     if (!key.endsWith("friction")) return undefined;
     return valueAt([...path, "friction"]) === undefined ? valueAt(["contact", key]) : 0;
@@ -79,7 +77,7 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
   ];
 }
 
-/** Refuse a name at a path of the file that is not the name of a wall; `value`: the start of the sentence. */
+/** Refuse the value at a path that should name a wall and names none; the sentence begins with `value`. */
 export function refuseWall(path, walls, value = "") {
   if (!walls.length) refuse(path, "no_walls");
   refuse(path, "no_wall", { value, walls: walls.join(", ") });

@@ -1,4 +1,4 @@
-// The rules of `scene/rules.py`. Python parses the rules to trees; the page evaluates the trees in the same way as Python.
+// Evaluates the rules of `scene/rules.py`, which Python has parsed to trees, as Python does.
 
 import { range } from "../base/range.js";
 
@@ -13,7 +13,7 @@ const COMPARISONS = {
   ">=": (a, b) => a >= b,
 };
 
-/** Return the value of a part of a rule; a condition gives 0 or 1, a missing value null. */
+/** Return the value of a part of a rule: 0 or 1 for a condition, null if a value is missing. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? numbered(valueOf(name)) : constant;
   if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
@@ -28,7 +28,8 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
 }
 
 /**
- * Return the value of any(…) or sum(…): whether a rule holds for any member, or a sum over all members; `members`: from `valuesOfMembers`.
+ * Return the value of any(…) or sum(…): whether the rule `of` is true for any member, or the sum of its numbers over all members (from
+ * `valuesOfMembers`).
  */
 function ofMembers(operator, members, of) {
   if (operator === "any") return numbered(members.some((valueOf) => holds(of, valueOf)));
@@ -36,7 +37,7 @@ function ofMembers(operator, members, of) {
   return values.includes(null) ? null : values.reduce((sum, value) => sum + value, 0);
 }
 
-/** Return a condition as 0 or 1, a missing value as null, and any other value as it is. */
+/** Return 0 or 1 for a condition, null for a missing value, and any other value as it is. */
 function numbered(value) {
   return typeof value === "boolean" ? Number(value) : value ?? null;
 }
@@ -54,25 +55,25 @@ function isSo(value) {
   return typeof value === "object" && value !== null ? Object.keys(value).length > 0 : Boolean(value);
 }
 
-/** Return whether a rule holds; `valueOf` returns the value for a name. */
+/** Return whether a rule is true; `valueOf` is a function from a name in the rule to its value. */
 export function holds(rule, valueOf) {
   return isSo(valueIn(rule, valueOf));
 }
 
-/** Return the number, or a text, that a rule stands for; null if a value is missing. */
+/** Return the value of a rule that is a number or a text; null if a value in it is missing. */
 export function numberIn(rule, valueOf) {
   return counted(valueIn(rule, valueOf));
 }
 
-/** Return the members of the list that a rule stands for; if the rule stands for a number, as many members without values. */
+/** Return the members of the list that a rule names; if the rule gives a number, so many members without values. */
 export function membersIn(rule, valueOf) {
   const value = valueIn(rule, valueOf);
   return typeof value === "number" ? range(value).map(() => ({})) : listed(value);
 }
 
 /**
- * Return, for each member of the list that a rule stands for, a function from a name to its value: `order`, a value of the member or, for
- * other names, the result of `valueOf`. A member of a list in the file has all keys of its table, even those that the file leaves out.
+ * Return, for each member of the list that a rule names, a function from a name to its value: `order`, a value of the member, or else the
+ * result of `valueOf`. A member that is a table of the file has all keys of this table, also those that the file leaves out.
  */
 export function valuesOfMembers(rule, valueOf) {
   const isInFile = rule.name?.includes(".");

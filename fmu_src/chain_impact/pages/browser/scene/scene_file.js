@@ -1,5 +1,5 @@
-// The contents of a scene file, completed and checked by the rules of the keys in `kit.py`, and by rules for several values together. The
-// kernel refuses further values that are valid alone but not together.
+// Completes and checks the contents of a scene file, by the rules of the keys in `kit.py` and by rules for several values. The kernel
+// refuses further values that are valid alone, but not together.
 
 import { unitText } from "../base/format.js";
 import { inRadians, orDegrees } from "./angles.js";
@@ -9,7 +9,7 @@ import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** Return whether a value of a key keeps one of the key's rules. */
+/** Return whether a value keeps all rules of its key. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
   const is = {
     float: Number.isFinite,
@@ -21,7 +21,7 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
-/** Refuse a file in which a required key is missing. */
+/** Refuse a file that lacks a required key. */
 function refuseMissing(path, key, { meaning }) {
   refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
 }
@@ -61,7 +61,7 @@ class ContentsReader {
     return value;
   }
 
-  /** Return the rule of a key. If its values have the unit of a signal's input, the rule gets the unit of the signal's first input. */
+  /** Return the rule of a key. If its values have the unit of a driven input, this is the unit of the signal's first input. */
   #inUnitOf(names, rule) {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
     if (!rule.hasUnitOfInput) return rule;
@@ -92,7 +92,7 @@ class ContentsReader {
     return given.map(read);
   }
 
-  /** Return an entry for each of the equal links for which an entry with a `count` stands. */
+  /** Return one entry for each link: an entry with a `count` stands for so many equal links. */
   #repeated(links) {
     const all = links.flatMap(({ count = 1, ...link }) => Array.from({ length: count }, () => ({ ...link })));
     const [, most] = this.keys.chain.keys.links.entries;
@@ -102,7 +102,7 @@ class ContentsReader {
   }
 }
 
-/** Return the contents of a scene file from its text; an error names the wrong line. */
+/** Return the contents of a scene file from its text; an error names the line with the fault. */
 export function contentsIn(text) {
   try {
     return TOML.parse(text.replace(/^\ufeff/, ""));
@@ -111,17 +111,17 @@ export function contentsIn(text) {
   }
 }
 
-/** Return the stops of a scene as pairs: the number of the joint, from 1, and the key of the stop in its link, such as joint_min. */
+/** Return the stops of joints as pairs: number of the joint, from 1, and key of its link, such as joint_min. */
 export function stopsOf({ chain: { links } }) {
   return links.flatMap((link, k) => STOPS.filter((stop) => link[stop] !== undefined).map((stop) => [k + 1, stop]));
 }
 
-/** Return the names among the walls of the existing stops of a slider. */
+/** Return the names, among the walls, of a slider's existing stops. */
 export function sliderStopsOf({ chain: { slider } }) {
   return Object.entries(SLIDER_STOPS).filter(([, key]) => slider?.[key] !== undefined).map(([name]) => name);
 }
 
-/** Return the points of links in the order of their numbers, with the index of the link and the index in the link. */
+/** Return the points of links in the order of their numbers, each with the index of its link and its index there. */
 export function sitesOf({ chain: { links } }) {
   return links.flatMap(({ points }, link) => points.map((site, entry) => ({ ...site, link, entry })));
 }
@@ -131,7 +131,7 @@ export function wallsOf({ box, walls }) {
   return [...BOX_WALLS.filter((name) => name in box), ...walls.map(({ name }) => name)];
 }
 
-/** Return the numbers of the ends of links that can move: the base unless it is pinned, and the end of each link. */
+/** Return the numbers of the link ends that can move: all but a pinned base. */
 export function movablePoints({ chain: { base, links } }) {
   return Array.from({ length: links.length + 1 }, (_, point) => point).slice(base === "pinned" ? 1 : 0);
 }
@@ -139,8 +139,8 @@ export function movablePoints({ chain: { base, links } }) {
 const isAtBase = ({ link, x, y }) => link === 0 && x === 0 && y === 0;
 
 /**
- * Return the numbers of the points that may touch walls: the ends of links that the file lists (by default the ends that can move), and the
- * points of links except a point at a pinned base.
+ * Return the numbers of the points that may touch walls: the link ends that the file lists (by default all that can move), and the points
+ * of links that can move.
  */
 export function touchingPoints(file) {
   const { chain: { base, links }, contact } = file;
@@ -148,7 +148,7 @@ export function touchingPoints(file) {
   return [...(contact.points ?? movablePoints(file)), ...movable];
 }
 
-/** Return the pairs of a point and the name of a wall that can touch; a point that slides parallel to a wall cannot. */
+/** Return the pairs of a point's number and a wall's name that can touch; the base of a slider parallel to a wall cannot touch it. */
 export function pairsOf(file) {
   const { chain: { slider, links }, walls } = file;
   const sites = sitesOf(file);
@@ -162,8 +162,8 @@ export function pairsOf(file) {
 }
 
 /**
- * Return the contents of a scene file with every default, with each link as one entry, and with all angles absolute and in radians; derived
- * values are left out. An error names the wrong key.
+ * Return the contents of a scene file with all defaults, one entry for each link, and absolute angles in radians. Derived values are left
+ * out. An error names the wrong key.
  */
 export function complete(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
@@ -177,19 +177,19 @@ export function complete(data, kit) {
     error.message = error.message.replace(/^chain\.links\[(\d+)\]/, (_, link) => `chain.links[${fileEntryOf(link - 1, data) + 1}]`);
     throw error;
   }
-  file.outputs.sensitivities = []; // no sensitivities are asked for, because the page computes no derivatives
+  file.outputs.sensitivities = []; // the page computes no derivatives
   return file;
 }
 
-/** Return the index of the entry in the file that stands for a link, from the index of the link. */
+/** Return the index of the file's entry that stands for the link with an index; an entry may have a count. */
 function fileEntryOf(link, { chain: { links } }) {
   let last = -1;
   return links.findIndex(({ count = 1 }) => (last += count) >= link);
 }
 
-/** Add defaults that follow from other values; refuse values that are each valid, but not together. */
+/** Add the defaults that follow from other values, and refuse values that are valid alone, but not together. */
 function completeAll(file, data, kit) {
-  // the checks are in the order of Python, so that both languages refuse a file for the same fault
+  // checks in the order of Python, so that a file with several faults is refused for the same one
   setWallAngles(file);
   setBodies(file, data);
   setAngles(file);
@@ -199,7 +199,7 @@ function completeAll(file, data, kit) {
   setStops(file, kit.keys.stops.keys);
 }
 
-/** Add the corners of boxes to the points of their links; remove the default slider of a base that does not slide. */
+/** Add the corners of boxes to the points of their links; remove the default slider of a base that is on none. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
@@ -218,10 +218,7 @@ function setBodies({ chain }, data) {
   if (chain.base !== "slider" && !data.chain.slider) delete chain.slider;
 }
 
-/**
- * Return the contents of a complete scene in the form of a file: boxes without corners, signals without default values of
- * their forms.
- */
+/** Return the contents of a complete scene as a file has them: boxes without corners, signals without default values. */
 export function asWritten(file) {
   const written = structuredClone(file);
   written.signals = signalsAsWritten(written.signals);
@@ -232,7 +229,7 @@ export function asWritten(file) {
   return written;
 }
 
-/** Replace joint angles by absolute angles; without angular velocities, add zeros. */
+/** Replace joint angles by absolute angles; if angular velocities are missing, they are 0. */
 function setAngles({ initial, chain }) {
   if (initial.joint_angles && initial.angles) refuse("initial", "angles");
   let sum = 0;
@@ -252,7 +249,7 @@ function setWallAngles({ walls }) {
   });
 }
 
-/** Add the constant defaults of the stops' law if there are stops. */
+/** Add the constant defaults of the stops' contact law, if there are stops. */
 function setStops(file, keys) {
   if (!stopsOf(file).length) return;
   for (const [key, { ofStops }] of Object.entries(keys)) {
@@ -267,11 +264,11 @@ function checkMaterials(file) {
   if (strange !== undefined) refuseWall(`contact.wall.${strange}`, existingWalls);
 }
 
-/** Refuse contents from which the page cannot make a record. */
+/** Refuse contents for which the page cannot make a record. */
 function checkContents(file) {
   const { contact, inputs, chain, walls } = file;
   const movable = movablePoints(file);
-  contact.points?.sort((a, b) => a - b); // the points are sorted, because their order has no meaning
+  contact.points?.sort((a, b) => a - b); // sorted, because the order of points has no meaning
   const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
   if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
   keepFileRules(file);
@@ -292,7 +289,10 @@ function checkContents(file) {
   });
 }
 
-/** Refuse a wall that no point can reach, if there are more walls than pairs of a point and a wall: the record has no room for it. */
+/**
+ * Refuse a wall that no point can reach if there are more walls than pairs of a point and a wall: the record has room for so many walls
+ * only.
+ */
 function checkReach(file) {
   const { walls } = file;
   const reached = pairsOf(file).map(([, name]) => name);

@@ -1,5 +1,5 @@
-// The signals of a scene: the inputs that each signal drives, the data of signals in the record, and the checks, as in
-// `scene/signals.py`, `scene/signal_values.py` and `scene/signal_checks.py`. The page has only the tables of its own scene.
+// The signals of a scene: the inputs that each drives, their data in the record, and the checks, as in `scene/signals.py`,
+// `scene/signal_values.py` and `scene/signal_checks.py`. Of tables, the page has only those of the scene with which it was made.
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";
@@ -7,7 +7,7 @@ import { keepRules, refuse, shown } from "./refusals.js";
 
 const SIGNALS = SHARED.signals;
 
-/** Add the default values of their forms to the signals, and refuse keys of other forms; `tables` are the tables by name. */
+/** Add the default values of their forms to signals, and refuse keys that a form does not have; `tables`: name of a signal → its table. */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
     const { form } = signal;
@@ -23,7 +23,7 @@ export function completeSignals(signals, tables) {
   }
 }
 
-/** Return the signals in the form of a file, without the default values of their forms. */
+/** Return the signals as a file has them, without the default values of their forms. */
 export function signalsAsWritten(signals) {
   return Object.fromEntries(Object.entries(signals).map(([name, signal]) =>
     [name, Object.fromEntries(Object.entries(signal).filter(([key, value]) => SIGNALS.OTHER[signal.form][key] !== value))]));
@@ -37,7 +37,7 @@ function checkSteps(what, { times, values }) {
   if (late > 0) refuse(`${what}.times[${late + 1}]`, "late", { value: times[late], before: times[late - 1] });
 }
 
-/** Refuse a table that the page does not have. */
+/** Refuse a signal with a table that the page does not have. */
 function checkTable(what, { file, interpolation = null, period = null, input }, table) {
   const isSame = table?.file === file.split(/[\\/]/).at(-1) && table.interpolation === interpolation && table.period === period;
   if (isSame && input.every((name) => name in table.columns)) return;
@@ -45,7 +45,7 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
-/** Refuse a signal that cannot drive an input; `order` is the number of integrations of the input, and `moves` whether it is a motion. */
+/** Refuse a signal that cannot drive an input; `order`: number of integrations over time; `moves`: the input moves the base or a wall. */
 function checkMotion(what, input, signal, order, moves) {
   const speed = Math.abs(signal.amplitude * signal.frequency);
   const facts = {
@@ -57,7 +57,10 @@ function checkMotion(what, input, signal, order, moves) {
   keepRules(SHARED.rules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }
 
-/** Return the driven inputs in the order of their rows in the record, each with the index of its first knot and its number of knots. */
+/**
+ * Return the driven inputs in the order of their rows in the record, each with the index of its first polynomial (knot) and the number of
+ * them.
+ */
 export function drivenBy({ signals }, tables) {
   const count = (name, input, { form, shape, times }) => ({
     steps: () => times.length,
@@ -74,8 +77,8 @@ export function drivenBy({ signals }, tables) {
 }
 
 /**
- * Return the driven inputs, each with all quantities that it drives: its integrals, the input and its derivatives, in this order;
- * "" for a quantity that is not an input. Refuse inputs that are not among the scene's `inputs`, and inputs that are driven twice.
+ * Return the driven inputs, each with the names of all quantities that it determines: its integrals, the input, its derivatives, in this
+ * order; "" for one that is no input. Refuse inputs that are not among `inputs`, and inputs that are driven twice.
  */
 export function withOutputs(driven, inputs, signals) {
   const owners = new Map();
@@ -114,15 +117,12 @@ export function withOutputs(driven, inputs, signals) {
   });
 }
 
-/**
- * Return the driven quantities: name of an input, of its integral or its derivative → the row of the signal, and the order of the
- * derivative.
- */
+/** Return name of a quantity that a signal determines → its row in the record, and its place among the row's quantities. */
 export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** Put the signals into a new record: `put` is a function of the name of a field, a value and an index. */
+/** Write the signals into a new record; `put` is a function of a field's name, a value and an index. */
 export function putSignals(driven, tables, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);

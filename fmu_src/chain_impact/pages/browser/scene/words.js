@@ -1,6 +1,6 @@
-// The words for inputs, parameters and numbers of signals, which the page shows in place of their names.
+// The words that the page shows in place of the names of inputs, parameters and numbers of signals.
 
-// the words for the quantities of a base, by the beginning of their names: x, vx, ax
+// the first letter of the name of a base's quantity, as in x, vx, ax → the word for it
 const OF_BASE = { x: "position", y: "position", v: "velocity", a: "acceleration" };
 
 /** Return the words for an input: "Force on the tip, x" for tip.force.x, "Target angle of joint 2" for joint[2].target_angle. */
@@ -26,7 +26,7 @@ export function parameterText(name) {
   return words[0].toUpperCase() + words.slice(1);
 }
 
-/** Return words for a key and its owners: "friction of wall ramp", "initial angle of link 1". */
+/** Return the words for a key of an owner: "friction of wall ramp", "initial angle of link 1". */
 function partsText(head, others, key) {
   const spaced = key.replaceAll("_", " ");
   if (head === "initial") return `initial ${spaced.replace(/\[(\d+)\]$/, " of link $1")}`;

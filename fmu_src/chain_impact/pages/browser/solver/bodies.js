@@ -1,11 +1,13 @@
-// The shapes that the page draws: outlines of links with points, and the line of a sliding base. Pictures use the same
-// shapes.
+// The shapes that the page draws, as pictures do: outlines of links with points, and the line along which a base slides.
 
 import { discOf } from "../scene/geometry.js";
 
 const { CARRIAGE, CIRCLE_CORNERS, FREE_END, STOP_MARK } = SHARED.bodies;
 
-/** Return one half of a convex hull, from the first of sorted points to the last point, which is left out (Andrew, 1979). */
+/**
+ * Return one half of the convex hull of sorted points, from the first to the last, which is left out because the other half begins with it
+ * (Andrew, 1979).
+ */
 function halfHull(points) {
   const hull = [];
   for (const [x, y] of points) {
@@ -19,7 +21,7 @@ function halfHull(points) {
   return hull.slice(0, -1);
 }
 
-/** Return the corners of the convex hull of discs x, y, radius [m]. */
+/** Return the corners of the convex hull of discs, each given by x, y and radius [m]. */
 function outlineOf(discs) {
   const rims = discs.flatMap(([x, y, radius]) => Array.from({ length: radius > 0 ? CIRCLE_CORNERS : 1 }, (_, k) =>
     [x + radius * Math.cos((2 * Math.PI * k) / CIRCLE_CORNERS), y + radius * Math.sin((2 * Math.PI * k) / CIRCLE_CORNERS)]));
@@ -28,7 +30,7 @@ function outlineOf(discs) {
 }
 
 /**
- * Return the links with points, each with its outline in the link's axes; ends that are not in `touching` have no radius.
+ * Return, for each link with points, its number and its outline in the link's axes; a link end that is not in `touching` has the radius 0.
  */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];
@@ -43,8 +45,8 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
 }
 
 /**
- * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop lies half a carriage beyond
- * the last position that the base can reach.
+ * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is drawn half a carriage
+ * beyond the last position that the base can reach.
  */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");

@@ -1,13 +1,13 @@
-// The engine: the part of the page that sends requests to a worker.
+// The engine: sends requests to a worker, which runs the kernel, and returns the results.
 
 export class Engine {
   #number = 0; // number of the newest request to the worker
-  #waiting = new Map(); // table from the number of a request to the functions for its result, its error and its progress
-  #sceneSent; // a promise that is fulfilled when the scene has been sent to the worker
+  #waiting = new Map(); // number of a request → the functions for its result, its error and its progress
+  #sceneSent; // a promise that is fulfilled when the worker has got the scene
   #fault; // the error with which the worker has ended, if any
   #ended = false;
 
-  /** Start a worker that runs the program at an address; `compiled` is a promise of the compiled kernel, which all workers share. */
+  /** Start a worker with the program at an address. `compiled` is a promise of the compiled kernel, which all workers share. */
   constructor(address, compiled) {
     this.compiled = compiled;
     this.worker = new Worker(address);
@@ -15,15 +15,15 @@ export class Engine {
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
   }
 
-  /** Let the worker answer requests for a scene; return this engine. */
+  /** Send a scene to the worker, for which it answers requests from then on; return this engine. */
   open(scene) {
     this.#sceneSent = this.compiled.then((module) => this.worker.postMessage({ kind: "scene", scene, module }));
     return this;
   }
 
   /**
-   * Return the result of a request; null if a newer request has replaced it, or the worker has ended. `progress` is called
-   * with the finished fraction.
+   * Return the result of a request; null if a newer request has replaced it, or the worker was ended. `progress` is called with the
+   * fraction that is done.
    */
   async ask(kind, values, options = {}, progress = () => {}) {
     await this.#sceneSent;
@@ -37,7 +37,7 @@ export class Engine {
     });
   }
 
-  /** End the worker; requests that are not answered get no result. */
+  /** End the worker; requests without an answer get the result null. */
   end() {
     this.#ended = true;
     this.worker.terminate();

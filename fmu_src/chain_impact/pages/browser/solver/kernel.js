@@ -1,17 +1,17 @@
-// The kernel: the WebAssembly module with one instance in its memory, and runs of this instance. `model.js` has the indices
-// of values in the record of the instance.
+// The kernel: the WebAssembly module with one instance in its memory, and its runs. `model.js` has the indices of values in the instance's
+// record.
 
 const { WORD } = SHARED.record; // [bytes] size of a word
 const ROWS = 256; // number of rows of outputs that the kernel fills in one call
-const RUNS = 41; // number of runs of a study that the kernel computes in one call
+const RUNS = 41; // number of runs of a map that the kernel computes in one call
 const PAGE = 65536; // [bytes] size of a page of WebAssembly's memory
 
-/** Return the next multiple of 64 bytes, to which addresses are aligned. */
+/** Return the first multiple of 64 bytes that is not below an address. */
 function aligned(address) {
   return (address + 63) & ~63;
 }
 
-/** Return the times [s] of the rows of a result: multiples of the step, and the end. */
+/** Return the times [s] of the rows of a result: multiples of the step, and the stop time. */
 export function rowTimes(stop, step) {
   const count = Math.ceil((stop / step) * (1 - SHARED.file.STEP_ROUND_OFF)) + 1;
   const times = Float64Array.from({ length: count }, (_, row) => row * step);
@@ -19,7 +19,7 @@ export function rowTimes(stop, step) {
   return times;
 }
 
-/** Return spans of consecutive words as one list: the first word and the number of words of each span. */
+/** Return the spans of consecutive words of the record that the outputs form, in one list: first word and number of words of each span. */
 function wordSpans(outputs) {
   const spans = [];
   for (const { word } of outputs) {
@@ -30,7 +30,7 @@ function wordSpans(outputs) {
   return spans.flat().map(BigInt);
 }
 
-/** The functions that a user's law may call. */
+/** The functions that a user's law may call, from the browser. */
 const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
 
 export class Kernel {
@@ -51,7 +51,7 @@ export class Kernel {
     this.bytes.set(start);
   }
 
-  /** Ensure that the memory reaches to an end; only this function grows the memory, which makes all views invalid. */
+  /** Make the memory reach to an address; only this function lets it grow, which makes all arrays over the memory invalid. */
   #reserve(end) {
     const { exports, start } = this;
     const missing = Math.ceil((end - exports.memory.buffer.byteLength) / PAGE);
@@ -62,7 +62,7 @@ export class Kernel {
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
   }
 
-  /** Return addresses, after the record, for arrays of some numbers of words. */
+  /** Return addresses after the record for arrays with the given numbers of words. */
   #allocate(sizes) {
     const addresses = sizes.reduce((all, size) => [...all, aligned(all.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(addresses.at(-1));
@@ -73,7 +73,7 @@ export class Kernel {
     return Number(this.integers[this.scene.layout.status]);
   }
 
-  /** Write the scene's record, not yet initialized, with some parameters changed: name → number. */
+  /** Write the scene's record, as it is before initialization, with some parameters changed: name → number. */
   #write(values) {
     this.bytes.set(this.start);
     for (const [name, value] of Object.entries(values)) {
@@ -91,14 +91,12 @@ export class Kernel {
   }
 
   /**
-   * Run from the scene's start through some times, and return the results. The generator yields the finished fraction often
-   * enough for its caller to do other work.
+   * Run from the start of the scene through some times, and return the results. The generator yields the fraction that is done, often
+   * enough for its caller to do other work meanwhile.
    *
-   * @param values the changed parameters: name → number.
-   * @param times Float64Array [s].
-   * @param outputs { word, integer } of the record, one for each column.
-   * @param timesPerCall number of times in one call of the kernel, which cannot be interrupted.
-   * @param inputSteps { time, word, value } in the order of time: inputs that have another value from a time on.
+   * @param values the changed parameters: name → number. @param times Float64Array [s]. @param outputs { word, integer } of the record, one
+   * for each column. @param timesPerCall number of times in one call of the kernel, which cannot be interrupted. @param inputSteps { time,
+   * word, value } in the order of time: inputs that have another value from a time on.
    */
   *run(values, times, outputs = [], { timesPerCall = ROWS, inputSteps = [] } = {}) {
     const width = outputs.length;
@@ -158,8 +156,8 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values of some real parameters, until the stop time of the row, and return words of the record at
-   * the end of each run. The generator yields the finished fraction.
+   * Run once for each row of values of some real parameters, up to the row's end time [s], and return words of the record at the end of
+   * each run. The generator yields the fraction of the runs that is done.
    */
   *runEach(values, names, each, endTimes, words) {
     const [runs, width] = [endTimes.length, words.length];
@@ -184,7 +182,7 @@ export class Kernel {
     return new Float64Array(buffer, results, runs * width).slice();
   }
 
-  /** Collect the ended contacts from the log; the oldest contacts are lost if they are not collected in time. */
+  /** Return the ended contacts that are new in the log; if the log is not read in time, its oldest contacts are lost. */
   #collectFinished() {
     const { contactLog, changes } = this.scene.layout;
     const ended = Number(this.integers[contactLog.count]);
@@ -194,7 +192,7 @@ export class Kernel {
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
-  /** Return `count` rows of the log of contacts; `rowOf` maps an index from 0 to the row in the log. */
+  /** Return `count` contacts of the log; `rowOf` maps 0, 1, … to their rows. */
   #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
@@ -207,8 +205,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that have not ended, with their peaks so far; in the log, they follow the ended contacts. The kernel drops
-   * what it has computed beyond the present time.
+   * Return the contacts that still last, with their peaks so far; in the log they follow the ended contacts. The kernel drops what it has
+   * computed beyond the present time.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);
@@ -218,7 +216,7 @@ export class Kernel {
   }
 }
 
-/** Return the result of a run without interruption. */
+/** Run a generator to its end, and return its result. */
 export function runThrough(run) {
   let step = run.next();
   while (!step.done) step = run.next();

@@ -1,5 +1,5 @@
 // A motion for the player, from two runs of the kernel. The first run finds the impacts. The second run has rows at the frames, which are
-// dense where the motion is shown slowly, and further rows for smooth curves; the rows do not change the solution.
+// close where the motion is shown slowly, and more rows for smooth curves; rows do not change the solution.
 
 import { mapped } from "../base/mapped.js";
 import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
@@ -10,11 +10,11 @@ import { discOf, pointText, STOPS, wallsAt } from "../scene/geometry.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "./bodies.js";
 
-const PARTS = 100; // number of parts of the first run; between two parts the run can be stopped
-const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time
+const PARTS = 100; // the first run has this many parts, between which it can be replaced by a newer request
+const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
-const EVEN_ROWS = 1000; // number of rows at equal distances: about two for each pixel of a chart
-// largest number of impacts that get additional rows, and number of these rows in an impact
+const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
+// FOLLOWED: largest number of impacts within which the second run has more rows; WITHIN: number of these rows in an impact
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run in the form of a recording. */
@@ -37,7 +37,7 @@ function impactsOf(impacts, scene, valueOf) {
   });
 }
 
-/** Return the ranges of the joints with stops, in the form that the page draws. */
+/** Return the ranges of the joints with stops: number of the joint, angles of the arc's two ends, and angles of the stops' marks [rad]. */
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
@@ -65,13 +65,16 @@ function interleaved(each) {
   return rows;
 }
 
-/** Return the words of the record that the page needs for its drawing. */
+/** Return the indices in the record of what the page draws. */
 function drawnWords({ drawn: { points, groups }, moved }) {
   const entries = Object.values(groups).flat();
   return [...moved.map(({ word }) => word), ...points.flat(), ...entries.flatMap(({ words }) => Object.values(words))];
 }
 
-/** Return the rows of a recording in the form for `framesOf`; `column` returns the values of a word of the record in all rows. */
+/**
+ * Return the rows of a recording as the argument of `framesOf`; `column` is a function from an index in the record to its values in all
+ * rows.
+ */
 function rowsOf(scene, valueOf, { time, impacts, column }) {
   const { drawn: { points, groups }, moved } = scene;
   const [x, y] = [0, 1].map((axis) => interleaved(points.map((pair) => column(pair[axis]))));
@@ -103,7 +106,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
   };
 }
 
-/** Return the curves of the inputs over time: of driven inputs from a run, and of inputs with steps. */
+/** Return the curves of the inputs over time: of driven inputs from the run, and of inputs with steps. */
 function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
   const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({
@@ -116,10 +119,10 @@ function inputCurves({ scene, parameters }, { time, columns }, inputSteps, value
 }
 
 /**
- * Return the parts of a `Recording`, and how the runs ended; the generator yields the finished fraction.
+ * Return the parts of a `Recording`, and how the runs ended; the generator yields the fraction that is done.
  *
- * @param curves names of outputs that are needed over time.
- * @param inputSteps inputs with other values from some times on: name → pairs of a time and a value.
+ * @param curves the names of outputs that are wanted over time. @param inputSteps inputs with other values from some times on: name → pairs
+ * of a time [s] and a value.
  */
 export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const { scene } = kernel;
@@ -156,14 +159,14 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
 
-/** Return inputs with steps in the form for a run of the kernel: one step after the other, in the order of time. */
+/** Return inputs with steps as `run` of the kernel takes them: one step after the other, in the order of time. */
 export function stepsForKernel(kernel, inputSteps) {
   const all = Object.entries(inputSteps).flatMap(([name, pairs]) =>
     pairs.map(([time, value]) => ({ time, word: kernel.parameters.get(name).word, value })));
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return times, with additional times for curves: at equal distances, and within impacts, which may lie between two frames. */
+/** Return the times of frames with more times for curves: at equal distances, and within impacts, which may lie between two frames. */
 function withFurther(times, impacts) {
   const [start, stop] = [times[0], times.at(-1)];
   const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);
@@ -174,7 +177,7 @@ function withFurther(times, impacts) {
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
-/** Return a number of frames per second on the screen that is enough to show the sines that drive inputs. */
+/** Return the frames per second on the screen: FRAME_RATE, or as many as the fastest sine that drives an input needs. */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {
     const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
@@ -185,8 +188,8 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Return increasing times from 0 to the end, one in each of equal intervals, at uneven positions in the interval: at equal distances in
- * time, a fast oscillation could look like a slow one, or like none.
+ * Return increasing times from 0 to `stop` [s], one at an uneven place in each of `count` equal intervals: with times at equal distances, a
+ * fast oscillation could look like a slow one, or like none.
  */
 function unevenTimes(stop, count) {
   const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
@@ -194,7 +197,7 @@ function unevenTimes(stop, count) {
   return times;
 }
 
-/** Advance one of several runs, and yield the finished fraction of all runs together. */
+/** Advance a generator, one of several runs, and yield the fraction of all runs that is done. */
 function* withProgress(run, number, runs) {
   let step = run.next();
   while (!step.done) {

@@ -1,12 +1,12 @@
-// The worker: it runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
+// The worker: runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { Kernel, rowTimes } from "./kernel.js";
 import { motion, stepsForKernel } from "./motion.js";
 
-const MOST_BYTES = 500e6; // [byte] largest size of the table of results of a request
-const MESSAGE_INTERVAL = 15; // [ms] computing time after which the worker looks for messages
+const MOST_BYTES = 500e6; // [byte] largest table of results that a request may ask for
+const MESSAGE_INTERVAL = 15; // [ms] after this computing time the worker looks for messages
 
-/** Let the browser deliver the messages that wait. */
+/** Let the browser deliver messages that wait. */
 function pause() {
   return new Promise((go) => {
     const { port1, port2 } = new MessageChannel();
@@ -15,7 +15,7 @@ function pause() {
   });
 }
 
-/** Return the requested columns of the FMU, at the rows of a result. */
+/** Return the requested outputs of the FMU at the communication points of a run. */
 function* rows(kernel, values, { names, inputSteps = {} }) {
   const outputs = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
@@ -28,23 +28,23 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
   return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
 
-/** Run once for each row of values of some parameters, and return some words of the record at the end of each run. */
+/** Run once for each row of values of some parameters, and return words of the record at the end of each run. */
 function* study(kernel, values, { names, each, words }) {
   const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const endTimes = new Float64Array(each.length / names.length).fill(endTime);
   return { rows: yield* kernel.runEach(values, names, each, endTimes, words) };
 }
 
-/** Return the memory of the columns of a result, which is transferred and not copied. */
+/** Return the memory of a result's columns, which is handed over to the page, not copied. */
 function columnsOf({ time, columns = {}, rows: runs }) {
   return [time, runs, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
 }
 
 const KINDS = { motion, rows, study };
-const newest = {}; // kind of request → number of its newest request; older requests that can be replaced (`replaces`) are given up
-const kernels = {}; // kind of request → promise of a kernel of its own, because runs of several kinds take turns
-const queues = {}; // kind of request → promise of the end of the request before
-let loaded; // the scene and the compiled module, once they are loaded
+const newest = {}; // kind of request → number of its newest request; older ones with `replaces` are given up
+const kernels = {}; // kind of request → promise of a kernel; each kind has its own, because runs of several kinds take turns
+const queues = {}; // kind of request → promise that the request before it has ended
+let loaded; // the scene and the compiled module, when they have arrived
 
 async function answer({ kind, number, values, options }) {
   kernels[kind] ??= Kernel.load(loaded.module, loaded.scene);

@@ -1,4 +1,4 @@
-// The map: an output at the end of each run, as a colour over a grid of two parameters.
+// The map: an output at the end of each run, shown as a colour over a grid of the values of two parameters.
 
 import { find } from "../../base/dom.js";
 import { numberText, readable, withMinus } from "../../base/format.js";
@@ -12,13 +12,13 @@ import { MapDrawing } from "./map_drawing.js";
 import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
 
-const POINTS = 41; // number of points of the map in each direction
-const COARSE = 9; // number of points of the preview in each direction
-// outputs that the map shows at first: the first one that the scene has
+const POINTS = 41; // number of values of each parameter in the map
+const COARSE = 9; // number of values of each parameter in the preview
+// the first of these outputs that the scene has is the one that the map shows first
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
 const WORKERS = 8; // largest number of workers that compute a map
 
-/** Return whether a parameter has a logarithmic axis, as its slider is logarithmic. */
+/** Return whether a parameter has a logarithmic axis: its slider is logarithmic, too. */
 function isLogarithmic(name) {
   return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
 }
@@ -36,14 +36,17 @@ function rangeOf({ name, low, high }, value) {
 }
 
 /**
- * Return a list with the output that has a name; the list is empty if the scene has no such output. `words`: the map shows the largest of
- * several values.
+ * Return a list with the output of a name, or an empty list if the scene has no such output. An output has `words`: indices in the record;
+ * the map shows the largest of their values.
  */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
 
-/** Return the outputs for the largest values of a run, named as in a sweep: at walls, at stops of joints, and in joints. */
+/**
+ * Return the outputs that are largest values of a run: at walls, at stops of joints, and of forces in joints. Their names are those of a
+ * sweep.
+ */
 function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
   const touch = contactPoints.length + sliderStops.length;
   const largest = Object.entries(SHARED.peaks)
@@ -56,11 +59,11 @@ function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks
 
 export class GridMap {
   #engines = []; // the workers that are in use
-  #touched; // the run at which a finger has pointed
-  #chosen; // the run that the keyboard has chosen
-  #refuses = false; // whether the text of the dialog tells why the fields are refused
+  #touched; // the run that a finger has touched once
+  #chosen; // the run that the arrow keys have reached
+  #refuses = false; // whether the dialog's text tells that the fields' values are refused
 
-  /** Make the map; `begin` is a function that makes an engine. */
+  /** Make the map; `begin` is a function that starts an engine (a worker with a kernel). */
   constructor(begin, changes) {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
@@ -83,7 +86,7 @@ export class GridMap {
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
-  /** Show the dialog, with ranges around the present values unless the reader has changed the ranges. */
+  /** Show the dialog. Unless the reader has changed them, the ranges are around the present values. */
   open() {
     this.inputs.forEach(([, from, to], k) => {
       if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
@@ -93,7 +96,7 @@ export class GridMap {
     this.#preview();
   }
 
-  /** Show at once, from few runs, a preview of the map that a press of the button will show; a complete map stays. */
+  /** Show, from few runs, a preview of the map that the button would compute; a map that is complete stays. */
   #preview() {
     if (this.shown?.points !== POINTS) this.run(COARSE);
   }
@@ -135,13 +138,13 @@ export class GridMap {
     this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
   }
 
-  /** Return the words for a parameter, which are also those of its slider. */
+  /** Return the words for a parameter, as its slider has them. */
   #wordsOf(name) {
     const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
     return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
-  /** Return the factor and the unit with which a parameter is shown, for the changed `values`. */
+  /** Return the factor and the unit in which a parameter is shown if the parameters have the changed `values`. */
   #unitOf(name, values) {
     const shown = shownIn(this.changes.parameters.get(name));
     return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name, values) } : shown;
@@ -161,9 +164,7 @@ export class GridMap {
     });
   }
 
-  /**
-   * Compute the map with a number of points along each axis, and draw it as it grows; a fault in the fields changes nothing.
-   */
+  /** Compute the map with `points` values of each parameter, and draw it as it grows; do nothing if the fields have a fault. */
   async run(points = POINTS) {
     let request;
     try {
@@ -186,7 +187,7 @@ export class GridMap {
     const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
     if (shown !== this.shown) return;
     this.#stop();
-    if (this.#refuses) return; // the text stays, because it refuses fields that were changed during the runs
+    if (this.#refuses) return; // the text stays: it tells that fields which have changed during the runs are refused
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
     const summary = points === POINTS
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
@@ -197,7 +198,7 @@ export class GridMap {
     this.#say(fault || (shown.rows === points ? done : stopped));
   }
 
-  /** Return the preview of a request if it is shown; undefined if another map is shown. */
+  /** Return the shown map as the preview of a request, if it has the same fields; otherwise undefined. */
   #coarseFor({ names, axes, values, output }) {
     const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values, map.output.name]);
     const isPreview = this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values, output });
@@ -208,7 +209,7 @@ export class GridMap {
     find("map-text").textContent = readable(text);
   }
 
-  /** Return the contents of the fields: the names, the values along both axes, the other changes and the output. */
+  /** Return what the fields ask for: the names of the two parameters, their values, the other changes and the output. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
@@ -221,14 +222,14 @@ export class GridMap {
     return { names, axes, values: { ...this.changes.values }, output };
   }
 
-  /** Return the number in a field of a limit; an angle without a unit is in degrees, as on the axis. */
+  /** Return the number in a field for an end of an axis; an angle without a unit is in degrees, as on the axis. */
   #limit(name, text) {
     const { factor } = shownIn(this.changes.parameters.get(name));
     const isShown = factor !== 1 && text.trim() !== "" && Number.isFinite(Number(text));
     return this.changes.numberOf(name, isShown ? Number(text) / factor : text);
   }
 
-  /** Simulate the rows of a map, each row in the next free worker; there are as many workers as processors, but at most WORKERS. */
+  /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
     const words = [this.changes.scene.layout.status, ...output.words];
@@ -247,13 +248,13 @@ export class GridMap {
     await Promise.all(this.#engines.map(work));
   }
 
-  /** End the workers; an incomplete map stays as it is. */
+  /** End the workers; a map that is not complete stays as it is. */
   #stop() {
     this.#engines.forEach((engine) => engine.end());
     this.#engines = [];
   }
 
-  /** Store the outputs of the runs in a row; for a run that fails, or whose values the scene refuses, store null and the reason. */
+  /** Store the outputs of a row of runs; for a run that failed, or whose values the scene refuses, store null and the reason. */
   #store(rows, row) {
     const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
@@ -270,13 +271,13 @@ export class GridMap {
     this.#draw();
   }
 
-  /** Return the values of both parameters in a run. */
+  /** Return the values of the two parameters in a run. */
   #valuesAt(index) {
     const { names, axes, points } = this.shown;
     return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
   }
 
-  /** Return the reason why the scene refuses the values of a run; "" if the values are allowed. */
+  /** Return why the scene refuses the values of a run; "" if it allows them. */
   #refusalOf(index) {
     try {
       this.changes.with(this.#valuesAt(index), this.shown.values);
@@ -302,7 +303,7 @@ export class GridMap {
     this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
 
-  /** Return whether the present parameters differ from those of the map only in the map's two parameters; false if inputs have steps. */
+  /** Return whether the present parameters equal those of the map, apart from the map's two; false if inputs have steps in time. */
   #isOfPresent() {
     const others = (values) => JSON.stringify(Object.entries(values).filter(([name]) => !this.shown.names.includes(name)).sort());
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
@@ -324,7 +325,7 @@ export class GridMap {
     save(picture, `${this.changes.scene.name}-map.png`);
   }
 
-  /** Return the index of the run at a position on the canvas; undefined if there is no run yet. */
+  /** Return the index of the run at a pointer's position; undefined if it is not simulated yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const points = this.canvas.width;
@@ -334,7 +335,7 @@ export class GridMap {
     return this.shown?.results[index] === undefined ? undefined : index;
   }
 
-  /** Move from run to run with the arrow keys, first to the run in the middle; open a run with Enter. */
+  /** Go from run to run with the arrow keys, beginning with the run in the middle; open a run with Enter. */
   #press(event) {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
@@ -363,7 +364,7 @@ export class GridMap {
     this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
   }
 
-  /** Return a value of a parameter with its unit, for the changed `values`; an angle is also given in degrees. */
+  /** Return a value of a parameter with its unit, if the parameters have the changed `values`; an angle is in radians and degrees. */
   #valueText(name, value, values) {
     const { factor, text } = this.#unitOf(name, values);
     const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
@@ -371,7 +372,7 @@ export class GridMap {
     return `${name} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
   }
 
-  /** Open a run; the first touch of a run with a finger only shows the run's values. */
+  /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */
   #choose(event) {
     const index = this.#runAt(event);
     if (index === undefined) return;

@@ -13,7 +13,7 @@ export function colourAt(share) {
   return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
 }
 
-/** Return the quantiles LARGE_QUANTILE below and above of increasing values. */
+/** Return two quantiles of increasing values, at 1 − LARGE_QUANTILE and at LARGE_QUANTILE. */
 function quantilesOf(values) {
   return [1 - LARGE_QUANTILE, LARGE_QUANTILE].map((share) => {
     const at = share * (values.length - 1);
@@ -22,9 +22,7 @@ function quantilesOf(values) {
   });
 }
 
-/**
- * Return the values at the ends of the colours, for increasing values: the extremes, or quantiles if a few values are far from the others.
- */
+/** Return the values at the two ends of the colours, for increasing values: extremes, or quantiles if a few values are far off. */
 function colourEnds(values, isLogarithmic) {
   const scaled = isLogarithmic ? values.map(Math.log) : values;
   const ends = quantilesOf(scaled);
@@ -35,19 +33,20 @@ function colourEnds(values, isLogarithmic) {
   });
 }
 
-/** Return the limits of the colours of counts, between whole numbers: at most MOST_COLOURS colours. */
+/** Return the limits between the colours of counts, at most MOST_COLOURS colours: each limit lies 0.5 below a count. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
-  const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3)); // sizes of steps up to 5e14
+  // widths of a colour, in counts, up to 5e14
+  const sizes = Array.from({ length: 45 }, (_, k) => [1, 2, 5][k % 3] * 10 ** Math.floor(k / 3));
   const size = sizes.find((width) => numbersOf(width)[1] - numbersOf(width)[0] < MOST_COLOURS);
   const [first, last] = numbersOf(size);
   return Array.from({ length: last - first + 2 }, (_, k) => size * (first + k) - 0.5);
 }
 
 /**
- * Return the scale of the colours for the outputs of a map; null without outputs. The scale has the `extremes` of the outputs, the `ends`
- * of the colours, `isLogarithmic`, `bins` (the limits of the steps, for counts that differ) and `shareOf`, the function from a value to a
- * fraction of the scale.
+ * Return the scale of the colours for the outputs of a map; null without outputs. It has the `extremes` of the outputs, the values at the
+ * `ends` of the colours, `isLogarithmic`, `bins` (the limits of the colours, for different counts) and `shareOf`, a function from a value
+ * to a fraction of the scale.
  */
 export function colourScale(outputs, areCounts) {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);

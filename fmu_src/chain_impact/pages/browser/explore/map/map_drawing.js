@@ -7,9 +7,9 @@ import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
-const PALER = 150; // the opacity, from 0 to 255, of runs that are not simulated yet
+const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose colours are guessed
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
-// [pixels] margins around the canvas, which the style sheet must have as well
+// [pixels] free space around the canvas for axes and scale; the style sheet must have the same
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
 export class MapDrawing {
@@ -23,7 +23,7 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the runs of a map with the `scale` of its colours; outputs that are only `filled` in for runs that are not simulated yet are
+   * Draw a map's runs with the `scale` of its colours. Outputs that are only `filled` in, because their runs are not simulated yet, are
    * paler.
    */
   drawRuns({ results, points, scale }, filled) {
@@ -31,7 +31,7 @@ export class MapDrawing {
     const image = context.createImageData(points, points);
     filled.forEach((value, index) => {
       const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
-      if (value === undefined) return; // a run that is neither simulated nor filled in shows the ground
+      if (value === undefined) return; // nothing is drawn for a run without an output
       const opacity = results[index] === undefined ? PALER : 255;
       const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), opacity] : [128, 128, 128, 60];
       image.data.set(colour, 4 * (row * points + column));
@@ -40,12 +40,12 @@ export class MapDrawing {
   }
 
   /**
-   * Draw the axes, the scale of the colours, and marks.
+   * Draw the axes, the scale of the colours, and marks of runs.
    *
-   * @param map words and values for both axes, number of points along an axis, the output and the scale of its colours.
-   * @param units the units of both axes, from `shownIn`, and whether the axes are logarithmic.
-   * @param present the present values of both parameters; null if other parameters differ from the map's.
-   * @param chosen the index of the run that the keyboard has chosen, if any.
+   * @param map the words for both axes and their values, the number of values of an axis, the output and the scale of its colours. @param
+   * units the units of both axes, from `shownIn`, and whether the axes are logarithmic. @param present the present values of both
+   * parameters; null if other parameters differ from those of the map. @param chosen the index of the run that the arrow keys have reached,
+   * if any.
    */
   drawScales({ names, axes, output, scale, points }, units, { present, chosen }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
@@ -88,7 +88,7 @@ export class MapDrawing {
     return this.scales.plain(withMinus(text)).attr({ x, y, "text-anchor": anchor }).addClass("map-number");
   }
 
-  /** Draw the scale of the colours, with its numbers and its title; the title names the extremes beyond the ends of the colours. */
+  /** Draw the scale of the colours with its numbers and its title, which names extremes beyond the ends of the colours. */
   #drawColours(left, top, width, output, scale) {
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
@@ -106,14 +106,16 @@ export class MapDrawing {
   }
 }
 
-/** Return the stops of the gradient of colours: pairs of a fraction and a colour; a step has one colour from its begin to its end. */
+/**
+ * Return the colours along the scale as pairs [fraction of the scale, colour]; a count has one colour from its lower to its upper limit.
+ */
 function gradientStops(scale) {
   const count = scale?.bins ? scale.bins.length - 1 : VIRIDIS.length - 1;
   if (!scale?.bins) return VIRIDIS.map((colour, k) => [k / count, `rgb(${colour})`]);
   return Array.from({ length: count }, (_, k) => [k, k + 1].map((edge) => [edge / count, `rgb(${colourAt(k / (count - 1))})`])).flat();
 }
 
-/** Return the labels of a scale of colours: pairs of a text and the fraction of the scale at which it stands. */
+/** Return the labels of the scale of colours as pairs [text, fraction of the scale at which it stands]. */
 function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
   if (bins) {
     return bins.slice(1).map((above, k) => {

@@ -1,16 +1,16 @@
-// The rows of a map that grows: their order, from coarse to fine, and the outputs that are shown for runs that are not simulated yet.
+// The rows of a map that grows: the order of their simulation, and the outputs that are shown for runs not simulated yet.
 
-/** Return the numbers of the rows of a map in the order of their simulation: first rows that are far apart, then the rows between them. */
+/** Return the indices of the rows of a map in the order of their simulation: first rows that are far apart, then those between them. */
 export function rowOrder(points) {
   const largest = 2 ** Math.floor(Math.log2(Math.max(points - 1, 1)));
-  const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the number of the row
+  const stepOf = (row) => (row === 0 ? 2 * largest : row & -row); // the largest power of 2 that divides the index of the row
   return Array.from({ length: points }, (_, row) => row).sort((a, b) => stepOf(b) - stepOf(a) || a - b);
 }
 
 /**
- * Return the outputs of a map with `points` along each axis, without gaps. A run that is not simulated yet gets the output of the nearest
- * run of `coarse`, a map of the same fields with fewer points or, without `coarse`, of the nearest row. An output that does not exist is
- * undefined.
+ * Return the outputs of a map with `points` values of each parameter; a run that is not simulated yet has the output of the nearest run of
+ * `coarse`, a map of the same fields with fewer values. Where this gives none, it has the output of the run in the nearest simulated row,
+ * or undefined.
  */
 export function completed({ results, points, coarse }) {
   const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);
@@ -23,7 +23,7 @@ export function completed({ results, points, coarse }) {
   });
 }
 
-/** Return the output of a coarse map at fractions of its axes; undefined if the map has no output there. */
+/** Return the output of the coarse map's run that is nearest to fractions of the two axes; undefined if it has none there. */
 function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));

@@ -4,12 +4,12 @@ import { unitText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { shownIn } from "../../scene/angles.js";
 
-/** Return a name with its unit. */
+/** Return a name with its unit, as the title of an axis. */
 export function titleOf(name, unit) {
   return unit ? `${name}, ${unit}` : name;
 }
 
-/** The quantities that a map can show: a table from the name in a scene or a sweep to the title. */
+/** The quantities that a map can show: name in a scene or a sweep → title. */
 const QUANTITIES = {
   "impact.count": "Number of impacts",
   "impact.last_time": "Time of the last impact",
@@ -27,7 +27,7 @@ export function quantityOf(name) {
 }
 
 /**
- * Return the two functions between a value on an axis and its fraction of the axis, from `first` to `last`; on a logarithmic axis, equal
+ * Return two functions, from a value on an axis from `first` to `last` to the fraction of the axis, and back. On a logarithmic axis, equal
  * distances stand for equal factors.
  */
 export function axisScale(first, last, isLogarithmic) {
@@ -36,7 +36,7 @@ export function axisScale(first, last, isLogarithmic) {
   return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
 }
 
-/** Return the ticks of a logarithmic axis: powers of ten; if these are few, also 2 and 5 times them, or ticks at equal distances. */
+/** Return the ticks of a logarithmic axis: powers of ten; if there are few, also 2 and 5 times them, or numbers at equal distances. */
 export function decadesBetween(low, high) {
   const first = Math.floor(Math.log10(low));
   const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, k) => first + k);
@@ -47,7 +47,9 @@ export function decadesBetween(low, high) {
   return finer.length > 1 ? finer : ticksBetween(low, high);
 }
 
-/** Return the unit in which a map shows its output, for the scale of its colours, and the factor by which values convert to this unit. */
+/**
+ * Return the unit in which a map shows its output, and the factor that converts values to it; the scale of the colours decides the prefix.
+ */
 export function scaledTo({ unit }, scale) {
   const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
   if ((unit === "N" || unit === "N.m") && most >= 1e3) return { factor: 1e-3, text: `k${unitText(unit)}` };

@@ -1,10 +1,10 @@
-// The fields for values of parameters: each shows why a value is refused, and has a button that restores the scene's value.
+// The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { valueText } from "../../scene/angles.js";
 
-/** Make a change; if its value is refused, mark the field, and show the reason in its row. */
+/** Call the function `change`; if it refuses the field's value, mark the field, and show the reason in its row. */
 export function attempt(field, change) {
   try {
     field.setCustomValidity("");
@@ -15,26 +15,29 @@ export function attempt(field, change) {
   explain(field.closest(".main-parameter, .parameter"));
 }
 
-/** Return a new element for a row, in which the row can show why a value is refused. */
+/** Return an element for a row that can show why the row's value is refused. */
 export function refusal() {
   const message = make("p", { className: "refusal" });
   message.setAttribute("role", "alert");
   return message;
 }
 
-/** Show in a row why its value is refused; show nothing if the value is allowed. */
+/** Show in a row why its value is refused, or nothing if it is allowed. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
 }
 
-/** Return the unit of a parameter as text; the unit of a stiffness depends on the exponent of its law, for the changed `values`. */
+/**
+ * Return the unit of a parameter as text if the parameters have the changed `values`: the unit of a stiffness depends on the law's
+ * exponent.
+ */
 export function presentUnit(changes, name, values = changes.values) {
   const { unit } = changes.parameters.get(name);
   return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);
 }
 
-/** Return a field for a number or a choice, and a function that shows the present value in it. */
+/** Return a field for a number or a choice, and a function that writes the present value into the field. */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
   const field = items.length

@@ -5,8 +5,8 @@ import { breakable, readable } from "../../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * Fill the list of all parameters when it is first opened. The field `search` shows only the parameters whose name and meaning contain all
- * of its words.
+ * Fill the list of all parameters when the reader first opens it. Its field `search` keeps only parameters whose name and meaning contain
+ * all the words in the field.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
@@ -46,7 +46,7 @@ function listRow(changes, parameter) {
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
       refresh();
-      // the unit is left out after a text such as "90 deg", which contains its own unit
+      // a text such as "90 deg" contains its unit, so no unit is shown beside it
       unitElement.textContent = /deg/.test(field.value) ? "" : breakable(presentUnit(changes, name));
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));

@@ -7,9 +7,8 @@ import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * The main parameters, which have a slider or a choice. Each has a name, a label, and the ends of the slider. The ends are `ends` (powers
- * of ten on a logarithmic slider), or they follow from the start value: `decades` powers of ten below and above it, or 0 and `spread` times
- * it.
+ * The main parameters, each with a name, a label, and the ends of its slider: `ends` (powers of ten on a logarithmic slider); or `decades`
+ * powers of ten below and above the start value; or 0 and `spread` times the start value. A parameter without any of these is a choice.
  */
 export const MAIN_PARAMETERS = [
   { name: "contact.model", label: "Contact law" },
@@ -23,11 +22,11 @@ export const MAIN_PARAMETERS = [
   { name: "solver.tolerance", label: "Tolerance", logarithmic: true, ends: [-12, -3] },
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
-const STEPS = 400; // number of steps from one end of a slider to the other
-// keys of a signal whose default is 0; they get a slider only if the signal has another value
+const STEPS = 400; // number of positions of a slider
+// keys of a signal whose default is 0: such a key has a slider only if the signal gives another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
-/** Return the two functions between the position of a slider, from 0 to 1, and its value. */
+/** Return two functions, from the position of a slider (0 to 1) to the value of its parameter, and back. */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
     const middle = Math.log10(start);
@@ -41,28 +40,28 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
 }
 
-/** Return a value, rounded to the digits that a slider can distinguish. */
+/** Return a value rounded to the digits that neighbouring positions of a slider can differ in. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** Return the label of a main parameter, with a function that returns its unit and a function that shows the unit. */
+/** Return the label of a main parameter, a function that returns its unit, and a function that shows the unit beside a text. */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
-  const textContent = words.replace(/ (?=\d)/g, "\u00a0"); // no line ends before a number
+  const textContent = words.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
   const label = make("label", { className: "main-parameter-label", textContent, title: name });
   const element = make("small", { textContent: text() });
   if (text()) label.append(" ", element);
   const showUnit = (shown) => {
-    // the unit is left out after a text such as "90 deg", which contains its own unit
+    // a text such as "90 deg" contains its unit, so no unit is shown beside it
     element.textContent = /deg/.test(shown) ? "" : text();
   };
   return { label, text, showUnit };
 }
 
 /**
- * Return the row of a main parameter: label, field, reset button, and a slider for a number or a sentence on a choice. `now` returns the
- * present time, and whether the motion plays: while it plays, the slider of an input acts from this time on.
+ * Return the row of a main parameter: label, field, reset button, and a slider for a number or a sentence on a choice. `now` is a function
+ * that returns the present time and whether the motion plays: while it plays, the slider of an input acts from this time on.
  */
 function mainParameter(changes, entry, now) {
   const { name } = entry;
@@ -88,7 +87,10 @@ function mainParameter(changes, entry, now) {
   } };
 }
 
-/** Return the name of the law under which a stiffness has no effect, because the law has impulses; "" if the stiffness has an effect. */
+/**
+ * Return the name of the law under which a stiffness has no effect, because the law has impulses in place of forces; "" if it has an
+ * effect.
+ */
 function idleUnder(changes, name) {
   const model = changes.parameters.get(name.replace(/stiffness$/, "model"));
   if (!name.endsWith(".stiffness") || !model?.items?.length) return "";
@@ -104,7 +106,10 @@ function choiceSentence(changes, { name, items }) {
   } };
 }
 
-/** Return the slider of a parameter, and two functions: `follow` shows the value at the present time, `show` the value after a change. */
+/**
+ * Return the slider of a parameter, and two functions that set it: `follow` to the value at the present time, `show` to the value after a
+ * change.
+ */
 function slider(changes, entry, field, now, unit) {
   const { name } = entry;
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
@@ -119,11 +124,11 @@ function slider(changes, entry, field, now, unit) {
     if (entry.isInput && isPlaying && from > 0) attempt(element, () => changes.setFrom(name, value, from));
     else attempt(element, () => changes.set({ [name]: Math.max(value, entry.spread ? rounded(changes.starts[name] / 100) : value) }));
   });
-  // a slider that is dragged back to its first value causes no event `change`
+  // dragging a slider back to its first value causes no event `change`, so other events end the drag, too
   ["change", "pointerup", "pointercancel"].forEach((end) => element.addEventListener(end, () => {
     isDragged = false;
   }));
-  /** Show the value at the present time, except in a field that has the focus or a refused text. */
+  /** Show the value at the present time; a field in which the reader types, or whose text is refused, stays. */
   const follow = () => {
     const value = changes.valueAt(name, now().time);
     if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, changes.parameters.get(name).unit);
@@ -138,8 +143,8 @@ function slider(changes, entry, field, now, unit) {
 }
 
 /**
- * Return the sliders of the inputs, each from −x to x. By the unit, x is the weight of the chain [N], weight times length of the chain
- * [N·m], half a turn, 10 rad/s, the length [m], or the speed after a fall through the length [m/s]; for other units x is 1.
+ * Return the entries for sliders of the inputs, each from −x to x. The unit decides x: weight of the chain [N], weight times length [N·m],
+ * half a turn [rad], 10 rad/s, length [m], speed after a fall through the length [m/s]; 1 for any other unit.
  */
 function inputSliders({ scene, starts }) {
   const sum = (key) => Array.from({ length: scene.links }, (_, k) => starts[`link[${k + 1}].${key}`]).reduce((a, b) => a + b, 0);
@@ -152,7 +157,10 @@ function inputSliders({ scene, starts }) {
   });
 }
 
-/** Return the ends of the slider for a number of a signal, from its key, its value, similar values of the signal and the stop time [s]. */
+/**
+ * Return the ends of the slider for a number of a signal, which follow from its key, its value, similar values `beside` it, and the stop
+ * time [s].
+ */
 function endsOfSignal(key, value, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
   if (["start", "rise", "duration", "time"].includes(key)) return [0, Math.max(stop, 2 * value)];
@@ -162,7 +170,7 @@ function endsOfSignal(key, value, beside, stop) {
 }
 
 /**
- * Return the sliders of the signals, for all their numbers except those that are 0 in the scene and by default. These are only in the list
+ * Return the entries for sliders of the signals' numbers. A number that is 0 in the scene and by default has none; it is only in the list
  * of all parameters.
  */
 function signalSliders({ scene, starts }) {
@@ -178,7 +186,9 @@ function signalSliders({ scene, starts }) {
   });
 }
 
-/** Return the main parameters and the inputs of the scene; a wall with its own friction or restitution has its own entries. */
+/**
+ * Return the entries of the main parameters and inputs of the scene; a wall with its own friction or restitution has entries of its own.
+ */
 export function mainParametersOf(changes) {
   const { parameters, scene } = changes;
   const walls = Object.keys(scene.walls);
@@ -191,8 +201,8 @@ export function mainParametersOf(changes) {
 }
 
 /**
- * Fill an element with main parameters, inputs and signals of the scene, and again when another scene is opened. `now` returns the present
- * time, and whether the motion plays; call the returned function when either changes.
+ * Fill an element with the main parameters, inputs and signals of the scene, each time that a scene is opened. `now` is a function that
+ * returns the present time and whether the motion plays; the returned function must be called when either changes.
  */
 export function showMainParameters(element, changes, now) {
   let rows;
