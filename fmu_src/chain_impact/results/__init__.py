@@ -1,1 +1,1 @@
-"""Results of simulations: recordings that also have pictures, films and rankings."""
+"""Results of simulations: recordings (recorded motions) with pictures, films and rankings."""

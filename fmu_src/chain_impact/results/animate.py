@@ -1,4 +1,4 @@
-"""An animation of a recording as a file; the suffix of the file determines the kind."""
+"""Writes an animation of a recording as a file; the file's suffix says whether it is a page or a film."""
 
 from __future__ import annotations
 
@@ -30,7 +30,10 @@ def write_animation(
     size: tuple[int, int] = FILM_SIZE,
     progress: Progress | None = None,
 ) -> InlinePage | None:
-    """Write an animation of a recording, or return its page, as ``chain_impact.animate`` describes."""
+    """Write an animation of a recording, or return it as a page.
+
+    ``chain_impact.animate`` describes the arguments.
+    """
     path, progress = None if path is None else Path(path), progress or silent
     kind = path.suffix.lower() if path else ".html"
     if kind not in FORMATS:

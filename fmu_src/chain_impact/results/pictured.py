@@ -1,4 +1,4 @@
-"""The pictures and the animation of a result."""
+"""The methods of a result that draw pictures and write an animation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Pictured(Recording):
-    """A result with methods for pictures and an animation; ``Result`` describes the attributes."""
+    """A result with methods for pictures and an animation; ``Result`` describes its attributes."""
 
     prepared: PreparedScene
     rerun: Rerun | None
@@ -40,9 +40,9 @@ class Pictured(Recording):
 
     @cached_property
     def passing(self) -> list[str]:
-        """Sentences on points that pass through walls that they cannot touch.
+        """Sentences on points that pass through walls without touching them.
 
-        The list is empty if ``simulate(output=…)`` left out positions.
+        The list is empty if ``simulate(output=…)`` left out positions of points.
         """
         moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
         walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
@@ -77,26 +77,27 @@ class Pictured(Recording):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
-            size: width and height [inches]; with the height None, the contents determine the height.
-                A slim motion is beside the rest, a broad one above; a ball on a line is drawn over time.
+            size: width and height [inches]; with the height None, the contents determine the height. A slim
+                motion stands beside the other panels, a broad one above them; a ball on a straight line is
+                drawn over time.
             panels: some of ``motion``, ``energy``, ``impacts`` and ``friction``; by default all panels for
                 which the result has data.
             curves: outputs by their names in the FMU, ``*`` for any text, to draw in place of the panels:
                 ``["contact[*].y_min.force", "point[4].y"]``. Each unit has a panel. The run is repeated with
                 more rows within impacts.
-            around: the number of an impact, from 1, around which the curves are drawn.
-            title: the title of the picture, by default the impact in view or a summary of the run; None
-                for no title.
+            around: the number of an impact, from 1; the curves show only this impact and the time around it.
+            title: the title of the picture, by default the impact in view or a summary of the run; None for
+                no title.
             ax: axes of matplotlib to draw into, one for each panel; by default for ``motion`` alone. The axes
                 are returned.
 
         Raises:
-            ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches
-                or has no room for the panels, or two arguments exclude each other, as ``ax`` and ``path``.
+            ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches or
+                has no room for the panels, or two arguments exclude each other, as ``ax`` and ``path``.
             UnknownNameError: when ``simulate(output=…)`` left out an output that is drawn.
             OSError: when the file cannot be written.
         """
-        from chain_impact import pictures  # this import takes a second
+        from chain_impact import pictures  # matplotlib is imported here, because this takes a second
 
         if curves:
             drawn = self.curves([curves] if isinstance(curves, str) else curves, around)
@@ -108,7 +109,7 @@ class Pictured(Recording):
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
         shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
         if self.scene.outputs.energies or "energy" in shown:
-            # this raises an error if the outputs of energy were left out
+            # raises an error if the result lacks the outputs of energy
             names_matching(
                 self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
@@ -127,7 +128,7 @@ class Pictured(Recording):
         title: str | None,
         ax: Any,
     ) -> Any:
-        """Draw curves in place of panels; arguments and result are the same as for ``plot``."""
+        """Draw curves in place of panels, with the arguments and the result of ``plot``."""
         from chain_impact import pictures
 
         if ax is None:
@@ -138,7 +139,7 @@ class Pictured(Recording):
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
-        """Return outputs over time for ``plot(curves=…)``, with many additional times within impacts."""
+        """Return the curves of outputs for ``plot(curves=…)``, with many more times within impacts."""
         units = {variable.name: variable.unit for variable in self.prepared.outputs}
         return curves_of(self, names, units, around=around, prepared=self.prepared, rerun=self.rerun)
 
@@ -235,7 +236,7 @@ class Pictured(Recording):
 
     @property
     def _derivatives(self) -> Sensitivities:
-        """The derivatives of the run; an error is raised if there are none."""
+        """The derivatives of the run; if there are none, reading this raises an error."""
         if self.sensitivities is None:
             hint = "simulate(scene, sensitivities=[…]) makes them"
             raise UnknownNameError(self.name, "sensitivity", (), "not in this result", hint)

@@ -1,4 +1,4 @@
-"""Parameters and inputs in the order of their effect on one quantity."""
+"""Rankings: parameters and inputs in the order of their effect on one quantity of a run."""
 
 from __future__ import annotations
 
@@ -27,27 +27,28 @@ if TYPE_CHECKING:
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 OF_FMU = {"time": "onset", "speed": "impact_speed"}
-"""Name of a quantity in the FMU's ``impact[j]`` → field of ``Result.impacts``, if both names differ."""
+"""Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
 EXPONENTS = ("contact.exponent", "stop.exponent")
-"""Parameters that change the unit of a stiffness."""
-# if an effect is larger than this part of the quantity, the text says that the effect holds for smaller
-# changes only
+"""The parameters that change the unit, and so the meaning, of a stiffness."""
+# [1] an effect that is larger, relative to the quantity, holds for smaller changes only: the text says so
 LARGE_SHARE = 0.2
-LEAST_EFFECT = 1e-12  # an effect up to this, relative to the quantity, counts as round-off
-MOST_BARS = 16  # the largest number of bars in the picture of a ranking
+# [1] an effect that is at most this, relative to the quantity, is round-off and counts as none
+LEAST_EFFECT = 1e-12
+MOST_BARS = 16  # largest number of bars in the picture of a ranking
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
-"""The units that get a prefix in the picture."""
-FIXED_STEP_MARK = "*"  # the mark of a parameter with the value 0: it is changed by a fixed step, not by 1 %
+"""The units that get a prefix, such as mm, in the picture of a ranking."""
+# marks, in the picture, a parameter with the value 0: it is changed by a fixed step, not by 1 %
+FIXED_STEP_MARK = "*"
 
 
 class Effect(NamedTuple):
-    """The effect of a small change of one parameter on the quantity.
+    """The effect of a small change, a step, of one parameter on the quantity.
 
     Attributes:
         parameter: the name of the parameter or input in the FMU.
         value: the value of the parameter, in its ``unit``.
         unit: the unit of the parameter.
-        step: the change in words: "1 %", or "0.01 N·m" if the value is 0.
+        step: the change of the parameter in words: "1 %", or "0.01 N·m" if its value is 0.
         change: the change of the quantity by this step, to first order, in the unit of the quantity.
         derivative: the derivative of the quantity with respect to the parameter.
     """
@@ -65,7 +66,7 @@ class Effect(NamedTuple):
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
-WHOLE = 99.5  # a number from this size on is written as a whole number: two digits would be written as 1e+02
+WHOLE = 99.5  # a number from this size on is written without decimals: with two digits it would become 1e+02
 
 
 def signed(value: float) -> str:
@@ -74,7 +75,7 @@ def signed(value: float) -> str:
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return two lists: the effects of steps of 1 %, and those of fixed steps, which have another scale."""
+    """Return two lists: effects of steps of 1 %, and of fixed steps at the value 0; they do not compare."""
     return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 
@@ -117,11 +118,14 @@ class Ranking:
         return as_html(self.parts())
 
     def share(self, effect: Effect) -> float:
-        """Return the change, divided by the absolute value of the quantity; NaN if this value is 0."""
+        """Return the change of an effect divided by the absolute value of the quantity.
+
+        The result is NaN if this value is 0.
+        """
         return effect.change / abs(self.value) if self.value else np.nan
 
     def parts(self) -> Iterator[str | TextTable]:
-        """Yield lines, the tables of effects of 1 % and of parameters that are 0, and remarks."""
+        """Yield the ranking as text: lines, tables of the effects of 1 % and of fixed steps, and remarks."""
         yield f"{self.source}  {self.quantity} = {with_unit(f'{self.value:.6g}', self.unit)} ({self.where})"
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = by_step(self.effects)
@@ -141,7 +145,7 @@ class Ranking:
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def _tables(self, effects: Sequence[Effect]) -> Iterator[TextTable]:
-        """Yield the table of some effects; without effects, yield nothing."""
+        """Yield one table of effects, or nothing without effects."""
         unit = unit_text(self.unit)
         rows = [
             (
@@ -203,11 +207,11 @@ class Ranking:
         )
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the effects that have bars, in a list for each kind of step."""
+        """Return the effects that have bars: those of 1 % in one list, those of fixed steps in another."""
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
-        """Return the keywords of ``pictures.Bars`` for some effects, in a unit that suits their ``size``."""
+        """Return the arguments of ``pictures.Bars`` for effects, with a prefix that suits their ``size``."""
         factor, unit = readable(size, self.unit)
         names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
@@ -220,7 +224,10 @@ class Ranking:
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
-    """Return a factor, and the unit with a prefix into which it converts: mm for 0.003 m."""
+    """Return a factor and a unit with a prefix that suits a value, as mm for 0.003 m.
+
+    The factor converts to it.
+    """
     return prefixed(abs(value), unit) if unit in PREFIXED else (1.0, unit)
 
 
@@ -283,8 +290,8 @@ def ranking_of(
 
 
 _Found = tuple[float, str, str, np.ndarray, float]
-"""A ranked quantity: its value, its unit, where it occurs in words, its derivatives of shape (P,), and its
-size. An effect of at most LEAST_EFFECT times this size counts as round-off."""
+"""What is ranked: the quantity's value, its unit, words for where it occurs, its derivatives, shape (P,), and
+its size, relative to which LEAST_EFFECT holds."""
 
 
 def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
@@ -308,7 +315,7 @@ def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> 
 def _largest(
     recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
 ) -> _Found:
-    """Return the largest value among all impacts at walls or, with ``at_stops``, at stops of joints."""
+    """Return the largest value of a column among all impacts at walls or (``at_stops``) at joint stops."""
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
         surface = "a stop of a joint" if at_stops else "a wall"
@@ -319,7 +326,7 @@ def _largest(
 
 
 def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> _Found:
-    """Return the quantity ``field`` of one impact, with derivatives; ``number`` counts all impacts from 1."""
+    """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
         raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")
@@ -338,7 +345,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
 
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
-    """Return the largest force in any joint, with its derivatives."""
+    """Return the largest force in any joint during the run, with its derivatives."""
     names = [
         name
         for name in sensitivities.columns
@@ -355,7 +362,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:
 
 
 def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> _Found:
-    """Return an output at the end of the run, with its derivatives."""
+    """Return the value of an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
     where = f"at the end, t = {recording.time[-1]:g} s"

@@ -62,7 +62,7 @@ class Result(Pictured):
             steps: name → shape (T,).
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
-        rerun: function that returns the outputs of the same run at other times; None if the run cannot be
+        rerun: function of times that repeats the run and returns the outputs then; None if the run cannot be
             repeated.
     """
 
@@ -129,36 +129,36 @@ class Result(Pictured):
 
     @property
     def stop_law(self) -> str:
-        """The contact law of the stops, if the scene names one in `stops.model`; else ""."""
+        """The contact law of the stops if the scene gives `stops.model`; else ""."""
         return self.scene.stops.model or ""
 
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
-        """The outputs over time: name → values, shape (T,)."""
+        """Name of an output → its values over time, shape (T,)."""
         return {**self.motion, **self.stepwise}
 
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
-        """The outputs that change continuously: name → values, shape (T,)."""
+        """Name of an output that changes continuously → its values over time, shape (T,)."""
         recorded = self.outputs.dtype.names or ()
         return self.prepared.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in recorded}
 
     @property
     def _has_all(self) -> bool:
-        """Whether ``outputs`` is complete, with the fields of ``output_dtype`` and not with chosen names.
+        """Whether ``outputs`` has all outputs, in the fields of ``output_dtype``.
 
-        Otherwise it has chosen names.
+        Otherwise it has only the outputs that were named in ``simulate(output=…)``.
         """
         return "point_position" in (self.outputs.dtype.names or ())
 
     @cached_property
     def pinned(self) -> bool:
-        """Whether the base is pinned: link 1 then turns about joint 1 at the base, which may be moved."""
+        """Whether the base is pinned, so that link 1 turns about joint 1; inputs may move such a base."""
         return self.scene.chain.base == "pinned"
 
     @cached_property
     def walls(self) -> Mapping[str, HalfPlane]:
-        """The walls, as a table from the name of a wall to its free side."""
+        """Name of a wall → its free side at the start."""
         return self.scene.half_planes
 
     @cached_property
@@ -168,23 +168,23 @@ class Result(Pictured):
 
     @cached_property
     def point_names(self) -> Mapping[int, str]:
-        """The names of the points that have a name, by the numbers of the points."""
+        """Number of a point → its name, for the points with names."""
         return self.scene.point_names
 
     @cached_property
     def parameters(self) -> Mapping[str, Any]:
-        """The parameters: name → value; of an enumeration, the chosen name."""
+        """Name of a parameter → its value; for an enumeration the name of the choice."""
         values = self.scene.values
         return {name: values[name] for name in self.prepared.parameter_paths}
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
-        """The joints with stops, and the ranges of their angles."""
+        """Joint with stops → the range of its angles."""
         return ranges_of(self.parameters)
 
     @property
     def impact_count(self) -> int:
-        """The number of impacts; a result lists all impacts."""
+        """The number of impacts, all of which a result lists."""
         return len(self.impacts)
 
     @cached_property
@@ -203,7 +203,7 @@ class Result(Pictured):
 
     @property
     def knows_points(self) -> bool:
-        """Whether the positions of all points are known."""
+        """Whether the result has the positions of all points."""
         return {v.name for v in self.prepared.motion if v.field == "point_position"} <= {*self.motion}
 
     @property
@@ -240,7 +240,7 @@ class Result(Pictured):
         known = self.prepared.structure.known
         is_known = known["impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
-            # without friction or without a supply, a scene has no such output, and this energy is 0
+            # the scene has no such output, for example without friction or supply: this energy is 0
             if not all(known[condition] for condition in kind.when if condition in FACTS):
                 continue
             if name == "friction" and not is_known:
@@ -303,7 +303,7 @@ class Result(Pictured):
     def sensitivity_limits(self) -> tuple[str, ...]:
         """Sentences: from which time on derivatives are NaN and why, and errors of derivatives by friction.
 
-        The tuple is empty if all derivatives can be trusted.
+        The tuple is empty if all derivatives exist and can be trusted.
         """
         return self.sensitivities.limits if self.sensitivities else ()
 
@@ -321,7 +321,7 @@ class Result(Pictured):
         """Return the outputs that change continuously as a dataset of xarray, with units.
 
         Its dimensions are time, point, axis, link and contact. Outputs that ``simulate(output=…)`` left out
-        are NaN. A variable of which all outputs were left out, such as ``angle``, is not in the dataset.
+        are NaN. A variable, such as ``angle``, is not in the dataset if all its outputs were left out.
 
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
@@ -360,7 +360,7 @@ class Result(Pictured):
         return as_html(summary.parts(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
 
     def _facts(self) -> list[str]:
-        """Return lines on the energy, on a wall that is too soft, and on the solver."""
+        """Return lines on the energy, on a wall that is too soft, and on the solver's work."""
         facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 

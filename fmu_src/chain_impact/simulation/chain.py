@@ -1,4 +1,4 @@
-"""A chain that a program advances step by step, for controllers and learning."""
+"""A chain that a program advances step by step, for controllers and machine learning."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow, Variable
 
-# layout of the head of a saved state: magic number, CRC-32 of the bytes after it, digest of the scene,
-# whether the chain has made a step, and the numbers of contacts and of changes between sticking and sliding
+# the head of a saved state: magic number, CRC-32 of the bytes after it, digest of the scene, whether the
+# chain has made a step, number of contacts, number of changes between sticking and sliding
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"
@@ -48,11 +48,11 @@ class _Access(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Selection:
-    """Several variables that are read together.
+    """Several variables that a program reads together.
 
     ``words`` are their indices in the record, and ``whole`` says which of them are integers. ``observed``
-    says whether the outputs must be computed before: they must if a variable is an output, or if the solver
-    may derive it.
+    says whether outputs must be computed first: if a variable is an output, or a parameter that the solver
+    may derive.
     """
 
     words: np.ndarray
@@ -117,23 +117,22 @@ class Chain:
 
     @property
     def impacts(self) -> np.ndarray:
-        """The contacts so far in the order of their onsets, see ``IMPACT_DTYPE``.
+        """The contacts up to the present time in the order of their onsets, see ``IMPACT_DTYPE``.
 
-        A contact that lasts has NaN as its end.
+        The end of a contact that still lasts is NaN.
         """
         self._ensure_initialized()
         before = self._reals.copy()
-        # `open_contacts` drops the part of the motion that the solver has computed beyond the present time,
-        # so the record is restored afterwards
+        # `open_contacts` ends the solver's last step at the present time; restoring the record undoes this
         lasting = self._instance.open_contacts()
         self._reals[:] = before
         return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
-        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``.
+        """The phases of dry friction up to the present time, see ``STICK_SLIP_DTYPE``.
 
-        A phase that lasts has NaN as its end.
+        The end of a phase that still lasts is NaN.
         """
         self._ensure_initialized()
         self._collect()
@@ -166,8 +165,8 @@ class Chain:
         self._stepped, self._observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, self._instant, self._no_words):
-            # the kernel also returns at a fault, when the log is full, and from time to time so that Python
-            # notices Ctrl-C
+            # the kernel also returns when a fault occurs, when the log of contacts is full, and from time to
+            # time so that Python notices Ctrl-C
             self._collect()
             if self._instance.status != OK:
                 raise SimulationError(self._instance.status, self.time, None, self._instance.part)
@@ -207,7 +206,8 @@ class Chain:
 
         If one value is refused, no value is set.
 
-        A contact law or a solver method can be given by its name or its number, an angle also as "90 deg".
+        A contact law or a solver method may be given by its name or its number in the FMU, an angle also as
+        "90 deg".
 
         Raises:
             UnknownNameError: when no variable has the name.
@@ -226,7 +226,10 @@ class Chain:
                     self._initialized = False
 
     def save(self) -> bytes:
-        """Return the whole present state, from which any chain of the scene continues with the same bits."""
+        """Return the whole present state.
+
+        Any chain of the same scene continues from it with the same bits.
+        """
         self._ensure_initialized()
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
@@ -264,7 +267,7 @@ class Chain:
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
 
     def reset(self) -> None:
-        """Return to the start of the scene, with all values from the scene."""
+        """Return to the start of the scene, with all values as the scene gives them."""
         self._reals[:] = self._start
         self._impacts, self._instance.changes, self._warned = [], [], False
         self._stepped, self._initialized, self._observed = False, True, False
@@ -279,13 +282,16 @@ class Chain:
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ensure_initialized(self) -> None:
-        """Compute the start again if a value was set since the start was computed."""
+        """Compute the start again if a value was set after it was computed."""
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
 
     def _observe(self) -> None:
-        """Fill the outputs; raise a SceneError if the values that were set do not let the run continue."""
+        """Compute the outputs.
+
+        Raise a SceneError if the run cannot continue with the values that were set.
+        """
         status = self._instance.observe()
         if status != self._instance.status:
             at = f"{self.scene.name}: at t = {self.time:.9g} s"
@@ -340,10 +346,7 @@ class Chain:
         return access, number
 
     def _hint(self, name: str) -> str | None:
-        """Return a hint on the part of a scene that would make an absent variable exist.
-
-        The result is None if no part would.
-        """
+        """Return a hint how a scene would get a variable that it does not have; None if no hint is known."""
         if input_key(name):
             return how_asked(self.scene, name)
         return absent_hint(name) or fixed_hint(self.scene, name)

@@ -1,10 +1,9 @@
-"""Runs that also compute the derivatives of their results with respect to some parameters.
+"""Runs that also compute derivatives of their results with respect to parameters and inputs.
 
 In memory, tangent instances follow the instance: records of dual numbers, each with derivatives in a few
-directions (kernel/tangent/). A derivative with respect to a parameter is a partial derivative: all other
-parameters of the FMU are constant. The unit of a derivative is the unit of the quantity divided by the unit
-of the parameter. A derivative that does not exist, or that cannot be trusted, is NaN, and a sentence gives
-the time and the reason.
+directions (kernel/tangent/). A derivative is a partial derivative: all other parameters of the FMU are
+constant. Its unit is the unit of the quantity divided by the unit of the parameter. A derivative that does
+not exist, or cannot be trusted, is NaN, and a sentence tells from when on, and why.
 """
 
 from __future__ import annotations
@@ -46,19 +45,17 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
-"""The error of derivatives, relative to the largest one, above which the error is reported to users.
-
-Smaller errors are not reported, because the tolerance allows errors of this size anyway.
-"""
-# columns of impacts whose values are known from the onset on
+"""[1] An error of derivatives above this, relative to the largest derivative, is told to users; the tolerance
+allows smaller ones anyway."""
+# quantities of an impact that are known when it begins; all others are known at its end
 AT_ONSET = ("onset", "impact_speed", "effective_mass")
 
 
 class DifferentiatedInstance(Instance):
-    """An initialized instance with its derivatives.
+    """An initialized instance with tangent instances, which have its derivatives.
 
     Attributes:
-        varied: the P parameters and inputs with respect to which the instance has derivatives.
+        varied: the P parameters and inputs with respect to which there are derivatives.
         parameters: the names of ``varied``.
     """
 
@@ -105,13 +102,14 @@ class DifferentiatedInstance(Instance):
         self.initialize()
 
     def slope_words(self, words: np.ndarray) -> np.ndarray:
-        """Return the indices, in the record, of the derivatives of some outputs.
+        """Return the indices, in the record, of the derivatives of outputs.
 
         Args:
-            words: the indices of the outputs in the record, shape (W,).
+            words: the indices of the W outputs in the record.
 
         Returns:
-            Indices of shape (W · P,); the derivatives of one output come one after the other.
+            Indices of shape (W · P,): the P derivatives of the first output, then those of the second, and so
+                on.
         """
         layout, tangent = self._memory.dtype, self._tangents.dtype
         tangents, directions = np.divmod(np.arange(len(self.parameters)), DIRECTIONS)
@@ -123,37 +121,37 @@ class DifferentiatedInstance(Instance):
         return indices.ravel()
 
     def rows(self, count: int, words: np.ndarray) -> WordRows:
-        """Return a buffer with ``count`` rows, for W outputs and their derivatives."""
+        """Return a buffer with ``count`` rows for outputs at the indices ``words`` and their derivatives."""
         return WordRows(count, np.concatenate([words, self.slope_words(words)]))
 
     @property
     def _directions(self) -> int:
-        """The number of computed derivatives: P, rounded up to a multiple of ``DIRECTIONS``."""
+        """The number of derivatives that are computed: P, rounded up to a multiple of ``DIRECTIONS``."""
         return len(self._tangents) * DIRECTIONS
 
     @property
     def _tangents(self) -> np.ndarray:
-        """The tangent instances: records of dual numbers, each with derivatives in some directions."""
+        """The tangent instances: records of dual numbers, each with derivatives in DIRECTIONS directions."""
         tangents: np.ndarray = self.record[BEHIND]
         return tangents
 
     def collect(self) -> np.ndarray:
-        """Return the contacts that have ended since the last call, and keep their derivatives."""
+        """Return the contacts that have ended since the last call, and store their derivatives."""
         slots = self._ended % self._log_at.room
         rows = super().collect()
         if len(rows):
             last = int(self.record["contact_log"]["count"])
-            # if a step failed, the last contact may have ended in the instance, but not in the tangent
-            # instances; its derivatives are then NaN
+            # In a step that failed, a contact may have ended in the instance, but not in the tangent
+            # instances: its derivatives are then NaN.
             self._keep_slopes(rows, slots, np.arange(last - len(rows), last) < self._log["count"][0])
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that have not ended yet, with their derivatives, as ``Instance`` does."""
+        """Return the contacts that still last, as ``Instance`` does, and store their derivatives."""
         rows = super().open_contacts()
         if len(rows):
             log, slots = self._log, self._lasting % self._log_at.room
-            # after a fault, these rows of the logs of the tangent instances may belong to other contacts;
+            # after a fault, the tangent instances may have another contact in this row of the log:
             # derivatives are then NaN
             same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
             self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
@@ -161,15 +159,15 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _log(self) -> np.ndarray:
-        """The logs of ended contacts of all tangent instances."""
+        """The logs of contacts of all tangent instances."""
         log: np.ndarray = self._tangents["contact_log"]
         return log
 
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
-        """Store the derivatives of the impacts in ``rows``, which come from some ``slots`` of the log.
+        """Store the derivatives of the impacts in ``rows``, whose rows in the log are ``slots``.
 
-        Derivatives are NaN for an impact that is not ``valid``, for a value that is not finite, and for a
-        value that is known only after the time from which on derivatives cannot be trusted.
+        A derivative is NaN if the impact is not ``valid``, if the value is not finite, and if the value is
+        known only after derivatives can no more be trusted.
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -185,19 +183,19 @@ class DifferentiatedInstance(Instance):
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the derivatives of all collected impacts, in the given order: name → shape (I, P)."""
+        """Return quantity → derivatives of all collected impacts in the given ``order``, shape (I, P)."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
     def _missing(self) -> np.ndarray:
-        """Whether there is no derivative of the whole motion with respect to each parameter, shape (P,)."""
+        """For each parameter, whether the whole motion has no derivative with respect to it, shape (P,)."""
         missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
         return missing
 
     @property
     def _one_sided(self) -> list[str]:
-        """The parameters with one-sided derivatives: they move a bend of a signal at the start of the run."""
+        """The parameters with one-sided derivatives: they shift a bend of a signal at the run's start."""
         driven = self.prepared.structure.signals
         if not driven:
             return []
@@ -233,7 +231,10 @@ class DifferentiatedInstance(Instance):
 
 
 def is_rise(parameter: Variable) -> bool:
-    """Return whether a parameter is the rise of a signal; the others that can be missing are frictions."""
+    """Return whether a parameter is the rise of a signal.
+
+    Any other parameter without derivatives is a friction of 0.
+    """
     return parameter.record_path[:2] == ("signal", "rise")
 
 
@@ -245,10 +246,10 @@ class Differentiated:
         values: the outputs, shape (T, W); NaN after a fault.
         slopes: the derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
-        impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
+        impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences: from which time on derivatives are NaN and why, and errors that dry friction
-            causes.
+        limits: sentences that tell from which time on derivatives are NaN and why, and errors that dry
+            friction causes.
     """
 
     __eq__ = same
@@ -263,10 +264,7 @@ class Differentiated:
 
 
 class DifferentiatedRun:
-    """Repeated runs of one scene with derivatives.
-
-    Each run has its own values of some parameters.
-    """
+    """Runs of one scene with derivatives; each run has its own values of the parameters."""
 
     def __init__(
         self,
@@ -276,7 +274,7 @@ class DifferentiatedRun:
         inputs: Given | None = None,
         interpolation: str = "follow",
     ) -> None:
-        """Prepare runs with derivatives of some outputs with respect to some parameters, all by name.
+        """Prepare runs with derivatives of outputs with respect to parameters; both are given by name.
 
         Args:
             scene: a scene, or an argument of ``load_scene``.
@@ -306,8 +304,8 @@ class DifferentiatedRun:
         If this start fails, all outputs and their derivatives are NaN, and there are no impacts.
 
         Args:
-            values: the values of the parameters, shape (P,). The value for an input with a signal is not
-                used.
+            values: the values of the parameters, shape (P,); the value for an input is not used if ``inputs``
+                has a signal for it.
             times: the increasing times of the wanted outputs, shape (T,) [s].
         """
         instance = self._instance

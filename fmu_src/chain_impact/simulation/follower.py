@@ -1,9 +1,9 @@
-"""Piecewise polynomials that approximate functions of time to a given accuracy.
+"""Finds piecewise polynomials that approximate functions of time with a given accuracy.
 
-A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points. The ends of a piece are
-not among these points, so the exact value at a jump does not matter. A piece whose series does not converge
-is halved, or divided where the function changes from one polynomial to another. A part around a jump or kink
-that is shorter than ``SHORTEST`` is dropped.
+A piece is an interval with one polynomial for each function: its Chebyshev series from values at
+Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
+matter. A piece whose series does not converge is halved, or divided where the function changes from one
+polynomial to another. A piece around a jump or kink that is shorter than ``SHORTEST`` is dropped.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -23,68 +23,67 @@ from chain_impact.kernel.chain.inputs import DEGREE
 from chain_impact.simulation.pieces import VALUE_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
-"""Times, shape (T,) → values of M functions at these times, shape (T, M)."""
-# number of times in a run at which each function is called at first; a pulse shorter than the time between
-# two calls can be missed
+"""M functions as one: times, shape (T,) [s] → their values, shape (T, M)."""
+# number of equal parts of a run at whose ends each function is called first; a shorter pulse can be missed
 CHECKED_TIMES = 2000
-POINTS = 16  # number of values of a function from which a piece is computed
-SHORTEST = 4e-13  # a piece shorter than this, relative to the length of the run, is dropped
-ALIKE = 1e-6  # the largest relative difference of the lengths of two pieces that count as equally long
-# an interval longer than 2^FAR times the last piece is halved at once, because a fit would probably fail
+POINTS = 16  # number of values of a function from which the polynomial of a piece is computed
+SHORTEST = 4e-13  # [1] a piece shorter than this, relative to the run, is dropped: it contains a jump or kink
+# [1] two pieces count as equally long if their lengths differ by at most this, relative to the length
+ALIKE = 1e-6
+# an interval longer than 2^FAR times the last piece is halved without trying a polynomial, which would
+# probably fail
 FAR = 2
-# log₂ of the largest number of pieces that are fitted in one call of the functions; with more pieces, a fit
-# that fails would waste more calls
+# log₂ of the largest number of pieces that are tried in one call of the functions; if polynomials fail, more
+# pieces would waste more calls
 TOGETHER = 4
-# after failed fits of intervals of one length, at most this number of pieces is found before the length is
-# tried again
+# if polynomials have failed for intervals of some length, this length is tried again after at most this
+# number of pieces
 PATIENCE = 32
-# the largest number of successive parts shorter than SHORTEST; after more, the functions count as not smooth
+# largest number of successive intervals shorter than SHORTEST; if there are more, a function is not smooth
 NOISE = 4
-# calls for a piece shorter than this, relative to the length of the run, count against the limit CALLS
+# [1] calls for pieces shorter than this, relative to the run, count against the limit CALLS
 FINE = 1 / 65536
-# the largest number of calls in a run for short pieces, jumps and kinks; more calls raise an error
+# largest number of calls in a run for short pieces, jumps and kinks; with more calls the search gives up with
+# an error
 CALLS = 15_000
-CALLS_PER_PIECE = 50  # the limit CALLS is raised by this number for each piece of the held signals
-SIMPLE = 5  # the largest degree of a polynomial that may be extrapolated in search of a jump or kink
-# A value belongs to the nearer of two polynomials only if its distance from this one is less than NEARER
-# times its distance from the other.
+CALLS_PER_PIECE = 50  # each piece of the held signals raises the limit CALLS by this
+SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
+# [1] a value belongs to the nearer of two polynomials only if its distance from it is less than this times
+# the distance from the other
 NEARER = 0.1
-NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that lies close by
-TINY = 1e-300  # a number > 0 that replaces an allowed error of 0, by which the code divides
-# round-off of a time, relative to the time; it also causes an error of each value of a function
+NEWTON_STEPS = 4  # number of Newton steps to find a zero of a polynomial that is close to the first guess
+TINY = 1e-300  # the code divides by the allowed error, so this replaces an error of 0
+# [1] round-off of a time, relative to the time, which also makes values of a function inaccurate
 RESOLVED = 1e-14
-# if two pieces differ where they meet by more than this, relative to the allowed error, there is a jump
+# there is a jump if two pieces differ where they meet by more than this times the allowed error
 JOINED = 10.0
-# a last coefficient of a piece that is smaller than this, relative to the allowed error, is left out
+# the last coefficients of a piece are left out if they are smaller than this times the allowed error
 DROPPED = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
 _NODES = np.cos(_ANGLES)
-# matrix that maps the values at the nodes to the coefficients of the Chebyshev series
+# matrix: values at the nodes → coefficients of the Chebyshev series
 _SERIES = np.cos(np.arange(POINTS)[:, np.newaxis] * _ANGLES) * 2.0 / POINTS
 _SERIES[0] /= 2.0
-# matrix that maps the coefficients of the Chebyshev series to the coefficients of the powers of x
+# matrix: coefficients of the Chebyshev series → coefficients of the powers of x
 _POWERS = np.eye(DEGREE + 1)
 for _m in range(2, DEGREE + 1):
-    # recurrence of Chebyshev polynomials: T_m = 2 x T_{m−1} − T_{m−2}
+    # Chebyshev polynomials: T_m = 2 x T_{m−1} − T_{m−2}
     _POWERS[1:, _m] = 2.0 * _POWERS[:-1, _m - 1]
     _POWERS[:, _m] -= _POWERS[:, _m - 2]
 
 
 class NotSmoothError(Exception):
-    """Raised when a function cannot be approximated around a time."""
+    """Raised when a function cannot be approximated by polynomials near a time."""
 
     def __init__(self, time: float, which: int) -> None:
-        """Store the time [s] and the number of the function."""
+        """Store the time [s] and the index of the function."""
         super().__init__(time, which)
         self.time, self.which = time, which
 
 
 class Follower:
-    """Finds the pieces that approximate M functions of time between 0 and the end of a run.
-
-    A piece has a polynomial for each function.
-    """
+    """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
     def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
         """Prepare the search, and call the functions at times spread over the run.
@@ -92,10 +91,10 @@ class Follower:
         Args:
             functions: the functions to follow.
             stop: end of the run, which begins at 0 [s].
-            accuracy: allowed error of a piece, as a part of each function's largest value, shape (M,), or one
+            accuracy: allowed error of a piece, relative to each function's largest value; shape (M,), or one
                 number for all functions.
-            resolved: round-off of a time, relative to the time; it causes an error of the functions' values.
-                Shape (M,), or one number.
+            resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
+                shape (M,), or one number.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
@@ -104,27 +103,27 @@ class Follower:
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, VALUE_ROUND_OFF)
         self._calls_left = CALLS
-        # for each function, the number of fits that have failed because of this function
+        # for each function, how often a polynomial has failed because of this function; an error names the
+        # worst
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval without a fit: the fit failed, or ``_is_vain`` forbade it
+        # [s] length of the last interval that got no polynomial: it failed, or ``_is_vain`` said not to try
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # _again: the binary exponent of a length → the number of found pieces at which a fit of this length
-        # is tried again; _patience: the same exponent → the number of pieces by which the last failed fit has
-        # delayed this fit
+        # _again: binary exponent of a length → number of found pieces at which this length is tried again;
+        # _patience: the same exponent → number of pieces for which the last failure has delayed the next
+        # trial
         self._again: dict[int, int] = {}
         self._patience: dict[int, int] = {}
-        # table: start and end of an interval [s] → the fit that was made in advance; _foreseen_until: the end
-        # [s] of the last of these intervals
+        # start and end of an interval [s] → its piece, computed in advance, or None if that failed;
+        # _foreseen_until is the end [s] of the last of these intervals
         self._foreseen: dict[tuple[float, float], Piece | None] = {}
         self._foreseen_until = 0.0
 
     def pieces(self, start: float, end: float) -> list[Piece]:
-        """Return pieces of the functions between two times [s]; halving and joining keep their number small.
+        """Return pieces of the functions between two times [s].
 
-        Raises:
-            NotSmoothError: when a function cannot be approximated.
+        Neighbours that one polynomial fits are joined.
         """
         pieces: list[Piece] = []
         dropped = 0
@@ -137,12 +136,9 @@ class Follower:
         return pieces
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces of all signals: of the functions, and of the ``held`` signals, which are samples.
+        """Return pieces of all signals: of the functions, and of the ``held`` signals, from samples.
 
-        ``columns`` are the columns of the functions among all signals.
-
-        Raises:
-            NotSmoothError: when a function cannot be approximated.
+        ``columns`` are the indices of the functions among all signals.
         """
         fits, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
@@ -153,7 +149,7 @@ class Follower:
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # a held signal may consist of lines between samples
+                if held.powers.shape[1] > 1:  # samples that are joined by lines
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
                     row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
                     row[1] = held.powers[k, 1] * half * held.scale[k]
@@ -173,7 +169,7 @@ class Follower:
         )
 
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
-        """Append a piece, or replace the last piece by one piece for both, if one polynomial fits both."""
+        """Append a piece or, if one polynomial fits it and the last piece together, replace the last one."""
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
             self._fitted(pieces[-1].start, piece.end)
@@ -187,21 +183,22 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces are both half as long as the last interval without a fit.
+        """Return whether two pieces both have half the length of the last interval that got no polynomial.
 
-        Only the lengths are compared. Such pieces are not joined: one polynomial would probably not fit both.
+        They are not joined then, because one polynomial would probably fail for both again. Only lengths are
+        compared.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
 
     def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
-        """Yield the pieces of an interval in order, and None for a part that is too short to matter."""
+        """Yield the pieces of an interval in order; None stands for a part so short that it is dropped."""
         if end - start <= self._shortest:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # simple: the interval does not follow a piece of a degree > SIMPLE; only simple intervals are
-        # searched for a jump or kink
+        # simple: the interval does not follow a piece of a degree > SIMPLE; only then a search for a jump or
+        # kink is worth its calls
         simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
         far = last is not None and end - start > 2.0**FAR * (last.end - last.start)
         _, length = math.frexp(end - start)
@@ -225,21 +222,22 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether a fit is left out now, because fits of intervals of this length have failed.
+        """Return whether intervals of a length are not tried now, because they have failed.
 
         ``length`` is the binary exponent of the length.
         """
         return self._count < self._again.get(length, 0)
 
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
-        """Return two times [s] just before and after the only jump or kink.
+        """Return two times [s], just before and just after the only jump or kink of an interval.
 
-        Returns None if there is none or more than one, or the pieces on its two sides are not simple.
+        The result is None if there is none or more than one, or if the polynomials beside it have a degree >
+        SIMPLE.
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
-        # the first round extrapolates polynomials from a distance, to find the side of the break on which a
-        # time lies; the second round uses polynomials near the break, to locate it accurately
+        # The first round extrapolates polynomials from afar, to find on which side of the jump or kink a time
+        # lies. The second round uses polynomials close to it, to locate it accurately.
         for until in (0.125 * quarter, self._shortest):
             left = self._simple(before - quarter, before)
             right = self._simple(after, after + quarter) if left is not None else None
@@ -253,11 +251,7 @@ class Follower:
         return before, after
 
     def _kink(self, left: Piece, right: Piece, time: float) -> float:
-        """Return the time of a kink near a ``time`` [s] at which two pieces of low degree have one value.
-
-        If the k-th derivative jumps at t₀, the pieces differ by c (t − t₀)ᵏ, which round-off hides near t₀.
-        The derivative of order k − 1 of this difference has a simple zero, so it shows t₀.
-        """
+        """Return the time of a kink near ``time`` [s], where two pieces of low degree have one value."""
         unit = min(time - left.start, right.end - time)
         difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
         allowed = np.maximum(DROPPED * self._accuracy, VALUE_ROUND_OFF) * self._scale
@@ -270,15 +264,18 @@ class Follower:
         return time + found * unit
 
     def _simple(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s] if it is accurate and of a low degree; else None."""
+        """Return the piece between two times [s] if it is accurate and its degree is at most SIMPLE.
+
+        Else None.
+        """
         piece = self._fitted(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
     def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
-        """Return the last time [s] with values of the left piece, and the first with values of the right one.
+        """Return the last time [s] at which the left piece holds, and the first at which the right one holds.
 
-        The search ends when the two times are closer than ``until``; in the first round of ``_break`` it also
-        ends at a value that belongs to neither piece. If a value belongs to both pieces, its time is returned
+        The search ends when the two are closer than ``until``; in the first round of ``_break`` it also ends
+        at a value that belongs to neither piece. If a value belongs to both pieces, its time is returned
         twice.
         """
         before, after = left.end, right.start
@@ -298,7 +295,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values of the functions at some times [s]; ``costly`` calls count against ``CALLS``."""
+        """Return the values of the functions at times [s]; ``costly`` calls count against the limit CALLS."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:
@@ -315,9 +312,9 @@ class Follower:
         return self._fits(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
-        """Fit all pieces of an interval in one call, if halving it gives pieces as long as the last one.
+        """Compute all pieces of an interval in one call, if they certainly become as short as the last one.
 
-        This is certain if ``_is_vain`` forbids fits of the longer pieces.
+        This is certain if ``_is_vain`` rejects the lengths in between.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0
@@ -331,11 +328,14 @@ class Follower:
         self._foreseen = dict(zip(itertools.pairwise(ends.tolist()), self._fits(ends), strict=True))
 
     def _fits(self, ends: np.ndarray) -> list[Piece | None]:
-        """Return P pieces between times [s], shape (P + 1,), and None in place of an inaccurate piece."""
+        """Return the P pieces between the times ``ends`` [s], shape (P + 1,).
+
+        None stands for an inaccurate piece.
+        """
         start, end = ends[:-1, np.newaxis], ends[1:, np.newaxis]
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        # two more times, close to the ends of the piece, show a change of the function between an end and the
-        # nearest node
+        # two more times, close to both ends: a change of the function between an end and the nearest node
+        # shows there
         inside = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inside, end - inside])
         called = self._called(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))

@@ -1,4 +1,4 @@
-"""Inputs over time that drive a simulation, given as numbers, functions or samples."""
+"""Inputs over time that drive a simulation, from numbers, functions or samples."""
 
 from __future__ import annotations
 
@@ -35,40 +35,40 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
-"""One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
+"""What an input may be given as: a number, a function of the time [s], or a pair (times [s], values), shape
+(T,)."""
 Signal = InputSource  # ``Signal`` is the name under which users import this type
 Given = Mapping[str, InputSource] | TableSource
-"""Inputs by their names, or a table with the column ``time`` and a column for each input."""
+"""Name of an input → its value over time; or a table with the column ``time`` and one for each input."""
 Interpolation = Literal["follow", "hold", "linear", "spline"]
-"""How an input acts between its samples, or between the calls of its function: see ``simulate``."""
+"""How an input acts between its samples, or between calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear", "spline")
-# FINER times the solver's tolerance is the allowed error of an input that is followed, relative to the
-# input's largest value
+# [1] the allowed error of a followed input, relative to its largest value, is FINER times the solver's
+# tolerance
 FINER = 1e-3
-# the largest distance between a sample and a communication point that count as one time, relative to the stop
-# time
+# [1] a sample and a communication point count as one time if they are closer than this times the stop time
 SAME_TIME = 1e-12
-LISTED_NAMES = 8  # largest number of names of inputs that the message of an error lists
+LISTED_NAMES = 8  # largest number of names of inputs in an error
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
-"""The name of the field with the coefficients of followed motions, in the record's part ``motion``."""
+"""The field of the record's part ``motion`` with the coefficients of motions that the solver follows."""
 
 
 @dataclass(frozen=True)
 class InputCourse:
-    """The inputs of a run: polynomials in time, or constants, in each of P pieces.
+    """The inputs of a run: constants, or polynomials in time, in each of P pieces.
 
     Attributes:
         times: communication points: the requested times and the starts of pieces, shape (G,) [s].
         asked: whether the caller requested each communication point, shape (G,).
-        paths: path of each of the M inputs in the instance record; for the position of a followed motion,
-            the path of the motion's coefficients.
-        pieces: the inputs as polynomials.
-        first: number of the first row of each piece, shape (P,). Row k has the inputs from ``times[k - 1]``
-            to ``times[k]``, row 0 the inputs at the start.
-        restarts: whether the solver re-initializes at each piece, shape (P,).
+        paths: for each of the M inputs its path in the record; for a followed motion the path of its
+            coefficients.
+        pieces: the polynomials of the inputs.
+        first: index of the first row in each piece, shape (P,). Row k has the inputs from ``times[k - 1]`` to
+            ``times[k]``, row 0 those at the start.
+        restarts: whether the solver re-initializes at the start of each piece, shape (P,).
         slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
     """
 
@@ -89,10 +89,7 @@ class InputCourse:
         return replace(self, times=merged, asked=np.isin(merged, times), first=first)
 
     def set(self, record: Any, row: int) -> None:
-        """Set the inputs of an instance to the values of a row.
-
-        The solver re-initializes if an input jumps.
-        """
+        """Set the inputs in a record to those of a row; the solver will re-initialize if one jumps."""
         if not self.paths:
             return
         at = int(self.first.searchsorted(row, side="right")) - 1
@@ -112,8 +109,8 @@ class InputCourse:
             if part != MOTION:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(at)
-        # with ``hold``, motions follow values at communication points: the kernel itself then writes the
-        # settings of the motions' polynomials; all other inputs are constant, and need none
+        # with ``hold``, motions follow values at communication points, and the kernel itself writes the
+        # settings of their polynomials; all other inputs are constant and need none
         steady = motion["interpolates"] and len(motion["position"]) > 0
         if not steady and (settings["order"] or piece["order"]):
             changed = changed or any(piece[name] != value for name, value in settings.items())
@@ -131,7 +128,7 @@ def input_course(
 
     Args:
         prepared: the scene that the inputs drive, prepared.
-        inputs: name of an input of the FMU → its signal; or a table of inputs.
+        inputs: name of an input of the FMU → its value over time; or a table.
         interpolation: ``follow``, ``hold``, ``linear`` or ``spline``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
             first communication point is later.
@@ -184,7 +181,7 @@ def input_course(
 
 
 def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return name → signal, checked: a number, a function, or a pair of arrays (times, values)."""
+    """Return name → input over time, checked: a number, a function, or a pair of arrays (times, values)."""
     source, names = prepared.scene.name, {variable.name for variable in prepared.inputs}
     for name in inputs:
         if name not in names:
@@ -201,11 +198,10 @@ def _pieces_of(
     interpolation: str,
     run: np.ndarray,
 ) -> tuple[Pieces, np.ndarray]:
-    """Return the signals and, after them, the motions as polynomials; also the columns of the motions.
+    """Return the polynomials of all signals and then of all motions, and the columns of the motions.
 
-    Polynomials follow motions and, with the interpolations ``follow`` and ``spline``, functions; with
-    ``spline`` also samples. All other signals are held or joined by lines between the points of a grid: the
-    communication points ``run`` and the samples.
+    Motions are followed; functions are with ``follow`` and ``spline``, samples with ``spline`` only. All
+    other signals are held, or joined by lines, between the communication points ``run`` and the samples.
     """
     scene, same = prepared.scene, SAME_TIME * run[-1]
     splines = {
@@ -244,12 +240,13 @@ def _pieces_of(
         resolved = np.where(is_force, RESOLVED, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
-    pieces.same[moving] = np.inf  # ``Pieces.jumps`` ignores motions, which ``refuse_jumps`` checks
+    # ``refuse_jumps`` checks the jumps of motions, so ``Pieces.jumps`` leaves them out
+    pieces.same[moving] = np.inf
     return pieces, moving
 
 
 def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
-    """Return the inputs by their names; the columns of a table, for a run until ``stop`` [s], as samples."""
+    """Return name → input over time; the columns of a table, for a run until ``stop`` [s], become samples."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
     read = read_table(cast("TableSource", inputs))
@@ -259,7 +256,7 @@ def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
 
 
 def _hint(prepared: PreparedScene, name: Any) -> str:
-    """Return a hint for a name that is not an input: what drives or makes it, or a list of the inputs."""
+    """Return a hint for a name that is not an input: what drives it, how to add it, or all inputs."""
     if name in prepared.signals_by_input:
         return f"signal.{prepared.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
@@ -273,7 +270,7 @@ def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarr
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Return the points of a grid that are nearest to some times inside the grid."""
+    """Return the points of a grid that are nearest to given times, which lie inside the grid."""
     after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
     nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
     return np.unique(grid[after - nearer])
@@ -286,9 +283,9 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of all signals: polynomials that follow the functions, and the samples in ``held``.
+    """Return pieces of all signals: polynomials for the functions, and the samples in ``held``.
 
-    ``errors`` are the accuracy and the round-off of times for ``Follower``, each of shape (M,).
+    ``errors`` are the arguments ``accuracy`` and ``resolved`` of ``Follower``, each of shape (M,).
     """
     names = list(functions)
 
@@ -308,19 +305,19 @@ def _with_functions(
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
-    """Return the communication points together with the times of the samples inside the run.
+    """Return the communication points together with the times of samples inside the run.
 
-    A sample that is not farther than ``same`` from a communication point counts as the same time.
+    A sample that is at most ``same`` [s] from a communication point adds no time.
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
-    after = np.searchsorted(times, samples)  # now times[after − 1] < sample ≤ times[after]
+    after = np.searchsorted(times, samples)
     samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
     return np.union1d(times, samples[np.diff(samples, prepend=0.0) > same])
 
 
 def inputs_text(inputs: Iterable[str]) -> str:
-    """Return a sentence on the inputs of a scene: the names of the inputs, or how to make inputs."""
+    """Return a sentence on the inputs of a scene: their names, and how to add inputs."""
     names = list(inputs)
     *keys, last = INPUTS_OF
     how = f"[inputs] {', '.join(keys)} and {last} in the scene"
@@ -331,9 +328,9 @@ def inputs_text(inputs: Iterable[str]) -> str:
 
 
 def _checked_signal(what: str, signal: Any) -> Any:
-    """Return a signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0.
+    """Return an input over time as a finite number, a function, or a pair of arrays (T,).
 
-    Refuse any other value.
+    Refuse other values.
     """
     if callable(signal):
         return signal

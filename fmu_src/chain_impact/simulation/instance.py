@@ -29,20 +29,12 @@ from chain_impact.variables.prepared import PreparedScene, kernel_size, prepared
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
-# largest number of rows, and largest number of bytes in these rows, that the kernel fills in one
-# call
+# largest number of rows, and of bytes in these rows, that the kernel fills in one call
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
 class SimulationError(RuntimeError):
-    """The solver could not continue.
-
-    Attributes:
-        status: the code, see ``chain_impact.kernel.status``.
-        time: the time at which the solver stopped [s].
-        part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
-        result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
-    """
+    """Raised when the solver cannot continue."""
 
     def __init__(self, status: int, time: float, result: Result | None, part: str = "") -> None:
         """Make the message from the status, the time and the part."""
@@ -65,10 +57,10 @@ def fault_text(status: int, part: str) -> str:
 
 
 class Rows(Protocol):
-    """The output buffer of a run, filled row by row.
+    """The output buffer of a run, which is filled row by row.
 
     Attributes:
-        chunk: largest number of rows that are filled between two calls of ``progress``.
+        chunk: largest number of rows that are filled between two reports of progress.
     """
 
     chunk: int
@@ -81,13 +73,7 @@ class Rows(Protocol):
 
 
 class WordRows:
-    """An output buffer with numbers of the record at each communication point.
-
-    Attributes:
-        numbers: shape (T, W); rows that are not filled have arbitrary values.
-        spans: the indices of the numbers in the record, see ``spans_of``.
-        of_state: whether all numbers are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
-    """
+    """An output buffer with numbers of the record, one row for each communication point."""
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray, *, of_state: bool = False) -> None:
         """Make a buffer for ``count`` rows."""
@@ -100,17 +86,13 @@ class WordRows:
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
             return instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-        # rows without columns need not be filled, because rows do not change a run: one row at the end is
-        # enough
+        # without columns, one row at the end suffices, because rows do not change a run
         done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
         return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
-    """Return indices in a short form: the first index and the length of each span of consecutive indices.
-
-    The result has the shape (S, 2).
-    """
+    """Return indices in a short form, shape (S, 2): first index and length of each span without gaps."""
     return _spans_of(np.asarray(words, np.int64).tobytes())
 
 
@@ -124,9 +106,9 @@ def _spans_of(indices: bytes) -> np.ndarray:
 
 
 def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
-    """Return rows of numbers, shape (T, W), as a structured array of shape (T,), without a copy.
+    """Return rows of numbers, shape (T, W), as a structured array of shape (T,) over the same memory.
 
-    ``layout`` gives the fields for the first numbers of a row; further numbers are left out.
+    The fields of ``layout`` name the first numbers of a row; further numbers are left out.
     """
     if not layout.itemsize:
         return np.zeros(len(numbers), layout)
@@ -140,7 +122,8 @@ class Instance:
         prepared: the prepared scene.
         record: the data of the instance.
         words: a view of the whole record as numbers, one for each word.
-        changes: arrays of the changes between sticking and sliding that ``collect`` has read since the start.
+        changes: the changes between sticking and sliding since the start, as far as ``collect`` has read
+            them.
     """
 
     def __init__(
@@ -149,14 +132,7 @@ class Instance:
         course: InputCourse | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
-        """Load or compile the kernel and set the instance to its start, with the first values of the inputs.
-
-        The instance has derivatives with respect to ``varied``; by default, these are the variables that the
-        scene names in ``outputs.sensitivities``.
-
-        Raises:
-            SimulationError: when the scene cannot start.
-        """
+        """Load or compile the kernel; set the instance to its start, with the first values of the inputs."""
         self.prepared = prepared_scene(source)
         varied = self.prepared.varied if varied is None else varied
         self._use(self.prepared.new_instance(varied))
@@ -184,15 +160,12 @@ class Instance:
             raise SimulationError(self.status, 0.0, None, self.part)
 
     def observe(self) -> int:
-        """Fill the outputs of the record at the present time; return the status.
-
-        If the run cannot continue with values that were set, the outputs do not change, and the values can be
-        set again.
-        """
+        """Compute the outputs of the record at the present time; return the status."""
         if not self.record["given"]["changed"]:
             status: int = self._kernel.observe_now(self._address)
             return status
-        tried = self._memory.copy()  # the copy is needed because reading outputs must not change the run
+        # outputs are computed in a copy, because reading them must not change the run
+        tried = self._memory.copy()
         status = self._kernel.observe_now(tried.ctypes.data)
         self.record["fault"] = tried[0]["fault"]
         self.record["output"] = tried[0]["output"]
@@ -203,14 +176,14 @@ class Instance:
 
     def is_sound(self, words: np.ndarray) -> bool:
         """Return whether the words of a record are a valid record for this kernel."""
-        # with other sizes at the start of the record, the kernel would read outside of the record
+        # a record with other counts would make the kernel read outside of its memory
         same_sizes = words[:HEAD].tobytes() == self.words[:HEAD].tobytes()
         return same_sizes and bool(self._kernel.is_sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], which must not be before the present time, and return the status."""
         status: int = PAUSED
-        while status == PAUSED:  # the loop lets Python notice Ctrl-C between two calls
+        while status == PAUSED:  # the kernel pauses now and then, so that Python notices Ctrl-C
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
@@ -219,7 +192,8 @@ class Instance:
     ) -> int:
         """Advance to each of the times [s] and fill a row at each; return the number of filled rows.
 
-        Fewer rows are filled after a fault, if the log of contacts is full, and after a second of computing.
+        Fewer rows than times are filled after a fault, if the log of contacts is full, or after a second of
+        computing.
 
         Args:
             times: shape (T,).
@@ -237,14 +211,14 @@ class Instance:
     def run(
         self, course: InputCourse, rows: Rows, progress: Progress = silent
     ) -> tuple[int, list[np.ndarray]]:
-        """Fill rows at the communication points.
+        """Fill rows at all communication points of a run.
 
-        Returns the number of rows that are filled before a fault, and the ended contacts.
+        Returns the number of rows that are filled before a fault, and the contacts that have ended.
         """
         done, impacts, last = 0, [], len(course.times)
         ends = np.append(course.first[1:], last) if course.paths else None
         while done < last and self.status == OK:
-            # each piece has its own inputs, so each call ends at the end of a piece
+            # a call ends with a piece of the inputs, because each piece has other inputs
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.chunk, until)
             course.set(self.record, done)
@@ -254,7 +228,10 @@ class Instance:
         return done, impacts
 
     def collect(self) -> np.ndarray:
-        """Return the contacts that have ended since the last call; append new changes to ``changes``."""
+        """Return the contacts that have ended since the last call.
+
+        Also add the new changes to ``changes``.
+        """
         at, numbers = self._log_at, self._integers
         if numbers[at.changes]:
             self.changes.append(self._take_changes())
@@ -264,10 +241,10 @@ class Instance:
 
     @property
     def _ended(self) -> np.ndarray:
-        """The numbers, from 0, of the contacts that have ended since the last collection.
+        """The numbers, from 0, of the contacts that have ended since ``collect`` was last called.
 
-        The log has limited room, also for contacts that have not ended. If it is full, the contacts that
-        ended first are lost.
+        If the log, which also has room for contacts that last, is full, the contacts that ended first are
+        lost.
         """
         at, number = self._log_at, self._integers.item
         ended = number(at.ended)
@@ -279,10 +256,10 @@ class Instance:
         return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
 
     def _take_changes(self) -> np.ndarray:
-        """Return the changes between sticking and sliding in the log, and empty the log."""
+        """Return the changes between sticking and sliding that the log has, and empty the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
-        # the log has limited room: the oldest changes are lost if they were not collected before it was full
+        # if the log is full before it is read, its oldest changes are lost
         slots = np.arange(max(0, count - room), count) % max(1, room)
         rows = np.zeros(len(slots), CHANGE_DTYPE)
         for name in CHANGE_DTYPE.names or ():
@@ -291,27 +268,26 @@ class Instance:
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """Return the contacts that have not ended yet, with their peaks so far.
+        """Return the contacts that still last, with their peaks so far.
 
-        The call ends the last step at the present time, and so drops the motion that the solver has computed
-        beyond this time.
+        The call ends the solver's last step at the present time: what was computed beyond it is dropped.
         """
         self._kernel.log_contacts(self._address)
         return self._impacts(self._lasting)
 
     @property
     def _lasting(self) -> np.ndarray:
-        """The numbers of the contacts that have not ended; in the log they follow the ended contacts."""
+        """The numbers of the contacts that still last; the log has them after the ended contacts."""
         ended = self._integers.item(self._log_at.ended)
         return np.arange(ended, ended + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
-        """Return the contacts with some numbers; impulses and joint forces that are not computed are NaN."""
+        """Return the contacts with these numbers; impulses and joint forces that are not computed are NaN."""
         if not len(numbers):
             return NO_CONTACTS
         at, columns = self._log_at, len(LOG_DTYPE.names or ())
-        # the log has the columns of LOG_DTYPE in the same order; after its last row, the entries continue in
-        # the first row
+        # the log has the columns of LOG_DTYPE one after the other; when its last row is used, it continues in
+        # the first
         table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
@@ -328,13 +304,16 @@ class Instance:
 
     @property
     def part(self) -> str:
-        """The words for the part that is the reason of a fault, such as a point and a wall; "" if none is."""
+        """Words for the part of the scene that causes a fault, such as a point and a wall.
+
+        The result is "" if none does.
+        """
         number = int(self.record["fault"]["part"])
         return parts_in_words(self.prepared.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:
-        """A sentence, in a list, if given positions of a motion contradict its given velocity; else []."""
+        """A sentence, in a list, if given positions and the given velocity of a motion disagree."""
         moved = self.record["moved"]
         channel = int(moved["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared.inputs}
@@ -357,7 +336,7 @@ class Instance:
 
 
 _loaded: dict[tuple[Sizes, bool, str | None], ctypes.CDLL] = {}
-"""The loaded kernels without a user's law: sizes, derivatives, cache folder → kernel."""
+"""Loaded kernels without a user's law: (sizes, with derivatives, cache folder) → kernel."""
 
 
 def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctypes.CDLL:
@@ -366,14 +345,14 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
     Args:
         scene: the scene.
         derivatives: whether the kernel carries derivatives.
-        sizes: ``PreparedScene.kernel_size``, the default, or the numbers at the start of the record, for a
-            kernel with these sizes only.
+        sizes: the scenes that the kernel must run: ``PreparedScene.kernel_size``, the default, or a tuple of
+            all counts of a scene (``sizes_of``).
 
     Raises:
         BuildError: when the kernel cannot be compiled.
     """
     size, law = kernel_size(scene) if sizes is None else sizes, scene.contact.law_file
-    # after a change of the cache folder, a kernel is loaded again, from the new folder
+    # in another cache folder, the kernel is loaded again
     key = (size, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
     if not law and key in _loaded:
         return _loaded[key]
@@ -384,15 +363,15 @@ def kernel_for(scene: Scene, *, derivatives: bool, sizes: Sizes = None) -> ctype
 
 
 def sizes_of(memory: np.ndarray) -> tuple[int, ...]:
-    """Return the counts and flags at the start of a record, for a kernel with exactly these sizes.
+    """Return the counts and flags at the start of a record, for a kernel that runs only such scenes.
 
-    The number of tangent instances, which is the last of these words, is left out.
+    The last of these words, the number of tangent instances, is left out.
     """
     return tuple(memory.view(np.int64)[: HEAD - 1].tolist())
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:
-    """Return a compiled kernel, loaded, with the types of its C functions (compilation/signatures.py)."""
+    """Load a compiled kernel, and declare the types of its C functions (compilation/signatures.py)."""
     kernel = ctypes.CDLL(str(library))
     signatures.declare(kernel)
     return kernel

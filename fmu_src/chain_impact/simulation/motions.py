@@ -1,8 +1,8 @@
-"""The motions of a base and of walls over time, from the inputs that give them.
+"""The motions of base, walls and belts over time, from the inputs that give them.
 
-A channel of the kernel (kernel/chain/motion.py) follows a position; velocity and acceleration are the
-position's derivatives. If inputs give a velocity or an acceleration but no position, the motion is integrated
-from the start.
+A channel of the kernel (kernel/chain/motion.py) follows a position, and the velocity and acceleration that
+are its derivatives. If inputs give a velocity or an acceleration but no position, it is integrated from the
+start.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
-# the arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
+# arguments ``accuracy`` and ``resolved`` of ``Follower`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
-# The largest differences between two pieces that are no jump of the position, the speed and the acceleration,
-# each relative to its largest value. They are large because the time of a kink, and so the speed there, is
-# known only up to the square root of round-off.
+# [1] two pieces that differ more than this at their common end make a jump of the position, the speed or the
+# acceleration, relative to its largest value. The limits are wide, because the time of a kink, and so the
+# speed there, is known only up to the square root of round-off.
 JUMPS = 1e-9, 1e-6, 1e-4
-# a given velocity, acceleration or start contradicts the motion if it differs from the motion's value by more
-# than this, relative to the larger value
+# [1] a given velocity, acceleration or start contradicts the motion if it differs by more than this, relative
+# to the larger value
 CONTRADICTS = 1e-3
-# round-off of a position at the start, relative to the largest position; a larger difference is a
+# [1] round-off of a position at the start, relative to the largest position; only a larger difference is a
 # contradiction
 POSITION_ROUND_OFF = 1e-12
 
@@ -45,7 +45,7 @@ class Motion:
 
     Attributes:
         name: the name of the input that gives the motion; "" if no input does.
-        position: function of one time or several times [s] that returns the position [m].
+        position: function from times [s] to positions [m].
         breaks: times at which the motion may not be smooth [s].
     """
 
@@ -56,14 +56,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Channel:
-    """One motion of the base, a wall or a belt, and the names of the inputs that give it.
-
-    Attributes:
-        position: name of the input for the position; "" for a belt, which has no position.
-        velocity: name of the input for the velocity.
-        acceleration: name of the input for the acceleration; "" for a belt.
-        start: position at the start if no input gives it [m].
-    """
+    """One prescribed motion, of the base, a wall or a belt, and the names of the inputs that give it."""
 
     position: str
     velocity: str
@@ -77,7 +70,7 @@ class Channel:
 
 
 def channels_of(prepared: PreparedScene) -> list[Channel]:
-    """Return the channels of the moving base and walls in their order, with the names of their inputs."""
+    """Return the channels of the moving base and walls, in the order of the record."""
     names = {variable.record_path: variable.name for variable in prepared.inputs}
     scene, channels = prepared.scene, []
     for j in range(prepared.sizes.channels):
@@ -124,7 +117,7 @@ def motion_of(
 def as_function(
     name: str, signal: Any, called: Callable[[str, float], float], *, joined: str, stop: float = math.inf
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """Return a signal as a function of one or several times, and the times where it may not be smooth.
+    """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
     ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline", as the
     rows of a table are. ``stop`` is the end of the run [s].
@@ -151,10 +144,10 @@ def as_function(
 def _integrated(
     value: Callable[[Any], Any], breaks: np.ndarray, stop: float
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
-    """Return the integral of a function from time 0 on, as a function of time, and its breaks.
+    """Return the integral of a function over time from 0 on, as a function, and the times of its breaks.
 
-    The breaks are the given ones, and the times at which the function jumps or bends, because the integral
-    itself shows these times only up to the square root of round-off.
+    A break is a time at which the integral may not be smooth: the given ``breaks``, and times at which the
+    function jumps or bends. The integral itself would show these only up to the square root of round-off.
     """
     inside = breaks[(breaks > 0.0) & (breaks < stop)]
     grid = np.concatenate([[0.0], inside, [stop]])
@@ -184,7 +177,7 @@ def _integrated(
 
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
-    """Return the derivatives of this ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
+    """Return the derivatives of one ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
     powers, ends = pieces.powers, np.stack([pieces.start, pieces.end])
     x = (ends - pieces.middle) * pieces.scale
     total = np.zeros((*x.shape, powers.shape[2]))
@@ -194,11 +187,9 @@ def derivatives(pieces: Pieces, order: int) -> np.ndarray:
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
-    """Return whether the derivative of an ``order`` of K motions jumps at the start of P pieces.
+    """Return whether the derivative of one ``order`` of K motions jumps at the start of P pieces.
 
-    The result has the shape (P, K).
-
-    ``columns`` are the columns of the motions among the signals of the pieces.
+    The shape is (P, K). ``columns`` are the indices of the motions among the signals of the pieces.
     """
     jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
@@ -215,11 +206,7 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
 def refuse_jumps(
     source: str, motions: Sequence[Motion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
 ) -> None:
-    """Refuse motions of base and walls whose position or velocity jumps; the speed of a belt may jump.
-
-    Raises:
-        SceneError: when a motion jumps.
-    """
+    """Refuse a motion of base or wall whose position or velocity jumps; the speed of a belt may jump."""
     for order, what in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
             time = pieces.start[jumps(pieces, columns, order)[:, k]][0]
@@ -231,11 +218,11 @@ def refuse_jumps(
 
 
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
-    """Return pieces of motions, corrected so that positions and velocities at their ends agree.
+    """Return pieces of motions whose positions and velocities agree exactly where pieces meet.
 
-    A correction (1 − r)⁸ (s + (8 s + v) r), with r from 0 to 1 in the piece, removes the small differences s
-    and v at the start of a piece. ``columns`` are the columns of the motions. A jump in the speed of a belt
-    is not corrected.
+    The small difference s of positions and v of velocities at the start of a piece is removed by the
+    correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. ``columns`` are the indices
+    of the motions. A jump in the speed of a belt stays.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
@@ -261,7 +248,7 @@ def contradictions(
     columns: np.ndarray,
     called: Callable[[str, float], float],
 ) -> list[str]:
-    """Return a sentence for each given velocity, acceleration or start that contradicts the motion."""
+    """Return a sentence for each given velocity, acceleration or start that contradicts the given motion."""
     texts = []
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in signals]

@@ -1,4 +1,4 @@
-"""The times of signals at the start of the run, with respect to which derivatives are one-sided."""
+"""Finds times of signals that are the start of the run: derivatives by them are one-sided."""
 
 from __future__ import annotations
 
@@ -12,20 +12,16 @@ from chain_impact.scene.signal_values import is_motion
 from chain_impact.scene.signals import Driven
 
 SAME = 1e-9
-"""The difference, relative to the values, of two values that count as equal."""
-# indices of the three results of ``signal_at``: value, rate and second derivative
+"""[1] two values count as equal if they differ by at most this, relative to their size"""
+# indices of the results of ``signal_at``: value, first and second derivative over time
 VALUE, RATE, SECOND = range(3)
 
 
 def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
-    """Return the knots at the time 0 where a signal bends so that the accelerations of the chain jump.
+    """Return the knots (starts of polynomials) at t = 0 where a signal bends and accelerations jump.
 
-    If the knot comes later, the accelerations before the knot act in the run; if it comes earlier, they do
-    not.
-
-    Args:
-        record: an initialized record.
-        driven: the inputs that signals drive, in the order of the record.
+    If such a knot came later, the run would begin with the accelerations before it; if it came earlier, it
+    would not.
     """
     d = signals_view(record["signal"].copy(), record["knot"].copy())
     found = []
@@ -46,15 +42,15 @@ def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
 
 
 def _watched(name: str) -> list[int]:
-    """Return which of an input's value, rate and second derivative change the chain's accelerations.
+    """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
 
-    A wall changes no acceleration, unless a point touches it.
+    A wall changes no acceleration unless a point touches it.
     """
     if name.startswith("base."):
         return [SECOND]
     if is_motion(name):
         return []
     if name.startswith("wall."):
-        return [RATE]  # the driven quantity is the distance that a belt has moved
+        return [RATE]  # a signal of a belt's speed is integrated once, so its first derivative is the speed
     follows = name.endswith((".target_angle", ".target_position"))
     return [VALUE, RATE] if follows else [VALUE]

@@ -1,4 +1,4 @@
-"""The reasons why derivatives end: a sentence for each ``trust.reason`` (kernel/tangent/trust.py)."""
+"""Sentences that tell users why derivatives end: one for each ``trust.reason`` (kernel/tangent/trust.py)."""
 
 from chain_impact.kernel.tangent.trust import (
     AT_FLOOR,
@@ -19,8 +19,8 @@ REASONS = {
     JUMP: "the force of its contact law jumps where the point turns",
     NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
-"""Code → reason why derivatives end. The last reason can apply at any time, the other reasons at an
-impact."""
+"""Code → reason why derivatives end. NOT_SOLVED can apply at any time, the other reasons at an impact at a
+wall."""
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
@@ -42,19 +42,20 @@ NO_RISE = (
     "there is no derivative by {parameter} at 0: the motion with a short rise need not be near the motion "
     "without one"
 )
-"""The sentence on a rise of 0 by which the motion has no derivative."""
+"""The sentence for a signal with a rise of 0, with respect to which the motion has no derivative."""
 
 NO_LESS = "there is no derivative by {parameter} at 0, as friction cannot be less"
-"""The sentence on a friction of 0 by which the motion has no derivative."""
+"""The sentence for a friction of 0, with respect to which the motion has no derivative."""
 
 ONE_SIDED = (
     "the derivative by {parameter} is for an earlier time only: its signal bends at the start of the run"
 )
-"""The sentence on a time of a signal at which its value or slope jumps, and which is the start of the run."""
+"""The sentence for a time of a signal that is the start of the run, and at which the signal's value or slope
+jumps."""
 
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
     "sticking end while the chain comes to rest"
 )
-"""The sentence on derivatives that have an error, because the tolerance leaves open when sliding or sticking
+"""The sentence for derivatives with an error, because the tolerance leaves open when sliding or sticking
 ends."""

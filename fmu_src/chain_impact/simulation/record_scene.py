@@ -1,4 +1,4 @@
-"""The simulation of a scene for which some values are set by name."""
+"""Simulates a scene for which a user sets some values by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from chain_impact.simulation.simulate import simulate
 class RunError(RuntimeError):
     """Raised when a run cannot start or continue: in this process, in an FMU, on a cluster, or in a window.
 
-    ``recording`` holds the results up to the fault; None if there are none.
+    ``recording`` has the results up to the fault, or is None.
     """
 
     def __init__(self, message: str, recording: Recording | None = None) -> None:
@@ -56,10 +56,7 @@ def record_scene(
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     """Return the scene with some values set by name, as ``scene.with_values`` does.
 
-    A text is read as a value in TOML.
-
-    Raises:
-        SceneError: when a name is unknown or a value is out of range.
+    A value that is a text is read as in TOML, so that "2" becomes a number.
     """
     return scene.with_values({name: value_of(value) for name, value in settings.items()})
 

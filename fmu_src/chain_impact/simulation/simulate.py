@@ -1,4 +1,4 @@
-"""The simulation of a scene in this process, with the compiled kernel of its FMU."""
+"""The simulation of a scene in this process, with the compiled kernel that its FMU has, too."""
 
 from __future__ import annotations
 
@@ -174,7 +174,8 @@ def _inputs_of_run(
         prepared: the scene.
         inputs: as for ``simulate``.
         interpolation: as for ``simulate``.
-        whole: whether only the start and the end of the run have rows, in place of each communication step.
+        whole: whether the run is one interval, with rows at its start and end only; else each communication
+            step gives a row.
         columns: number of outputs and derivatives.
     """
     name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
@@ -187,9 +188,9 @@ def _inputs_of_run(
 
 
 def _warn(instance: Instance, result: Result) -> None:
-    """Warn of points deep beyond walls, and of motions that contradict themselves."""
+    """Warn of points that penetrate walls too deeply, and of given motions that contradict themselves."""
     scene = result.scene
-    # ``hints`` is called only for a penetration so deep that it can give a warning, which is rare
+    # ``hints`` takes long, and has nothing to say unless a penetration is this deep, which is rare
     if result.impacts["max_penetration"].max(initial=0.0) > smallest_body(scene)[0]:
         warn(scene.name, hints(scene, result.impacts))
     if result.prepared.sizes.channels and instance.record["moved"]["contradiction"]:
@@ -220,7 +221,10 @@ def _size_of_rows(count: float, columns: int) -> float:
 
 
 def _too_large(what: str, count: float, columns: int) -> SceneError:
-    """Return the error for rows of outputs that are too large; the text ``what`` begins the message."""
+    """Return the error for rows of outputs that need too much memory.
+
+    The text ``what`` begins its message.
+    """
     rows = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
     limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
     return SceneError(f"{what} {rows}; {limit}")
@@ -236,7 +240,7 @@ def _row_times(stop: float, step: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Rerun:
-    """A function that repeats the run with rows at other times."""
+    """A function of times that repeats the run, with rows at these times."""
 
     prepared: PreparedScene
     course: InputCourse
@@ -255,9 +259,9 @@ class Rerun:
 
 
 class _Stepwise(Mapping[str, np.ndarray]):
-    """The outputs that change only at events and steps, as a mapping from name to column.
+    """Name → column for the outputs that change only at events and steps.
 
-    A column is taken from the numbers of all rows only when it is asked for.
+    A column is copied from the rows of the run only when it is asked for.
     """
 
     def __init__(
