@@ -2,7 +2,7 @@
 
 The solver takes its own steps and runs ahead of the communication point. Outputs come from the dense output
 of a step, so the result does not depend on the communication step. An event at the end of a step (a contact
-begins or ends, a mode changes) takes effect at the start of the next step. The next step starts only when the
+begins or ends, a mode changes) takes effect at the start of the next step, which starts only when the
 communication point has passed the event. ``d`` is the record of the instance (record/instance.py).
 """
 
@@ -87,19 +87,19 @@ from chain_impact.kernel.status import (
     set_status,
 )
 
-# [s] The longest step. A chain in flight without spin has no errors that would limit the size of its steps.
+# [s] the longest step: a chain in flight without spin has no errors that would limit it
 LONGEST_STEP = 1.0
-# [s] The shortest step, far below the resolution of time except near t = 0; the run fails if it is rejected.
+# [s] a run fails if a step must be shorter; far below the resolution of time except near t = 0
 SHORTEST_STEP = 1e-18
 
 
 def advance(d, time, log_capacity, cost_limit):
-    """Advance the instance to ``time`` [s], which must not be before the instance's present time.
+    """Advance the instance to ``time`` [s], which must not be before its communication point.
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
-        ended contacts wait for the caller, or the log of dry friction has no room for another step; the run
-        can continue after the caller has collected them. PAUSED: the cost since the start exceeds
+        ended contacts wait for the caller, or the log of dry friction has no room for another step; after the
+        caller has collected the entries, the run can continue. PAUSED: the cost since the start exceeds
         ``cost_limit`` evaluations; the run can continue.
     """
     status = reinit_if_changed(d, time)
@@ -143,7 +143,7 @@ def advance_to_onset(d, time):
 
 
 def event_update(d):
-    """Apply the onsets at the communication point, with the present parameters, and return a status.
+    """Apply the onsets at the communication point, with the present parameters; return a status.
 
     The next step starts in the state after the onsets.
     """
@@ -156,14 +156,14 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Return whether onsets at the communication point are not applied yet."""
+    """Return whether a contact begins at the communication point, and its onset is not applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
 def reinit_if_changed(d, time):
     """Set prescribed motions until ``time`` [s]; re-initialize if an input or parameter has changed.
 
-    Returns a status.
+    Return a status.
     """
     if d.channels > 0 and d.statistics.status == OK:
         set_status(d, interpolate_motion(d, time))
@@ -175,8 +175,8 @@ def reinit_if_changed(d, time):
 def must_reinit(d):
     """Return whether an input or parameter has changed so that the solver must re-initialize.
 
-    A value that was set and then set back has not changed. A new piece of the inputs is no change if it
-    continues the present piece without a jump: the next step then applies it.
+    A value that was set and then set back has not changed. A new piece of the inputs that continues the
+    present piece without a jump needs no re-initialization: the next step applies it.
     """
     if d.given.changed == REINITIALIZE and inputs_in_use(d) and laws_in_use(d):
         withdraw_request(d)
@@ -184,7 +184,7 @@ def must_reinit(d):
 
 
 def advance_one_step(d):
-    """Take a step, and return a status; after a fault, first return to the last time that was reached."""
+    """Take a step, and return a status; after a fault, stay at the last time that was reached."""
     set_status(d, take_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
@@ -208,7 +208,7 @@ def reinit(d):
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # the proposed step of a chain at rest is far too long for the motion that a new input may cause
+    # a chain at rest has proposed a step that is far too long for the motion that a new input may cause
     control.limit_next_size(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -216,12 +216,12 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Apply the given inputs and laws, and update the active set.
+    """Use the given inputs and laws from now on, and choose held contacts and modes again.
 
     Returns:
-        A status. It is a fault if a law is invalid, or would become rigid while a point touches a wall: then
-        the laws stay, but the new inputs are in use. It is also a fault if no forces are found for the new
-        values: then all new values are in use.
+        A status. A fault is a law that is invalid, or would become rigid while a point touches a wall: then
+        the old laws stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values;
+        all of these are in use.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -233,13 +233,13 @@ def apply_pending_inputs(d):
 
 
 def latch_again(d):
-    """Set the latched values of active contacts again, as laws may have changed."""
+    """Set the latched values of active contacts again, because laws may have changed."""
     for k in range(d.touch.compliant_count):
         latch(d, d.touch.active_index[k])
 
 
 def apply_laws(d):
-    """Set data again that depend on the laws: values of onsets, held contacts, modes, sides of kinks."""
+    """Update what depends on the laws: latched values, held contacts, friction modes and sides of kinks."""
     latch_again(d)
     renew_modes(d, belts_jump(d))
 
@@ -265,19 +265,19 @@ def take_step(d):
 
 
 def check_solved(d, status):
-    """Return FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
+    """Return ``status``, or FORCES_NOT_FOUND if forces or modes at an event were not found."""
     return FORCES_NOT_FOUND if status == OK and d.constraints.unsolved == UNSOLVED else status
 
 
 def find_step(d):
-    """Try smaller and smaller steps until one is accepted, and end it at the first event; return a status."""
+    """Try smaller and smaller steps until one is accepted, which ends at its first event; return a status."""
     wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
     if d.signals > 0:
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        # `prepare` may lengthen a step past the end of a contact; no step may pass the end of a piece
+        # `prepare` may lengthen a step past the end of a contact, but no step may pass the end of a piece
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
@@ -294,7 +294,7 @@ def find_step(d):
 
 
 def try_step(d, h):
-    """Try a step of size h. An accepted step becomes the last step, and ends at the first event."""
+    """Try a step of size h; if it is accepted, it becomes the last step, and ends at its first event."""
     clear_stage_notes(d)
     attempt(d, h)
     if not control.accepted(d):
@@ -319,12 +319,12 @@ def try_step(d, h):
 
 
 def must_land(d, theta):
-    """Return whether the last step must be repeated to end at its event at the fraction θ (−1: none).
+    """Return whether the last step must be repeated so that it ends at its event, at the fraction θ.
 
-    The force of a contact is not smooth at its end and at its kink, so the interpolant of a step across this
-    point is less accurate than the step. The interpolant of an implicit step is less accurate everywhere
-    except at its ends, so an implicit step is repeated for every event, even near its start. Otherwise the
-    error would let a point that bounces lower and lower fall faster than it has risen, and bounce without
+    θ = −1: there is no event. The force of a contact is not smooth at the contact's end and at its kink, so
+    the dense output of a step across this point is less accurate than the step. The dense output of an
+    implicit step is less accurate everywhere except at its ends, so it is repeated for every event. Otherwise
+    its error would let a point that bounces lower and lower fall faster than it has risen, and bounce without
     end.
     """
     return theta > 0.0 and (force_has_kink(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
@@ -362,16 +362,16 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         restart_balance(d)
     if not kinked:
-        choose_method(d)  # a kink of a force would hide the stiffness
+        choose_method(d)  # at a kink the force, and so the stiffness, may be 0, so the method stays
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events
 
 
 def apply_pending_events(d):
-    """Apply the events at the end of the last step, and set the rate after the events.
+    """Apply the events at the end of the last step, and set the rate at the start of the next one.
 
-    Returns the number of events, and whether a kink of a force or the limit of a drive is among them.
+    Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
     events, kinked = d.drive.event + pending_changes(d), d.drive.event > 0
     for c in range(d.candidates):
@@ -394,6 +394,6 @@ def apply_pending_events(d):
 
 
 def set_first_stage(d):
-    """Set the first stage of a step: the rate at the start, converted to the step's integration variable."""
+    """Set the first stage of a step: the rate at its start, dy/ds in the step's integration variable s."""
     regularize(d, d.step.state_end, d.scratch.rate_start, d.scratch.stage[0])
     set_quadrature_stage_at_end(d, 0)

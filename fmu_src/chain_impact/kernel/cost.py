@@ -1,30 +1,27 @@
 """The cost of a run, the count of its events, and the limits on both that end a run with a fault.
 
-The unit of cost is an evaluation of the right-hand side. One location of the points in the search for events
-costs about as much, and so does one solution for the response of the chain to impulses.
+The unit of cost is an evaluation of the right-hand side f(y). To locate the points in the search for events,
+or to solve for the response of the chain to impulses, costs about one unit, too.
 """
 
 from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
 
-UNLIMITED = 1 << 62  # value of a limit on the number of evaluations that means: no limit
+UNLIMITED = 1 << 62  # value of a limit of cost that means: no limit
 COST_WINDOW = 1.0  # [s] the simulated time in which `solver.work_limit` limits the cost
-# [s] A communication step, even a short one, may cost as much as `solver.work_limit` allows for this
-# simulated time.
+# A communication step, even a short one, may cost as much as `solver.work_limit` allows for LONGEST_CALL [s]
+# of simulated time.
 LONGEST_CALL = 20.0
 # The product of evaluations and links after which a long call returns, so that its caller can stop the run.
 # An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
-# The number of events in EVENT_WINDOW [s], on average for each candidate, and for each drive if there is
-# friction or a drive with a limit. More events count as endless chattering, and end the run: in a bounce of a
-# microsecond the point rises only 1e-12 m.
+# A run ends with a fault after more than MOST_EVENTS events in EVENT_WINDOW [s], on average for each
+# candidate, and for each drive if there is friction or a drive with a limit. This is endless chattering: in a
+# bounce of a microsecond the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
 def begin_windows(d, time):
-    """Begin the first time windows of events and cost at ``time`` [s], the start of a run.
-
-    The numbers of events and evaluations within a window are limited.
-    """
+    """Begin the first windows of time that limit events and cost, at ``time`` [s], the start of a run."""
     d.limits.event_start, d.limits.cost_start = time, time
 
 
@@ -40,7 +37,7 @@ def count_rejected_step(d):
 
 
 def cost_so_far(d):
-    """Return the cost since the start, in evaluations of the right-hand side."""
+    """Return the cost since the start of the run, in evaluations of the right-hand side."""
     return d.statistics.rhs_evaluations + d.limits.other_cost
 
 
@@ -71,20 +68,20 @@ def uncount_cost(d, counted):
 
 
 def cost_exceeded(d):
-    """Return whether the cost exceeds the limit for a second of simulated time.
+    """Return whether the cost exceeds the limit for the present second of simulated time.
 
-    Every long loop calls this function.
+    Every long loop calls this function, to end early.
     """
     return cost_so_far(d) - d.limits.cost_count > d.solver.work_limit * COST_WINDOW
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] after which a call returns, so that the caller can stop the run."""
+    """Return the cost [evaluations] after which a call returns, so that its caller can stop the run."""
     return CALL_COST // (d.links + 1)
 
 
 def begin_call(d):
-    """Begin to count the cost of a communication step."""
+    """Begin to count the cost of the next communication step."""
     d.limits.call_count = cost_so_far(d)
 
 
@@ -94,9 +91,10 @@ def allow_any_length(d):
 
 
 def check_cost(d):
-    """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK.
+    """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK, and begin a new window of cost when one has passed.
 
-    The first means that a second of simulated time costs too much, the second that a call does.
+    TOO_MUCH_WORK: a second of simulated time costs too much. STEP_TOO_LONG: a communication step costs too
+    much.
     """
     limits = d.limits
     if cost_exceeded(d):
@@ -110,7 +108,7 @@ def check_cost(d):
 
 
 def check_events(d, events):
-    """Count ``events``; return EVENT_STORM if their sum in EVENT_WINDOW exceeds the limit, else OK."""
+    """Count ``events``; return EVENT_STORM if there are too many in EVENT_WINDOW, else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

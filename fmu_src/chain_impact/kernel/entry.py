@@ -34,7 +34,7 @@ from chain_impact.kernel.status import (
 
 
 def is_sound(d):
-    """Return 1 if all indices in the record, and in the hooks' data after it, are within bounds, else 0.
+    """Return 1 if all indices in the record, and in the tangent instances after it, are in bounds, else 0.
 
     The caller must check the sizes at the start of the record, such as the number of links.
     """
@@ -42,12 +42,12 @@ def is_sound(d):
 
 
 def within_bounds(d):
-    """Return whether every index of the record is within its bounds."""
+    """Return whether every index and length of a loop in the record is within its bounds."""
     return indices_within_bounds(d) and relations_hold(d)
 
 
 def indices_within_bounds(d):
-    """Return whether each index is within the bounds that the layout declares (record/fields.py)."""
+    """Return whether each index is within the bounds that its layout declares (record/fields.py)."""
     for k in range(len(BOUNDED)):
         values, least, most = bounded_field(d, k), least_bound(d, k), most_bound(d, k)
         for i in range(len(values)):
@@ -57,7 +57,7 @@ def indices_within_bounds(d):
 
 
 def relations_hold(d):
-    """Return whether the indices and counts whose bounds depend on other numbers are within these bounds."""
+    """Return whether indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
     fits = d.contact_log.count >= 0 and is_within(d.touch.compliant_count, 0, d.touch.active_count)
     fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
@@ -78,7 +78,7 @@ def signals_fit(d):
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
-        # index of the first of the given knots; the signal has as many of these as knots of its own
+        # index of the first knot with given numbers; the signal has as many of these as knots of its own
         given = signal.first[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
@@ -87,7 +87,7 @@ def signals_fit(d):
 
 
 def friction_counts_fit(d):
-    """Return whether no count of a group of elements with friction exceeds the count of a larger group."""
+    """Return whether the counts of elements with friction fit: no part of a group exceeds the group."""
     friction = d.friction
     fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
     fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
@@ -96,7 +96,7 @@ def friction_counts_fit(d):
 
 
 def least_law(d):
-    """Return the least valid number of a law: 1 in a run without a fault or with active contacts, else 0."""
+    """Return the least valid number of a law in the record: 1, or 0 if no law may have been set yet."""
     started = d.chain.longest_link != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 
@@ -117,7 +117,7 @@ def advance_to(d, time):
 def advance_awhile(d, time):
     """Advance as ``advance_to`` does, but return PAUSED after about a second of computing.
 
-    So the caller can stop the run.
+    The caller can then stop the run or continue it.
     """
     return advance(d, time, UNLIMITED, cost_so_far(d) + cost_of_a_call(d))
 
@@ -125,12 +125,13 @@ def advance_awhile(d, time):
 def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
-    If new values have been set that the run does not use yet, the function applies them first. The instance
-    must therefore be a copy of the running instance, so that a read of outputs does not change the run.
+    If new values of inputs or parameters have been set that the run does not use yet, the function applies
+    them first. The instance must therefore be a copy of the running one, or reading outputs would change the
+    run.
 
     Returns:
-        The status of the run, or the fault status that the new values cause. In the second case the outputs
-        are those without the new values, and other values may still be set before the next step.
+        The status of the run, or the fault status that the new values cause. After such a fault the outputs
+        are those without the new values; before the next step the caller may still set other values.
     """
     observe(d)
     status = d.statistics.status
@@ -138,9 +139,10 @@ def observe_now(d):
 
 
 def observe_trial(d):
-    """Apply new values of inputs and parameters, and fill the outputs that change at once. Return a status.
+    """Apply new values of inputs and parameters, and fill the outputs that they change at once.
 
-    No run can continue from the instance afterwards. After a fault all outputs stay unchanged.
+    Return a status; after a fault all outputs stay unchanged. No run can continue from the instance
+    afterwards.
     """
     counted = counted_cost(d)
     store_output_state(d)
@@ -156,12 +158,11 @@ def observe_trial(d):
 
 
 def trajectory(d, words, times, spans, rows, of_state):
-    """Advance to each of the times [s] in turn, and fill a row of numbers of the record at each time.
+    """Advance to each of the ``times`` in turn, and copy numbers of the record to a row at each time.
 
     Args:
         d: the instance.
-        words: all numbers of the record and of the records of dual numbers after it (8 bytes each), shape
-            (M,).
+        words: all numbers of the record and of its tangent instances (8 bytes each), shape (M,).
         times: shape (T,), increasing [s].
         spans: first index and length of each span of wanted numbers, shape (S, 2); W numbers in all.
         rows: result, shape (T, W).
@@ -169,8 +170,8 @@ def trajectory(d, words, times, spans, rows, of_state):
             derivatives: then the other outputs, and all derivatives, are not computed.
 
     Returns:
-        The number of rows that are filled. This number is smaller than the number of times after a fault,
-        when the log of ended contacts is full, or when a second of computing is over.
+        The number of rows that are filled. It is smaller than the number of times after a fault, when the log
+        of ended contacts is full, or after a second of computing.
     """
     log_capacity = len(d.contact_log.point) - d.candidates
     cost_limit = cost_so_far(d) + cost_of_a_call(d)
@@ -209,8 +210,8 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
         continuing: 1 if an earlier call has begun the first run, which this call continues.
 
     Returns:
-        The number of complete runs. If the number is smaller than R, a second of computing was over, and the
-        next run has begun.
+        The number of complete runs. If it is smaller than R, a second of computing has passed within the next
+        run, which a call with ``continuing`` continues.
     """
     cost_limit = cost_of_a_call(d) + (cost_so_far(d) if continuing else 0)
     for r in range(len(rows)):
@@ -227,7 +228,7 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
 
 
 def finish_run(d, end_time, cost_limit):
-    """Advance to ``end_time`` [s], and return a status.
+    """Advance to ``end_time`` [s], fill the outputs, and return a status.
 
     Contacts that still last at the end are logged, because the outputs of peak forces and penetrations come
     from the log.

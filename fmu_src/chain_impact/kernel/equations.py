@@ -1,7 +1,7 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
 chain/state.py describes y. Six functions set ẏ. Each needs y and, as its name says, data that earlier calls
-have set. A "free" rate lacks the forces of constraints:
+have set. A "free" rate lacks the forces of constraints. The list says what each function needs:
 
     rate_from_state             y alone; locates the points only if forces act on them
     rate_and_points_from_state  y alone; locates the points
@@ -59,7 +59,10 @@ def other_energy(d, y):
 
 
 def stored_energy(d, y):
-    """Return the elastic energy [J] of active contacts, at located points, and of passive drives' springs."""
+    """Return the elastic energy [J] of active contacts and of the springs of passive drives.
+
+    The points must be located.
+    """
     energy = spring_energy(d, y) if d.chain.has_springs else 0.0
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
@@ -70,10 +73,7 @@ def stored_energy(d, y):
 
 
 def mechanical_energy(d, y):
-    """Return the kinetic and the potential energy [J] of chain, armatures and carriage.
-
-    The points must be located.
-    """
+    """Return the kinetic and the potential energy [J] of the links, armatures and carriage."""
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
@@ -98,7 +98,7 @@ def mechanical_energy(d, y):
 @inlined
 def rate_from_state(d, y, rate):
     """Set rate = f(y), with the active contacts and the present inputs."""
-    # in free flight no force acts at a point, so the positions of points and walls are not needed
+    # in free flight no force acts at a point, so points and walls are not located
     if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)
     else:
@@ -114,14 +114,14 @@ def rate_and_points_from_state(d, y, rate):
 
 @inlined
 def rate_from_points(d, y, rate):
-    """Set rate = f(y) for the located points, and evaluate the inputs."""
+    """Set rate = f(y) for the located points; the inputs are set to their values at the time of y."""
     ensure_inputs(d, y)
     free_rate_from_inputs(d, y, rate)
     add_constraints(d, y, rate)
 
 
 def true_rate_from_inputs(d, y, rate):
-    """Set rate = f(y) with the true forces of contacts, which do not continue beyond a kink.
+    """Set rate = f(y) with the true forces of contacts, which end at a kink instead of continuing.
 
     The dissipated power in ẏ lacks the parts of contacts and of sliding friction.
     """
@@ -131,9 +131,10 @@ def true_rate_from_inputs(d, y, rate):
 
 
 def add_constraints(d, y, rate):
-    """Add the effects of constraints and of given motions to the rate ẏ.
+    """Add the effects of constraints and of prescribed motions to ẏ, the rate without constraints.
 
-    These are the accelerations and the power of constraints, and the power of moving base, walls and belts.
+    Constraints add accelerations and the power that they dissipate; moving base, walls and belts add the
+    power that they supply.
     """
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
@@ -148,10 +149,7 @@ def free_rate_from_inputs(d, y, rate):
 
 
 def free_rate_from_loads(d, y, dissipated, rate):
-    """Set rate = f(y), with the loads in the record, and without the forces of constraints.
-
-    ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
-    """
+    """Set rate = f(y) with the stored loads at all places, and without the forces of constraints."""
     n = d.links
     supplied = 0.0
     if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
@@ -176,9 +174,9 @@ def free_rate_from_loads(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Clear the data that the stages of a step record.
+    """Clear the records that the stages of a step add to, before a step.
 
-    These are failed solutions, crossed kinks, least forces, and margins of modes.
+    These are: unsolved constraints, crossed kinks, least forces of rigid walls, and margins of modes.
     """
     clear_unsolved(d)
     clear_crossings(d)
@@ -188,14 +186,13 @@ def clear_stage_notes(d):
 
 
 def joint_moments(d, y):
-    """Set the sum of the joint moments on each link; return the dissipated power and the supplied power [W].
+    """Set the sum of the joint moments on each link; return the powers [W] that drives dissipate and supply.
 
-    The proximal joint of link i carries the torque τ_i of its drive: +τ_i on link i, −τ_i on link i − 1. A
-    free base has no joint to carry τ_1.
+    The supplied power includes that of the force at the tip. The proximal joint of link i carries the torque
+    τ_i of its drive: +τ_i on link i, −τ_i on link i − 1. A free base has no joint to carry τ_1.
     """
     dissipated, supplied = 0.0, 0.0
-    # without inputs no force acts at the tip, and the velocity of the tip, which is unknown in flight, is not
-    # read
+    # without inputs no force acts at the tip; its velocity is not read, because it is unknown in flight
     if d.chain.has_inputs:
         force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
@@ -217,10 +214,7 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction to both links of each joint.
-
-    The moments follow from the loads at the joint's place.
-    """
+    """Add the moments of stops and dry friction in the joints, from the loads at the joints' places."""
     for i in range(d.links):
         add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 
@@ -232,7 +226,7 @@ def add_spring_moments(d, y):
 
 
 def add_joint_moment(d, i, torque):
-    """Add a torque [N·m] in the proximal joint of link i: +torque on link i, and −torque on link i − 1."""
+    """Add a torque [N·m] in the proximal joint of link i: + on link i, and − on link i − 1."""
     d.scratch.moment[i] += torque
     if i > 0:
         d.scratch.moment[i - 1] -= torque

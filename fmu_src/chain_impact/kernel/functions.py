@@ -1,4 +1,4 @@
-"""Functions that the compiler treats specially, marks for functions, and functions that combine functions."""
+"""Marks for functions that the compiler treats specially, and functions that combine functions."""
 
 
 def clear_numbers(part):
@@ -12,16 +12,19 @@ def copy_row(table, source, row):
 
 
 def inlined(function):
-    """Mark a function that is always inlined into its callers.
+    """Mark a function that is always inlined into its callers, and return it.
 
-    So the compiler can use its knowledge about the arguments of each call.
+    In each call, the compiler can then use what it knows about the arguments.
     """
     function.inlined = True
     return function
 
 
 def has_dual_rule(function):
-    """Mark a function that RULES in tangent/rules.py replaces if an argument carries derivatives."""
+    """Mark a function that RULES in tangent/rules.py replaces if an argument carries derivatives.
+
+    Such an argument is a dual number or a tangent instance.
+    """
     function.has_dual_rule = True
     return function
 
@@ -33,7 +36,10 @@ def has_complex_rule(function):
 
 
 def dispatch(functions):
-    """Return a function of (number, …) that calls entry ``number`` of ``functions``, counted from 0."""
+    """Return a function of (number, …) that calls entry ``number`` of ``functions`` with the other arguments.
+
+    The entries are counted from 0.
+    """
     first, others = functions[0], functions[1:]
     if not others:
         return lambda _number, *arguments: first(*arguments)
@@ -42,7 +48,7 @@ def dispatch(functions):
 
 
 def called_in_turn(first, *others):
-    """Return a function that calls several functions in turn, with its own arguments.
+    """Return a function that calls several functions, one after the other, with its own arguments.
 
     It returns nothing.
     """

@@ -1,10 +1,10 @@
 """The hooks: functions that a run calls at fixed points, such as after each step.
 
-The functions of this module do nothing. A kernel that carries derivatives is linked with the functions of
-HOOKS in kernel/tangent/entry.py instead. A user's contact law (kernel/forces/user_law.py) is linked in the
-same way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a kernel is
-compiled: RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py,
-for complex numbers; ``has_dual_rule`` and ``has_complex_rule`` mark these functions.
+The functions of this module do nothing. In a kernel that carries derivatives, the functions of HOOKS in
+kernel/tangent/entry.py replace them. A user's contact law (kernel/forces/user_law.py) is linked in the same
+way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a kernel is compiled:
+RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in kernel/chain/response.py, for complex
+numbers; ``has_dual_rule`` and ``has_complex_rule`` mark the functions that they replace.
 """
 
 
@@ -29,20 +29,20 @@ def on_observe_trial(_d):
 
 
 def on_truncate(_d):
-    """Do nothing; a run calls this hook when the last step has been cut.
+    """Do nothing; a run calls this hook when the last step has been cut at the communication point.
 
-    The step then ends at the communication point, and the active contacts are logged up to this point.
+    The active contacts are then logged up to this point.
     """
 
 
 def indices_valid(_d):
-    """Return 1 if all indices in the data that hooks keep after the instance's record are valid, else 0."""
+    """Return 1 if all indices in the tangent instances after the instance's record are valid, else 0.
+
+    Here there are no tangent instances.
+    """
     return 1
 
 
 def words_behind(_d):
-    """Return how many words of 8 bytes of the hooks' data follow the instance's record: here none.
-
-    In a kernel that carries derivatives, these are the words of the tangent instances.
-    """
+    """Return how many words of 8 bytes of tangent instances follow the instance's record: here none."""
     return 0

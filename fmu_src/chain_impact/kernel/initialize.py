@@ -1,4 +1,4 @@
-"""Initialization of a run: check the parameters, derive constants from them, and set the initial state."""
+"""The start of a run: check the parameters, derive constants from them, and set the initial state."""
 
 import math
 
@@ -126,7 +126,7 @@ def set_initial_state(d, y):
 def clear_run(d, time):
     """Clear the data of an earlier run that would affect a run from ``time`` [s] on.
 
-    The other large parts of the record stay: to clear them would take a twentieth of the time of a short run.
+    Other large parts of the record are not cleared: this would take a twentieth of the time of a short run.
     """
     clear_numbers(d.step)
     clear_numbers(d.trial)
@@ -152,10 +152,13 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``."""
+    """Derive parameters that are not given, constants of the recursion, scales, and ``has_joint_stops``.
+
+    They follow from the given parameters of chain and slider.
+    """
     chain = d.chain
     d.stops.exponent = given_or_derived(d.stops.given_exponent, d.contact.exponent)
-    # choose the middle joint as `accelerations` (chain/elimination.py) does
+    # the middle joint must be that of `accelerations` (chain/elimination.py)
     chain.meeting_joint = 0 if chain.has_base_joint else len(chain.length) // 2
     chain.longest_link, chain.reach = 0.0, 0.0
     for i in range(len(chain.length)):
@@ -215,7 +218,7 @@ def derive_sites(d):
 
 
 def derive_drives(d):
-    """Derive from the values in use the effects of drives, and a bound [1/s] on the rates that they cause.
+    """Derive, from the values in use, which effects drives have, and a bound [1/s] on the rates they cause.
 
     The modes of all drives are first set to "below the limit".
     """
@@ -225,9 +228,9 @@ def derive_drives(d):
 
 
 def check_parameters(d):
-    """Check ranges, signals, limits of joints and slider, the mass matrix and the method; return a status.
+    """Check ranges, signals, stops, the mass matrix and the method of integration; return a status.
 
-    The check is needed in each run, because an importer may set any value.
+    Each run needs these checks, because an importer may set any value.
     """
     status = check_ranges(d)
     if status != OK:
@@ -258,9 +261,9 @@ def check_ranges(d):
 
 
 def refuse_value(d, k, i):
-    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED.
+    """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED, and store the cause.
 
-    The function stores the link or slider to which the entry belongs, as the reason of the fault.
+    The cause is the link, or the slider, to which the entry belongs.
     """
     if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
@@ -272,13 +275,16 @@ def refuse_value(d, k, i):
 
 
 def first_size(d):
-    """Return a first step size [s], from how fast the links turn; the error control adapts the size later."""
+    """Return a first step size [s] from the links' angular velocities and accelerations.
+
+    The error control adapts the size later.
+    """
     rate_from_state(d, d.step.state, d.scratch.rate_start)
     return size_in_flight(d, d.step.state, d.scratch.rate_start)
 
 
 def check_start(d):
-    """Return a fault status if a run cannot start in this state, else OK.
+    """Return a fault status if the run cannot start in its initial state, else OK.
 
     A run cannot start if the state, its rate or its energy is not finite, if a point or the base is beyond a
     wall, if a joint or the slider is beyond a stop, or if no forces are found.

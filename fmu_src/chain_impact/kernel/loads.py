@@ -11,9 +11,9 @@ a site on the site's link. Integrated over time, with p the momentum of these li
     ∫f_i dt = Δp − Σ m_j g Δt − Σ_{k≥i} ∫F_k dt,
 
 which includes the impulses of rigid walls. So the impulses in joints follow from momenta, without an
-integration over time. The peaks of |f_i| are found in the dense output of each step. A peak does not include
-impulses of rigid walls. The largest force during a contact comes from the steps in which the contact is
-active, because a contact begins and ends at ends of steps.
+integration over time. The peaks of |f_i| are searched for in the dense output of each step; impulses of rigid
+walls are not part of a peak. The largest force during a contact is the largest one in the steps in which the
+contact is active, because a contact begins and ends at ends of steps.
 
 The record has a row for each joint, beginning with row 0 for the joint at the base, and then a row for each
 wall. The record of a scene that does not request loads has no such rows.
@@ -40,20 +40,16 @@ from chain_impact.kernel.rows.geometry import (
     tangent_row,
 )
 
-# The number of intervals between the samples of joint forces in an explicit step, and in an implicit step,
-# where the forces may rise and fall often.
+# The number of intervals between the samples of joint forces in a step: INTERVALS in an explicit step,
+# IMPLICIT_INTERVALS in an implicit step, where the forces may rise and fall often.
 INTERVALS, IMPLICIT_INTERVALS = 8, 32
-# A parabola through three samples of a squared joint force may lie below the force's peak. So the peak is
-# searched for where the parabola exceeds this part of the largest square so far. Nearer to 1, some peaks
-# would be missed.
+# A peak is searched for where the parabola through three samples of |f|² exceeds this part of the largest
+# |f|² so far. The parabola may lie below the peak, so with a value nearer to 1 some peaks would be missed.
 NEAR_PEAK = 0.95
 
 
 def start_loads(d, time):
-    """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
-
-    The momenta are those at the end of the last step.
-    """
+    """Clear the peaks at the start of a run at ``time`` [s], and store the links' momenta at this time."""
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
     transmitted.start_time, transmitted.searched_end = time, math.nan
@@ -63,7 +59,7 @@ def start_loads(d, time):
 
 
 def store_tip_impulse(d, j, impulse):
-    """Store component j of the impulse [N·s] of the tip's force since the start."""
+    """Store component j of the impulse [N·s] of the force at the tip since the start, for joint impulses."""
     d.transmitted.tip_impulse[j] = impulse
 
 
@@ -82,7 +78,8 @@ def link_momenta(d, x, y):
 def joint_forces(d, contact_force, friction_force, x, y):
     """Set x and y to the force f_i [N] in each joint, for the accelerated points.
 
-    The forces of the contacts are those stored for each candidate.
+    ``contact_force`` has the normal force of each candidate, and ``friction_force`` the friction force of
+    each element.
     """
     for i in range(d.links):
         ax, ay = at_center_of_mass(d, d.scratch.acceleration, i)
@@ -94,9 +91,10 @@ def joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c from the entry of x and y of its link.
+    """Subtract the force or impulse of candidate c's wall from the entry of x and y of the link it acts on.
 
-    This is the link on which the candidate's wall acts.
+    ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored,
+    because they act between links.
     """
     if at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
@@ -106,9 +104,10 @@ def subtract_contact(d, c, along_normal, along_tangent, x, y):
 
 
 def sum_from_tip(d, at_tip, x, y):
-    """Change x and y from the forces that the links need to the forces in the joints.
+    """Change x and y from what each link needs to the forces, or impulses, in the joints.
 
-    The force in a joint is the sum over all links from there to the tip, minus the force ``at_tip``.
+    An entry of a link is its mass times (a_C − g), minus the forces on it. The force in a joint is the sum of
+    these entries from its link to the tip, minus the force ``at_tip``.
     """
     x[d.links - 1] -= at_tip[0]
     y[d.links - 1] -= at_tip[1]
@@ -118,9 +117,9 @@ def sum_from_tip(d, at_tip, x, y):
 
 
 def wall_force(d, c, along_normal, along_tangent):
-    """Return the force [N] or impulse [N·s] of a wall on candidate c's point.
+    """Return the force [N] or impulse [N·s] of a wall on candidate c's point, x and y.
 
-    ``along_normal`` and ``along_tangent`` contain its two components for each candidate.
+    ``along_normal`` and ``along_tangent`` have the two components for each candidate.
     """
     _, nx, ny = normal_row(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
@@ -132,10 +131,11 @@ def wall_force(d, c, along_normal, along_tangent):
 
 
 def fill_loads(d, y, rate):
-    """Fill the outputs of forces and moments from the forces of the contacts, for the accelerated points.
+    """Fill the outputs of forces and moments of joints and walls, for the accelerated points.
 
-    The moment of a joint is the whole moment on its outer link: drive, dry friction and stops, minus the
-    torque that accelerates the armature. With this definition each link obeys Euler's law.
+    The outputs of contact forces must be filled. The moment of a joint is the whole moment on its outer link:
+    of drive, dry friction and stops, minus the torque that accelerates the armature. With this definition
+    each link obeys Euler's law.
     """
     out = d.output
     joint_forces(d, out.force, out.friction.force, out.load.x, out.load.y)
@@ -156,7 +156,10 @@ def fill_loads(d, y, rate):
 
 
 def fill_slider_reaction(d):
-    """Fill the outputs of force and moment of the line on the carriage, from the loads of joint 1."""
+    """Fill the outputs of the force and the moment of the slider's line on the carriage.
+
+    They follow from the force and the moment in joint 1.
+    """
     out, slider, gravity = d.output, d.slider, d.chain.gravity
     # reaction of the line from the force f₁ in joint 1 and the weight m g: R = n·(f₁ − m g), n = (−u_y, u_x);
     # the carriage does not turn
@@ -165,9 +168,9 @@ def fill_slider_reaction(d):
 
 
 def add_wall_load(d, c):
-    """Add the force of candidate c on its wall, and the moment of this force, to the outputs.
+    """Add the force of candidate c's point on its wall, and the moment of this force, to the outputs.
 
-    The moment is about the wall's point; for a wall of the box it is about the origin.
+    The moment is about the wall's point in `walls`; for a wall of the box it is about the origin.
     """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)
@@ -195,10 +198,10 @@ def fill_load_impulses(d):
 
 
 def fill_load_peaks(d):
-    """Fill the outputs of the largest forces so far; afterwards the points are located at another time.
+    """Fill the outputs of the largest joint forces since the start, up to the communication point.
 
-    The whole step is searched only once. Only if the step raises a peak, an output at a time within the step
-    needs a second search, up to this time.
+    A whole step is searched only once. Only if the step raises a peak, an output at a time within the step
+    needs a second search, up to this time. Afterwards the points are located at another time.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
@@ -216,9 +219,12 @@ def fill_load_peaks(d):
 
 
 def update_load_peaks(d):
-    """Update, for the last step, the largest forces in the joints since the start and during each contact.
+    """Raise the stored largest joint forces to those in the last step, if they are larger there.
 
-    The evaluations do not count as cost, because loads are outputs.
+    Two maxima of |f|² [N²] are stored: for each joint since the start of the run (``transmitted.peak``), and
+    for each active contact since its onset, over all joints (``touch.joint_square``, with the joint's
+    number). The evaluations do not count as cost, because loads are outputs. Afterwards points and forces are
+    those at the end of the step.
     """
     transmitted, touch, counted = d.transmitted, d.touch, counted_cost(d)
     ensure_dense(d, OUTPUTS)
@@ -230,17 +236,18 @@ def update_load_peaks(d):
         for i in range(first_joint(d), d.links):
             if transmitted.largest_square[i] > touch.joint_square[c]:
                 set_joint_square(d, c, transmitted.largest_square[i], i + 1)
-    # after the search: set the forces, and the values that follow from them, to those at the end of the step
+    # the search has evaluated other times: set the forces, and what follows from them, to those at the end of
+    # the step
     load_joints_at(d, fraction(d, d.step.end))
     ensure_points(d)
     uncount_cost(d, counted)
 
 
 def search_step(d):
-    """Set ``transmitted.largest_square`` to the largest |f|² [N²] in the last step.
+    """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
-    If |f|² stays below the largest |f|² so far and below the largest |f|² of every active contact, the result
-    is the least of these earlier values.
+    If |f|² of the joint in the step stays below both its stored peak and the largest |f|² of every active
+    contact, the result is only the least of these stored values: no maximum changes then.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):
@@ -251,7 +258,7 @@ def search_step(d):
 
 
 def search_peaks(d, time):
-    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step up to a ``time`` [s]."""
+    """Raise ``transmitted.largest_square`` to the largest |f|² [N²] in the last step until ``time`` [s]."""
     transmitted, first, end = d.transmitted, event_fraction(d), fraction(d, time)
     intervals = IMPLICIT_INTERVALS if d.step.last_method == IMPLICIT else INTERVALS
     for m in range(intervals + 1):
@@ -269,9 +276,13 @@ def search_peaks(d, time):
 
 
 def rises_between(left, top, right, highest):
-    """Return whether a value with these three samples may have a maximum above ``highest`` between them."""
+    """Return whether a quantity with three equidistant samples may exceed ``highest`` between them.
+
+    The samples are ``left``, ``top`` and ``right``. If the parabola through them has a maximum between the
+    outer ones, it must exceed NEAR_PEAK times ``highest``.
+    """
     bend = 2.0 * top - left - right
-    # no maximum of the parabola through the samples lies between the outer samples
+    # the parabola through the samples has no maximum between the outer samples
     if bend <= 0.0 or abs(right - left) > 2.0 * bend:
         return False
     return top + (right - left) * (right - left) / (8.0 * bend) > NEAR_PEAK * highest
@@ -289,7 +300,7 @@ def load_joints_at(d, theta):
 
 
 def square_of_force(d, i):
-    """Return |f|² [N²] of the joint in row i, for the joint forces that were computed most recently."""
+    """Return |f|² [N²] of the joint in row i, from the last computed forces in ``transmitted``."""
     return d.transmitted.x[i] * d.transmitted.x[i] + d.transmitted.y[i] * d.transmitted.y[i]
 
 

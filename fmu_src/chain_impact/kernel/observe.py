@@ -1,7 +1,7 @@
 """The outputs at the communication point.
 
-A value that an importer sets acts at once on the outputs of accelerations, forces and sticking. Outputs of
-the state and of integrals, such as impulses, stay unchanged until the next step.
+A value that an importer sets changes the outputs of accelerations, forces and sticking at once. Outputs of
+the state and of integrals, such as impulses, do not change before the next step.
 """
 
 from chain_impact.kernel import hooks
@@ -56,9 +56,9 @@ def observe_state(d):
 
 
 def fill_outputs(d):
-    """Fill the outputs with the values at ``step.time``.
+    """Fill the outputs with the values at ``step.time``, the communication point.
 
-    The active contacts are those of the step that contains this time: an event at the end of this step, which
+    The active contacts are those of the step that contains this time. An event at the end of this step, which
     the solver has already found, is not visible yet.
     """
     counted, theta = counted_cost(d), fraction(d, d.step.time)
@@ -76,7 +76,10 @@ def fill_outputs(d):
 
 
 def refill_motion(d):
-    """Fill all outputs again except impulses, peaks and friction energy, with the values at ``step.time``."""
+    """Fill the outputs of motion, forces and energies again, with the values at ``step.time``.
+
+    Impulses, peaks, the list of impacts and the energy of friction do not change.
+    """
     counted = counted_cost(d)
     fill_motion(d, fraction(d, d.step.time))
     if d.chain.has_joint_stops:
@@ -121,9 +124,9 @@ def fill_state(d, theta):
     interpolate(d.step, theta, y)
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
-        # The interpolant satisfies constraints and prescribed motions only up to its error. The state is
-        # therefore projected. In the projection, sticking elements carry the load in proportion to their
-        # limits of friction in this state.
+        # The dense output satisfies constraints and prescribed motions only up to its error, so its state is
+        # projected. For the projection, ``apply_true_contacts`` sets the limits of friction: dependent
+        # sticking elements share the load in proportion to them.
         apply_true_contacts(d)
         project_state(d, y)
     ensure_inputs(d, y)
@@ -150,7 +153,7 @@ def fill_state(d, theta):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts, except impulses, for located points and an evaluated rate."""
+    """Fill the outputs of contacts, except impulses; points must be located, and the rate just evaluated."""
     out = d.output
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
@@ -165,7 +168,7 @@ def fill_forces(d):
 
 
 def fill_friction(d):
-    """Fill the outputs of dry friction, except impulses and energy."""
+    """Fill the outputs of dry friction, except impulses and energy, after ``fill_forces``."""
     friction, out = d.friction, d.output.friction
     for e in range(d.elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
@@ -180,8 +183,8 @@ def fill_friction(d):
             out.drive_sticking[k] = sticks
         else:
             out.sticking[e] = sticks
-            # sliding friction −s µ F_n in the direction −s, with the coefficient µ and the true normal force
-            # F_n, which does not continue beyond the kink of the law
+            # the friction force along t is −s µ F_n, with the mode s = ±1, the coefficient µ of sliding and
+            # the true normal force F_n, which ends at the kink of the law
             sliding = -mode * d.law.friction[e] * d.output.force[e]
             out.force[e] = d.element.force[e] if mode == STICKS else sliding
 
@@ -213,10 +216,10 @@ def fill_quadrature(d, i, value):
 
 
 def combine_forces(d):
-    """Convert forces and depths of joints' stops to moments [N·m] and angles [rad].
+    """Convert forces and penetrations of joints' stops to moments [N·m] and angles [rad].
 
-    Each result stands in the entry of the joint's first stop. A joint can touch only one of its two stops at
-    a time; moments at joint_max are negative.
+    The results of both stops of a joint stand in the entry of its first stop. A joint can touch only one of
+    its two stops at a time; moments at joint_max are negative.
     """
     out = d.output
     for c in range(d.candidates):
@@ -234,7 +237,8 @@ def combine_forces(d):
 def combine_impulses(d):
     """Convert impulses [N·s] of joints' stops to angular impulses [N·m·s].
 
-    The sum of both stops stands in the entry of the joint's first stop; those at joint_max are negative.
+    The sum over both stops of a joint stands in the entry of its first stop; impulses at joint_max are
+    negative.
     """
     out = d.output
     for c in range(d.candidates):

@@ -23,16 +23,17 @@ WALL_JUMPS = 19
 BASE_BEYOND_WALL = 20
 NO_ROOM = 21
 SIGNAL_JUMPS = 22
-# no fault: the caller must collect ended contacts and changes of friction, and may then continue the run
+# no fault: ended contacts and mode changes fill the log; after the caller has collected them, the run may
+# continue
 LOG_FULL = -1
 PAUSED = -2  # no fault: the call has returned so that the caller can stop or continue the run
-ONSET_DUE = -3  # no fault: contacts begin at the time that was reached; their onsets are not applied yet
+ONSET_DUE = -3  # no fault: contacts begin at the time that was reached, and their onsets are not applied yet
 
 WITHOUT_FRICTION = (
     "Newton's law of impact together with Coulomb's law of friction can add energy, and the motion of a "
     "rigid body that slides on a rigid wall need neither exist nor be unique"
 )
-"""The reason why rigid walls have no friction."""
+"""The reason, told to users, why rigid walls have no friction."""
 STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
@@ -77,36 +78,36 @@ STATUS_TEXT = {
     SIGNAL_JUMPS: "a signal lets the velocity of the base or of a wall jump, which would be an impact of "
     "unknown strength: let it rise or begin smoothly",
 }
-# table from a status to its name in results of sweeps: the constant's name in lower case
+# status → its name in results of sweeps: the constant's name in lower case
 STATUS_NAME = {code: name.lower() for name, code in globals().items() if name[0] != "_" and code in range(99)}
 LAST_STATUS = max(STATUS_TEXT)
 
 
 def set_status(d, status):
-    """Set the status of the run in the record, and return the status."""
+    """Set the status of the run in the record, and return it."""
     d.statistics.status = status
     return status
 
 
 def refuse_candidate(d, c, status):
-    """Store candidate c as the reason for ``status``, and return the status."""
+    """Store candidate c as the cause of the fault ``status``, for messages, and return the status."""
     d.fault.part = 1 + c
     return status
 
 
 def refuse_base(d, c, status):
-    """Store the base, at the wall of candidate c, as the reason for ``status``, and return the status."""
+    """Store the base at candidate c's wall as the cause of the fault ``status``, and return the status."""
     d.fault.part = 1 + d.candidates + 2 * d.links + d.slides + c
     return status
 
 
 def refuse_link(d, i, status):
-    """Store link i, counted from 0, as the reason for ``status``, and return the status."""
+    """Store link i, counted from 0, as the cause of the fault ``status``, and return the status."""
     d.fault.part = 1 + d.candidates + i
     return status
 
 
 def refuse_drive(d, i, status):
-    """Store drive i, of a joint or the slider, as the reason for ``status``, and return the status."""
+    """Store drive i, of a joint or slider, as the cause of the fault ``status``, and return the status."""
     d.fault.part = 1 + d.candidates + d.links + i
     return status

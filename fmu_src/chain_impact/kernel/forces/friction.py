@@ -105,7 +105,7 @@ def list_friction(d):
 
 
 def list_sticking(d):
-    """List the sticking elements, packed, and count the joints among them.
+    """List the sticking elements, packed, and count the joints and the slider among them.
 
     Each sticking element is a constraint; its number follows those of the active contacts.
     """

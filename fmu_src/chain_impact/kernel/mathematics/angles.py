@@ -1,7 +1,7 @@
 """Cosines and sines of angles.
 
 ``cosine_and_sine`` has no branches, so the compiler computes several angles at once, three times faster than
-the C library. With the C library, sines would take half the time of a right-hand side. The errors are below
+the C library. With the C library, sines would take half the time of an evaluation of ẏ. The errors are below
 2e-16, see tests/kernel/mathematics/test_angles.py.
 """
 
@@ -12,14 +12,14 @@ import numpy as np
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
 
-# [rad] the largest angle that ``cosine_and_sine`` accepts; the reduction of a larger angle loses digits
+# [rad] ``cosine_and_sine`` needs smaller angles: its reduction of a larger angle loses digits
 LARGEST_ANGLE = 1e6
 TWO_OVER_PI = 0.6366197723675814
 # π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after
 # Cody & Waite 1980).
 HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
 HALF_PI = 1.5707963267948966
-# coefficients of the best polynomials on |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
+# coefficients of the best polynomials for |r| ≤ π/4, by Remez's exchange: sin r = r + r³ S(r²), cos r = 1 −
 # r²/2 + r⁴ C(r²)
 # fmt: off
 S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
@@ -27,14 +27,14 @@ S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# the bits of 2/π in groups of GROUP_BITS bits; a reduction takes GROUPS of them, and more would not change
-# the result
+# The bits of 2/π are stored in groups of GROUP_BITS bits. A reduction of an angle takes GROUPS groups of
+# them; more groups would not change the result.
 GROUP_BITS, GROUPS = 24, 6
-LAST_DIGIT = 971  # the exponent of 2 in the last binary digit of the largest double
+LAST_DIGIT = 971  # exponent e of the largest double m 2^e, with an integer m of 53 bits
 
 
 def _digit_groups():
-    """Return the binary digits of 2/π after the point, as integers of GROUP_BITS digits each."""
+    """Return the binary digits of 2/π after the point, as an array of integers of GROUP_BITS digits each."""
     count = LAST_DIGIT // GROUP_BITS + GROUPS + 1
     scale = GROUP_BITS * count + 32
     # Machin's formula of 1706: π = 16 arctan(1/5) − 4 arctan(1/239)
@@ -44,7 +44,7 @@ def _digit_groups():
 
 
 def _fixed_arctangent(n, scale):
-    """Return arctan(1/n), times 2^scale."""
+    """Return arctan(1/n) times 2^scale, as an integer."""
     term, total, k = (1 << scale) // n, 0, 1
     while term:
         total += term // k if k % 4 == 1 else -(term // k)
@@ -57,7 +57,7 @@ DIGITS = _digit_groups()
 
 @has_dual_rule
 def direction(angle):
-    """Return the cosine and sine of any angle; NaN if the angle is not finite."""
+    """Return the cosine and sine of any angle [rad]; NaN if the angle is not finite."""
     if abs(angle) < LARGEST_ANGLE:
         return cosine_and_sine(angle)
     if not abs(angle) < math.inf:
@@ -82,28 +82,32 @@ def cosine_and_sine(angle):
     # the angle φ is k quarter turns and a remainder r: φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
-    # number of quarter turns k mod 4, from −2 to 2
+    # k mod 4, as an integer from −2 to 2: whole turns have no effect
     turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
     return cosine_and_sine_of_parts(turns, r)
 
 
 @inlined
 def cosine_and_sine_of_parts(turns, r):
-    """Return the cosine and sine of the angle turns π/2 + r, for integers −2 to 2 and |r| ≤ π/4."""
+    """Return the cosine and sine of the angle ``turns`` π/2 + r [rad], a number of quarter turns and a rest.
+
+    ``turns`` is an integer from −2 to 2, and |r| ≤ π/4.
+    """
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
     c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
-    # p = cos(turns π/2) and q = sin(turns π/2) as polynomials in turns, which floating point computes exactly
+    # With c = cos r and s = sin r, cosine and sine of the sum are p c − q s and p s + q c. Here p = cos(turns
+    # π/2) and q = sin(turns π/2), computed exactly by polynomials that have these values for turns = −2 to 2.
     u = turns * turns
     p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
     return p * c - q * s, p * s + q * c
 
 
 def far_reduction(angle):
-    """Return the quarter turns and the remainder r of an angle of at least LARGEST_ANGLE.
+    """Return the quarter turns, −2 to 2, and the remainder r [rad] of a finite |angle| ≥ LARGEST_ANGLE.
 
-    Bits of 2/π that would only add whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM
+    Groups of bits of 2/π that would only add whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM
     Newsletter 18:19).
     """
     pattern = bits_of(abs(angle))
@@ -118,10 +122,10 @@ def far_reduction(angle):
         for half, exponent in ((a, e + 27 - GROUP_BITS * (i + 1)), (b, e - GROUP_BITS * (i + 1))):
             if exponent >= 2:
                 continue
-            # This product is exact, and so is the remainder after whole turns are removed.
+            # this product, in quarter turns, is exact, and so is its remainder after whole turns are removed
             part = half * (float(DIGITS[i]) * double_of_bits(ONE + (exponent << FRACTION)))
             remainder = part - 4.0 * math.floor(0.25 * part)
-            # The sum of the remainders is stored exactly, as the sum of the two doubles total and lost.
+            # the sum of the remainders is stored exactly, as the sum of the doubles ``total`` and ``lost``
             before, total = total, total + remainder
             lost += remainder - (total - before) if before > remainder else before - (total - remainder)
     k = math.floor(total + 0.5)

@@ -6,45 +6,47 @@ from chain_impact.kernel.functions import inlined
 
 ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least number that is not subnormal."""
-# number of bits of a double after its leading 1; the bits of the exponent stand before these bits
+# number of bits of the fraction of a double, its lowest bits; the bits of the exponent are above them
 FRACTION = 52
-# Adding HALF to the bits of a double, and masking the sum with FRONT, rounds the double to 26 bits. The
-# product of two numbers with 26 bits is exact.
+# Adding HALF to the bits of a double, and masking the sum with FRONT, rounds the double to 26 bits. A product
+# of two numbers with 26 bits is exact.
 HALF, FRONT = 1 << 26, -(1 << 27)
-FIXED = 160  # number of bits after the binary point in the integers from which tables are computed
+# the number of bits after the binary point of integers that stand for reals: tables are computed with such
+# integers
+FIXED = 160
 ROUND = 1.5 * 2.0**52
-"""A number plus ROUND minus ROUND is rounded to an integer, because doubles of this size have no fraction."""
+"""Adding ROUND and subtracting it rounds a number to an integer: doubles of this size have no fraction."""
 
 
 @inlined
 def bits_of(number):
-    """Return the bits of a double as an integer."""
+    """Return the 64 bits of a double as an integer."""
     return int(np.float64(number).view(np.int64))
 
 
 @inlined
 def double_of_bits(pattern):
-    """Return the double with these bits."""
+    """Return the double whose 64 bits are the integer ``pattern``."""
     return float(np.int64(pattern).view(np.float64))
 
 
 @inlined
 def rounded_to_26_bits(number):
-    """Return a number rounded to 26 bits."""
+    """Return ``number`` rounded to 26 binary digits."""
     return double_of_bits((bits_of(number) + HALF) & FRONT)
 
 
 @inlined
 def product(y, high, low):
-    """Return y (high + low) as the sum of two doubles (T. J. Dekker 1971, Numer Math 18:224)."""
+    """Return the product y (high + low) as the sum of two doubles (T. J. Dekker 1971, Numer Math 18:224)."""
     of_y, of_high = rounded_to_26_bits(y), rounded_to_26_bits(high)
     return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
 
 
 def in_two_doubles(fixed, fraction_bits):
-    """Return ``fixed``/2^FIXED as the sum of two doubles.
+    """Return fixed/2^FIXED, for an integer ``fixed``, as the sum of two doubles.
 
-    The first double is a multiple of 2^−fraction_bits.
+    The first double is a multiple of 2^−fraction_bits, so that products of it with small integers are exact.
     """
     unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit

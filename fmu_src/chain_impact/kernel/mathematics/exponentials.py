@@ -25,21 +25,21 @@ EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.00833333
 STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
-# the largest |x| for ``exp_of_common``: e^x is finite, and not so small that it would lose digits
+# up to this |x|, ``exp_of_common`` is accurate: e^x is finite, and not so small that it would lose digits
 COMMON = 650.0
-# Half of the range of binary exponents. For |x| > COMMON, e^x is computed as e^(x ∓ 512 ln 2) times 2^±512,
-# so that the result is rounded only once.
+# half of the range of binary exponents; for |x| > COMMON, e^x is computed as e^(x ∓ 512 ln 2) times 2^±512,
+# so that the result is rounded only once
 HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
 HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
 NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
-# from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x, and is left out
+# from this x on, 1 is less than a hundredth of the last digit of e^x, and e^x minus 1 is accurate
 STEEP = 40.0
 
 
 def _table():
-    """Return the bits of 2^(j/128), and the rounding errors of these powers, relative to the powers."""
+    """Return two arrays for j = 0 to 127: the bits of 2^(j/128) rounded, and the relative rounding errors."""
     patterns, remainders = [], []
     for j in range(POWER_COUNT):
         power, root = 1 << FIXED, 2 << FIXED
@@ -57,7 +57,7 @@ POWER_BITS, REST = _table()
 
 @inlined
 def exp_of_common(high, low):
-    """Return e^(high + low), for |high| < COMMON and a far smaller number ``low``."""
+    """Return e^(high + low), for |high| < COMMON and a number ``low`` that is far smaller than ``high``."""
     shifted = high * STEPS_PER_ONE + ROUND
     steps = shifted - ROUND
     count = bits_of(shifted) - ROUND_BITS
@@ -69,7 +69,7 @@ def exp_of_common(high, low):
 
 
 def exp_of_sum(high, low):
-    """Return e^(high + low), for any number ``high`` and a far smaller number ``low``."""
+    """Return e^(high + low), for any ``high`` and a number ``low`` that is far smaller than ``high``."""
     if abs(high) < COMMON:
         return exp_of_common(high, low)
     if high > OVERFLOW:

@@ -1,8 +1,9 @@
 """Natural logarithms, with errors below 1 ulp.
 
 With x = 2^k m and a number c near 1/m from a table, ln x = k ln 2 − ln c + ln(1 + r), r = m c − 1 (P. T. P.
-Tang 1990, ACM Trans Math Softw 16:378). The result is the sum of two doubles, with a relative error below
-2⁻⁶³; powers need this accuracy.
+Tang 1990, ACM Trans Math Softw 16:378). Here k is an integer and m the mantissa, from about √½ to √2. The
+result of ``log_parts`` is the sum of two doubles, with a relative error below 2⁻⁶³; powers need this
+accuracy.
 """
 
 import math
@@ -21,13 +22,15 @@ from chain_impact.kernel.mathematics.doubles import (
     rounded_to_26_bits,
 )
 
-# The number of intervals of the mantissa m, and WIDTH_BITS: an interval contains 2^WIDTH_BITS doubles.
+# MANTISSA_INTERVALS: the number of intervals of the mantissa m, with a value of c each. WIDTH_BITS: an
+# interval contains 2^WIDTH_BITS doubles.
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
-# The first interval of the mantissa begins near √½. The interval MIDDLE, where c = 1, extends as far below 1
-# as above 1, so that ln x loses no digits near x = 1.
+# FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the number of the
+# interval in which c = 1; it extends as far below 1 as above 1, so that ln x loses no digits near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-# number of bits after the binary point in ln 2 and ln c; k ln 2 − ln c is then exact for |k| < 2¹¹
+# number of bits after the binary point in the leading parts of ln 2 and ln c; k ln 2 − ln c of these parts is
+# then exact for |k| < 2¹¹
 PLACES = 42
 # coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
 LOG_P = (
@@ -41,7 +44,7 @@ TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in dou
 
 
 def fixed_logarithm(a, b):
-    """Return ln(a/b) of two integers, times 2^FIXED."""
+    """Return ln(a/b) of two integers, times 2^FIXED, as an integer."""
     # ln(a/b) = 2 (z + z³/3 + z⁵/5 + …), z = (a − b)/(a + b)
     term = ((a - b) << FIXED) // (a + b)
     square, total, n = term * term >> FIXED, 0, 1
@@ -76,7 +79,7 @@ def log_parts(pattern):
     """Return the natural logarithm of a positive normal number as the sum of two doubles.
 
     Args:
-        pattern: the bits of the number.
+        pattern: the 64 bits of the number, as an integer.
     """
     k = (pattern - FIRST) >> FRACTION
     i = ((pattern - FIRST) >> WIDTH_BITS) & (MANTISSA_INTERVALS - 1)
@@ -86,7 +89,8 @@ def log_parts(pattern):
     u, v = m_front * c - 1.0, (m - m_front) * c
     r = u + v
     base = float(k) * LN_2_HIGH + float(LOG_HIGH[i])
-    # now high + rounded = base + r − u²/2: the terms are added from the largest to the smallest
+    # high + rounded = base + r − u²/2: the terms are added from the largest to the smallest, and ``rounded``
+    # collects what rounding loses
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
@@ -120,8 +124,8 @@ def log_parts_beside_one(x):
     """Return ln(1 + x), for −1 < x < ∞, as the sum of two doubles."""
     whole = 1.0 + x
     lost = x - (whole - 1.0) if abs(x) < 1.0 else 1.0 - (whole - x)
-    # ln(1 + x) = ln w + d/w − …, with the rounded sum w of 1 and x, and d = 1 + x − w, the part lost by
-    # rounding
+    # ln(1 + x) = ln w + d/w − …, with w (``whole``) the rounded sum 1 + x, and d (``lost``) the part 1 + x −
+    # w that rounding loses
     high, low = log_parts_of_any(whole)
     return high, low + (lost - 0.5 * lost * lost) / whole
 

@@ -8,7 +8,7 @@ from chain_impact.kernel.mathematics.exponentials import COMMON, exp_of_common, 
 from chain_impact.kernel.mathematics.logarithms import log_parts, log_parts_of_any
 
 ALL_EVEN = 2.0**53  # from this number on all doubles are even integers
-HUGE_EXPONENT = 2.0**64  # |y| from which x^y is 0, 1 or infinite for every x
+HUGE_EXPONENT = 2.0**64  # for |y| from this on, x^y is 0, 1 or infinite for every x
 
 
 @has_dual_rule
@@ -24,7 +24,7 @@ def power(x, y):
 
 
 def any_power(x, y):
-    """Return x^y for any x and y; for 0, infinity and NaN the result is the one that C and Python define."""
+    """Return x^y for any x and y; for 0, infinity and NaN with the results of C and Python."""
     if y == 0.0 or x == 1.0:
         return 1.0
     if math.isnan(x) or math.isnan(y):
@@ -38,7 +38,7 @@ def any_power(x, y):
 
 
 def power_of_size(x, y):
-    """Return x^y for x ≥ 0 and y ≠ 0; ``any_power`` gives the result its sign."""
+    """Return |x|^y for |x| = ``x`` ≥ 0 and y ≠ 0; ``any_power`` gives the result its sign."""
     if x == 1.0:
         return 1.0
     if x == 0.0 or math.isinf(x) or abs(y) >= HUGE_EXPONENT:

@@ -9,11 +9,11 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# number of changes of friction modes that the log can store for each element, on average, until they are
-# collected
+# the log of changes of friction modes has this number of rows for each element; a caller must collect them
+# before it is full
 CHANGES_OF_EACH = 4
-# number of ended contacts at which the run waits until the caller collects them; the log has one more row for
-# each candidate, because all contacts may end in one step
+# The run waits for its caller when this number of ended contacts is not collected. The log has one more row
+# for each candidate, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request a shorter list
 
@@ -34,10 +34,10 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # ---- derived at initialization
         # index of the place: ``point``, but N + ``point`` for a stop of a joint and for a site
         ("place", INTEGER),
-        ("radius", REAL),  # m, radius of the point, by which it keeps its distance from the wall
-        ("normal_x", REAL),  # x of the inward normal n of the wall
+        ("radius", REAL),  # m, radius of the point: its clearance is 0 at this distance from the wall
+        ("normal_x", REAL),  # x of the unit normal n of the wall, toward the free side
         ("normal_y", REAL),
-        ("offset", REAL),  # m, offset of the wall: n·p for the points p on the wall
+        ("offset", REAL),  # m, offset of the wall: n·p of the points p on the wall
     )
 
 
@@ -64,7 +64,7 @@ def law_dtype(candidates: int) -> np.dtype:
         ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
         ("impulsive", INTEGER),  # 1: the wall is rigid, and acts by impulses; 0: a force law
-        # m, depth in the wall up to which a point still counts as apart from the wall
+        # m, up to this depth in the wall a point counts as apart from it
         ("harmless_depth", REAL),
     )
 
@@ -81,15 +81,15 @@ def most_constraints(candidates: int, elements: int) -> int:
     **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/force_formula.py"),
 )
 def touch_dtype(candidates: int) -> np.dtype:
-    """Return the layout of each candidate's data.
+    """Return the layout of the data of each candidate's contact.
 
-    The impact speed, the effective mass and the values that depend on them are latched: they are fixed at the
-    onset, and stay until v₀ is latched again or the law changes. At a stop in a joint, lengths and speeds are
-    those of its place: angles times a lever arm (rows/geometry.py).
+    The impact speed v₀, the effective mass and the values that depend on them are latched: they are fixed at
+    the onset, and stay until v₀ is latched again or the law changes. At a stop in a joint, lengths and speeds
+    are angles and their rates times a lever arm (rows/geometry.py).
     """
     return record(
-        # how often the active contacts have been packed anew; stages from before the last packing do not
-        # predict the stages of the next step
+        # how often the active contacts have been listed: after a new list, the stages of the last implicit
+        # step do not predict those of the next one
         ("listings", INTEGER),
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
@@ -98,7 +98,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # indices of the candidates with active contacts, packed: the first ``active_count`` entries count
         ("active_index", bounded(0, candidates - 1), (candidates,)),
         ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
-        # the event of a candidate at `step.end` that is not applied yet, see kernel/events/marks.py
+        # the event of a candidate at `step.end` that the next step will apply, see kernel/events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
         # m/s, approach speed of the point along the normal at the onset
@@ -113,13 +113,13 @@ def touch_dtype(candidates: int) -> np.dtype:
         # N/s, rate of the contact force at the start of the step; the search for peaks uses only its sign
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
-        # side of the kink (forces/force_formula.py) whose force a step continues smoothly: 1 beyond the kink,
-        # else 0
+        # 1: a step uses the force of the side beyond the kink (forces/force_formula.py), continued smoothly;
+        # 0: the force of the other side
         ("beyond_kink", INTEGER, (candidates,)),
-        # m/s, how far the rate of the penetration may be on the wrong side of the kink before this counts as
-        # a crossing; 0 if the law damps in both directions
+        # m/s, only a rate of the penetration beyond the kink δ̇ = 0 by more than this counts as a crossing; 0
+        # if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
-        # 1: a stage of the tried step, or its end, was on the other side of the kink
+        # 1: a stage or the end of the tried step was on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
         # number of the latest onset of the candidate among all onsets of the run, counted from 1
         ("number", INTEGER, (candidates,)),
@@ -156,13 +156,14 @@ def latest_dtype() -> np.dtype:
     """
     return record(
         ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
-        # number of ended contacts when the list was made; −1: a contact was still active then
+        # number of ended contacts when the list was written; −1: a contact was active then, so the list is
+        # not final
         ("listed", INTEGER),
         ("point", INTEGER, (LATEST,)),  # point of each impact, as in `candidate.point`; −1 for no impact
         ("wall", INTEGER, (LATEST,)),  # 1 + index of the wall in the scene's wall_names; 0 for no impact
         ("time", REAL, (LATEST,)),  # s, onset of each impact
         ("speed", REAL, (LATEST,)),  # m/s, impact speed of each impact
-        ("end", REAL, (LATEST,)),  # s, end of each contact; the present time while the contact lasts
+        ("end", REAL, (LATEST,)),  # s, end of each contact; the communication point while the contact lasts
         ("separation_speed", REAL, (LATEST,)),  # m/s, separation speed at the end of each contact
         ("peak_force", REAL, (LATEST,)),  # N, peak force of each contact
         ("max_penetration", REAL, (LATEST,)),  # m, largest penetration of each contact
@@ -182,8 +183,8 @@ def latest_dtype() -> np.dtype:
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: the active contacts, then the sticking elements, packed.
 
-    Contacts with a force law have entries, but are never in the active set. The function that states the
-    problem decides what ``start``, ``target`` and ``reached`` are:
+    Contacts with a force law have entries, but are never in the active set. The unit of ``start``, ``target``
+    and ``reached`` depends on the function that sets up the problem:
 
     - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
     - speeds [m/s], with impulses in N·s: apply_impulses, and project_state in its second pass
@@ -191,13 +192,12 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     count = most_constraints(candidates, elements)
     return record(
-        # how much the impulses change each coordinate: its position, speed or acceleration, as stated above
+        # how much the impulses change each coordinate, or its speed or acceleration, as stated above
         ("change", REAL, (coordinate_count(links),)),
-        # SOLVED, or why the search for constraint forces has failed in this step, see
-        # kernel/rows/constraints.py
+        # SOLVED, or the reason why constraint forces were not found in this step (kernel/rows/constraints.py)
         ("unsolved", INTEGER),
-        # 1: the first iteration of the last problem left more than FOLD_RESIDUAL (rows/constraints.py) of the
-        # residual at rigid walls
+        # 1: the last problem was near a fold: its first iteration left more than FOLD_RESIDUAL
+        # (rows/constraints.py) of the residual at rigid walls
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
@@ -212,11 +212,11 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),
-        # N, ``refined``: the force near a fold; ``uneven``: a difference of forces that is small if the force
-        # is smooth (kernel/ode/folds.py)
+        # N, ``refined``: the force near a fold, from samples at other times; ``uneven``: a sum of the samples
+        # that is small if the force is smooth (kernel/ode/folds.py)
         ("refined", REAL, (count,)),
         ("uneven", REAL, (count,)),
-        ("sample", REAL, (2, candidates)),  # N, the last two samples of the force of a held candidate, packed
+        ("sample", REAL, (2, candidates)),  # N, last two samples of the force on a held point, packed
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
         # pulls; not packed
         ("least_force", REAL, (candidates,)),
@@ -226,8 +226,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 @written_by("rows/limits.py")
 def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     """Return the layout of the search for constraint forces within the limits of friction."""
-    # at least the number of constraints, as every candidate is an element; 0 in a scene
-    # without friction
+    # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
     count = 2 * elements
     return record(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
@@ -238,8 +237,9 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
-        ("residual", REAL, (count,)),  # m/s², the part of the required motion that the forces p do not reach
-        # N, the force p + D m⁺ before it is limited, with the impedance D and the residual m⁺ of the force p⁺
+        ("residual", REAL, (count,)),  # m/s², the required acceleration minus the one with the forces p
+        # N, the force p + D m⁺ before it is clipped to its limits, with the impedance D and the residual m⁺
+        # with the force p⁺
         ("unlimited", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the change of its force p
@@ -259,7 +259,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # number of contacts that have ended since the start of the run
-        # value of ``count`` when the caller last collected the ended contacts
+        # value of ``count`` when the caller last collected ended contacts
         ("collected", INTEGER),
         ("point", INTEGER, (log,)),  # point of the contact, as in `candidate.point`
         ("wall", INTEGER, (log,)),  # wall of the contact, as in `candidate.wall`
@@ -293,15 +293,15 @@ def peaks_dtype() -> np.dtype:
 def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
-    ``total`` and ``rate`` have an entry for each quadrature. In the fields after these, the quadratures that
-    are integrated in a step are packed.
+    ``total`` and ``rate`` have an entry for each quadrature. In later fields only the quadratures that are
+    integrated at present have entries, packed in the order of ``index``.
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: quadratures are integrated; 0: no quadrature, because no output needs one
+        ("computed", INTEGER),  # 1: an output needs quadratures; 0: none is integrated
         # N·s, value of ``total`` at the onset of the candidate's contact
         ("impulse_at_onset", REAL, (candidates,)),
-        # integral of each quadrature from the start of the run to the most recent event or re-initialization
+        # value of each quadrature, from the start of the run to the most recent event or re-initialization
         ("total", REAL, (count,)),
         # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
@@ -324,9 +324,9 @@ def friction_dtype(elements: int) -> np.dtype:
     """Return the layout of the data of dry friction in the whole scene; `element` has each element's data."""
     return record(
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
-        # number of elements that have friction now: active contacts, joints and the slider, in this order
+        # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
-        ("contact_count", INTEGER),  # number of contacts among the elements that have friction now
+        ("contact_count", INTEGER),  # number of contacts among these elements
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
         ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
@@ -345,21 +345,22 @@ def element_dtype(elements: int) -> np.dtype:
         ("index", bounded(0, elements - 1), (elements,)),
         ("stuck", bounded(0, elements - 1), (elements,)),  # indices of the sticking elements, packed
         ("mode", bounded(-1, NO_FRICTION), (elements,)),  # 0: sticks; ±1: slides along ±t; 2: no friction now
-        # the event of an element at `step.end` that is not applied yet, see kernel/events/marks.py
+        # the event of an element at `step.end` that the next step will apply, see kernel/events/marks.py
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # 0: the motion has determined the mode; 1: the forces have; 2: STOPPED of kernel/tangent/friction.py
+        # 0: the speed has determined the mode; 1: the element is at rest, and the forces have; 2: STOPPED of
+        # kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, largest backward speed of an element, against its direction of sliding, that counts as an error
+        # m/s, a speed against the direction of sliding up to this counts as an error
         ("slack", REAL, (elements,)),
-        ("anchor", REAL, (elements,)),  # m, the coordinate along t at which an element sticks
+        ("anchor", REAL, (elements,)),  # m, coordinate along t at which the element is held while it sticks
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
         # N, the largest static friction at the last evaluation of ẏ; constant for a joint and the slider
         ("limit", REAL, (elements,)),
-        # least margin, in the stages of the tried step, of an element to the end of its mode; 0 if no stage
-        # is beyond the end. For sliding the margin is the speed in the direction of sliding [m/s], for
-        # sticking the limit minus the friction force [N]
+        # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
+        # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
+        # sticks, its limit minus the friction force [N]
         ("margin", REAL, (elements,)),
     )
 
@@ -374,7 +375,7 @@ def changes_dtype(elements: int) -> np.dtype:
     return record(
         ("count", INTEGER),
         ("time", REAL, (log,)),  # s, time of each change
-        ("point", INTEGER, (log,)),  # number of the point or joint whose mode has changed; 0 for the slider
+        ("point", INTEGER, (log,)),  # number of the point or joint of the element; 0 for the slider
         # index of the wall in the scene's wall_names; −1 for dry friction in a joint or of the slider
         ("wall", INTEGER, (log,)),
         ("mode", INTEGER, (log,)),  # mode of the element from this time on, as in `element.mode`

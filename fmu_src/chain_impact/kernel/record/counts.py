@@ -1,10 +1,10 @@
-"""The counts at the start of a record, on which the sizes and offsets of all its parts depend."""
+"""The counts at the start of a record; sizes and offsets of all its parts depend on them."""
 
 from typing import NamedTuple
 
 
 class Counts(NamedTuple):
-    """The counts, in their order in the record; comments in the kernel use the letters.
+    """The counts, in their order in the record; comments in the kernel use the letters N, C, F, ….
 
     The table variables/owners.py has the rules for the counts of a scene, in Python and in a browser.
     """

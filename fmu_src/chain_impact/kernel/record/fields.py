@@ -7,10 +7,10 @@ LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the sma
 
 
 def real(least: float, most: float) -> np.dtype:
-    """Return the type of a real with a range, which ``check_ranges`` in kernel/initialize.py checks.
+    """Return the type of a real with the range ``least`` to ``most``.
 
-    Other reals that the scene gives have their own checks: values of contact laws, limits of stops, initial
-    values and gravity.
+    ``check_ranges`` in kernel/initialize.py checks the range. Other reals that the scene gives have their own
+    checks: values of contact laws, limits of stops, initial values and gravity.
     """
     return np.dtype(REAL, metadata={"range": (least, most)})
 
@@ -20,12 +20,10 @@ LIMIT = real(0.0, float("inf"))  # type of a real that is a limit: any number �
 
 
 def bounded(least: int, most: int) -> np.dtype:
-    """Return the type of an integer with bounds, such as an index or a number of iterations.
+    """Return the type of an integer with bounds, such as an index or the length of a loop.
 
-    The kernel relies on the bounds.
-
-    ``within_bounds`` in kernel/entry.py checks the fields of such integers. A bound is an affine function of
-    the counts, as are all sizes.
+    The kernel does not check such a number where it is used, so ``within_bounds`` in kernel/entry.py checks
+    it in a record from outside. A bound is an affine function of the counts, as are all sizes.
     """
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
 
@@ -54,13 +52,11 @@ def written_by(*writers, **fields):
 
 AT_START, AT_ANY_TIME = 0, 1
 SETTABLE: dict[str, int] = {}
-"""Part of the record that the scene or an importer gives → when the given values apply."""
+"""Part of the record that the scene or an importer gives → when its values apply."""
 
 
 def settable(when: int):
-    """Declare that the scene or an importer gives the values of a part of the record.
-
-    The declaration also says when the kernel applies these values.
+    """Declare that the scene or an importer gives a part of the record, and ``when`` its values apply.
 
     ``copy_given`` in kernel/tangent/duals.py copies each of these parts for derivatives.
     """
@@ -86,7 +82,7 @@ def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
 
 
 def is_table(dtype: np.dtype) -> bool:
-    """Return whether a layout belongs to a table, and not to an array of numbers or of dual numbers."""
+    """Return whether a layout is that of a table of columns, not of an array of numbers or dual numbers."""
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 

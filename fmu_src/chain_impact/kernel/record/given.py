@@ -1,4 +1,4 @@
-"""The parts of the record that the scene and the importer set, with the values derived from them."""
+"""The parts of the record that the scene or an importer sets, and the values derived from them."""
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
-        # 1: the chain has inputs other than motions of walls; they act in flight, too
+        # 1: the chain has inputs other than prescribed motions; they act in flight, too
         ("has_inputs", INTEGER),
         ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
@@ -61,7 +61,8 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("has_springs_or_dampers", INTEGER),  # 1: some drive has damping or a spring
         ("has_joint_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
         ("has_drive_friction", INTEGER),  # 1: some joint, or the slider, has dry friction
-        ("has_joint_places", INTEGER),  # 1: some joint has a stop or dry friction: all joints have places
+        # 1: some joint has a stop or dry friction; then all joints have places
+        ("has_joint_places", INTEGER),
         ("has_armatures", INTEGER),  # 1: some joint has an armature
         ("has_drive_limits", INTEGER),  # 1: some drive has a limit
         # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs cause
@@ -79,9 +80,9 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("meeting_joint", bounded(0, links)),
         ("gravity_size", REAL),  # m/s², magnitude of gravity
         ("reach", REAL),  # m, largest distance of a point or site of the stretched chain from the base
-        ("longest_link", REAL),  # m, length of the longest link: the absolute scale of positions
-        # J, M s² + Σ I_a per second squared, with the mass M of chain and carriage, the longest link s and
-        # the armatures I_a: the absolute scale of energies
+        ("longest_link", REAL),  # m, length of the longest link, the scale of positions
+        # J, the scale of energies: (M s² + Σ I_a) (1 rad/s)², with the mass M of chain and carriage, the
+        # longest link s and the armatures I_a
         ("energy_scale", REAL),
     )
 
@@ -115,8 +116,7 @@ def stops_dtype() -> np.dtype:
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops
         # ---- derived at initialization
         ("exponent", POSITIVE),
-        # restitution of stops in use, only for readers of the record: `law` has the restitution of each
-        # candidate
+        # restitution of the stops in use, only to be read from outside: the kernel uses the values in `law`
         ("restitution", REAL),
     )
 
@@ -144,15 +144,17 @@ def drive_dtype(links: int) -> np.dtype:
     rows = (links + 1,)
     return record(
         ("friction", NOT_NEGATIVE, rows),  # N·m, dry friction of the joint; N for the slider
-        ("limit", LIMIT, rows),  # N·m, limit of the sum of motor, spring and damper; ∞: no limit
+        # N·m, limit of the sum of the torques of motor, spring and damper; ∞: no limit
+        ("limit", LIMIT, rows),
         ("min", REAL, rows),  # rad, lower stop of the joint's own angle; −∞: no stop
         ("max", REAL, rows),  # rad, upper stop of the joint's own angle; ∞: no stop
         # ---- set during the run
-        # ±1: the torque is at its positive or negative limit; 0: the torque is below the limit
+        # ±1: the force is at its positive or negative limit; 0: it is below the limit
         ("mode", INTEGER, rows),
         ("chosen", INTEGER, rows),  # in a tangent instance: the mode that the primal instance has chosen
         ("event", INTEGER),  # 1: the last step ends where the mode of a drive ends
-        # N·m, the least result of `mode_margin` in the stages of the tried step; 0 if none is negative
+        # N·m, least margin of any drive to the end of its mode (`mode_margin`) in the stages of the tried
+        # step; 0 if no margin is negative
         ("margin", REAL),
     )
 
@@ -202,7 +204,7 @@ def piece_dtype(links: int) -> np.dtype:
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of the argument x in time
         ("until", REAL),  # s, end of the piece
-        # 1/s, how fast the inputs change relative to their size: for a sine its angular frequency
+        # rad/s, largest angular frequency of the inputs; for other functions a comparable rate
         ("change_rate", REAL),
         *input_fields(links, DEGREE + 1),  # coefficients of the polynomials of the inputs
     )
@@ -217,8 +219,8 @@ def given_dtype(links: int) -> np.dtype:
     the last piece is applied at the start of a step.
     """
     return record(
-        # value of chain/inputs.py that says what was set since the last step. REINITIALIZE: a value;
-        # CONTINUES: only the next piece of the inputs; 0: nothing
+        # what was set since the last step (chain/inputs.py). REINITIALIZE: a value; CONTINUES: only the next
+        # piece of the inputs; 0: nothing
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law of walls, from 1
         ("stiffness", REAL),  # N/m^exponent, stiffness of walls
@@ -255,10 +257,10 @@ def inputs_dtype(links: int) -> np.dtype:
 def motion_dtype(channels: int) -> np.dtype:
     """Return the layout of the given motions of base and walls by channel, see kernel/chain/motion.py."""
     return record(
-        # 1: the motions are cubics through the values given at communication points; 0: their polynomials are
-        # given in ``piece``
+        # 1: the motions are cubics that follow the values given at communication points; 0: their polynomials
+        # are given in ``piece``
         ("interpolates", INTEGER),
-        ("jumps", INTEGER),  # 1: the speed of a belt jumps at the start of the piece of the inputs
+        ("jumps", INTEGER),  # 1: the speed of a belt jumps where the next piece of the inputs begins
         ("belt", INTEGER, (channels,)),  # 1: the channel is the travel of a belt
         ("position", REAL, (channels,)),  # m, given position of each channel; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
@@ -275,11 +277,11 @@ def moved_dtype(channels: int) -> np.dtype:
         ("began", REAL),  # s, time at which the run started
         ("until", REAL),  # s, the communication point at which the present cubics end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
-        # none
+        # none. The next three fields tell the user how
         ("contradiction", INTEGER),
-        ("distance", REAL),  # m, displacement of this channel since the previous given values
-        ("lasted", REAL),  # s, time since the previous given values of this channel
-        ("speed", REAL),  # m/s, given velocity of this channel
+        ("distance", REAL),  # m, displacement of the contradictory channel since the previous given values
+        ("lasted", REAL),  # s, time since the previous given values
+        ("speed", REAL),  # m/s, given velocity of the contradictory channel
         ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
@@ -290,11 +292,12 @@ def moved_dtype(channels: int) -> np.dtype:
         ("given_velocity", REAL, (channels,)),  # m/s, given velocity of each channel
         ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel
         ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
-        # m, position from which the motion of a channel continues since the last change
+        # m, position of a channel at the last change, from which it goes on
         ("from_position", REAL, (channels,)),
-        # m/s, velocity from which the motion of a channel continues since the last change
+        # m/s, velocity of a channel at the last change, with which it goes on
         ("from_velocity", REAL, (channels,)),
-        # 1: a position was given at the last change; 0: the position follows from the velocity
+        # 1: the last change gave a position, which the motion follows; 0: it gave none, and the velocity is
+        # integrated
         ("anchored", INTEGER, (channels,)),
         # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
         ("mean", REAL, (channels,)),
@@ -330,7 +333,7 @@ def shift_dtype(candidates: int) -> np.dtype:
         candidates,
         # first channel of the wall; the next channel moves the wall's belt; −1: the wall does not move
         ("channel", INTEGER),
-        ("unmoved_offset", REAL),  # m, offset of the wall if its motion has the position 0
+        ("unmoved_offset", REAL),  # m, offset of the wall at the displacement 0
         ("rate", REAL),  # m/s, speed of the wall along its normal n
         ("acceleration", REAL),  # m/s², acceleration of the wall along its normal n
         ("travel", REAL),  # m, distance that the belt has moved along its direction t

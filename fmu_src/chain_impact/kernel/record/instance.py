@@ -94,7 +94,8 @@ def output_dtype(
         ("slider_position", REAL),  # m, position along the line, 0 at the start
         ("slider_velocity", REAL),  # m/s, velocity of the slider along the line
         ("slider_acceleration", REAL),  # m/s², acceleration of the slider along the line
-        # N, force of the line on the carriage along the left normal; set only if loads are requested
+        # N, force of the slider's line on the carriage, along the left normal of the line; set only if loads
+        # are requested
         ("slider_reaction", REAL),
         ("slider_moment", REAL),  # N·m, moment of the line on the carriage; set only if loads are requested
         ("force", REAL, (candidates,)),  # N, force of the wall on the point along the inward normal
@@ -106,7 +107,7 @@ def output_dtype(
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy in the contacts and in springs of passive drives (chain/drives.py)
         ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
-        # J, energy supplied by inputs, active drives and given motions since the start
+        # J, energy supplied by inputs, powered drives and prescribed motions since the start
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
         ("friction", friction_output_dtype(elements)),
@@ -123,7 +124,7 @@ STATE_OUTPUTS = (
     *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
     *("dissipated", "supplied", "total", "channel", "signal"),
 )
-"""The outputs that the state determines; forces and accelerations, which take longer, are not needed."""
+"""The outputs that the state alone determines, without forces and accelerations, which take longer."""
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
@@ -146,8 +147,8 @@ def load_output_dtype(loads: int) -> np.dtype:
     Rows of walls have no impulses and no peaks.
     """
     return record(
-        # N, rows of joints: force on the joint's outer link by the link before or the ground; rows of walls:
-        # force on the wall
+        # N, x and y of a force. Rows of joints: on the joint's outer link, by the link before or the ground.
+        # Rows of walls: on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
         # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about its
@@ -155,13 +156,13 @@ def load_output_dtype(loads: int) -> np.dtype:
         ("moment", REAL, (loads,)),
         ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start
         ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, the largest force of the joint so far
+        ("peak", REAL, (loads,)),  # N, largest |force| in the joint so far
     )
 
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of the intermediate data for loads; the rows are those of the outputs of loads."""
+    """Return the layout of intermediate data for loads; rows are those of ``load_output_dtype``."""
     return record(
         ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
@@ -169,11 +170,13 @@ def transmitted_dtype(loads: int) -> np.dtype:
         ("start_y", REAL, (loads,)),
         # N², the largest squared force of each joint until the start of the last step
         ("peak", REAL, (loads,)),
-        # N², the largest squared force of each joint in the last step, as far as the search has found it
+        # N², largest squared force of each joint in the searched part of the last step, see ``search_step``
         ("largest_square", REAL, (loads,)),
-        # N², the largest squared force of each joint in the step that was last searched as a whole
+        # N², ``largest_square`` after the last search of a whole step
         ("searched_square", REAL, (loads,)),
-        ("searched_breaks", INTEGER),  # value of `step.breaks` when a whole step was last searched
+        # `step.breaks` when a whole step was last searched; with ``searched_end`` it tells which step that
+        # was
+        ("searched_breaks", INTEGER),
         ("searched_end", REAL),  # s, value of `step.end` when a whole step was last searched
         ("x", REAL, (loads,)),  # N, joint forces at a sample in time
         ("y", REAL, (loads,)),

@@ -12,7 +12,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 
 
 def marked(layout, mark):
-    """Return the fields whose type has a ``mark``, "range" or "least", as a table from path to layout."""
+    """Return the fields of a layout whose type has a ``mark``, "range" or "least": path → layout."""
     found: dict[tuple[str, ...], np.dtype] = {}
     for name in layout.names:
         field = layout[name]
@@ -27,8 +27,8 @@ _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links i
 RANGED = tuple(_SMALL)
 """The paths, in the record, of all real numbers that must lie in a range."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# for each field of RANGED, what its entries belong to: links and drives, sites, stops in joints, slider, or
-# the whole chain
+# for each field of RANGED, which parts of the scene its entries belong to: links and drives, sites, stops in
+# joints, slider, or the whole chain
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
@@ -38,20 +38,14 @@ RANGE_OWNERS = tuple(
 
 
 def values_at(part, path):
-    """Return the values of a field of a part of the record as an array.
-
-    For a single number the array has one entry.
-    """
+    """Return the values of the field at a ``path`` in a part of the record as an array, also a single one."""
     for name in path:
         part = getattr(part, name)
     return np.ravel(part)
 
 
 def ranged_field(d, k):
-    """Return the values of field k of RANGED as an array.
-
-    For a single number the array has one entry.
-    """
+    """Return the values of field k of RANGED as an array, also a single one."""
     return values_at(d, RANGED[k])
 
 
@@ -65,10 +59,7 @@ BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
 
 
 def bounded_field(d, k):
-    """Return the values of field k of BOUNDED as an array.
-
-    For a single number the array has one entry.
-    """
+    """Return the values of field k of BOUNDED as an array, also a single one."""
     return values_at(d, BOUNDED[k])
 
 

@@ -22,8 +22,8 @@ from chain_impact.kernel.record.fields import (
 def signal_dtype(signals: int, knots: int) -> np.dtype:
     """Return the layout of the signals, one row for each driven input, see kernel/chain/signals.py.
 
-    If a signal drives several inputs, its given numbers are in the row of the first input; `source` is the
-    index of this row.
+    If a signal drives several inputs, its given numbers are only in the row of the first input; `source` of
+    each row is the index of that row.
     """
     return record(
         # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
@@ -39,7 +39,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("first", INTEGER, (signals,)),  # index of the signal's first knot
         ("last", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
-        ("gain", REAL, (signals,)),  # by how much the value of a table grows from one period to the next
+        ("gain", REAL, (signals,)),  # growth of the value of a table from one period to the next
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
         ("mean", REAL, (signals,)),
         ("amplitude", FINITE, (signals,)),
@@ -55,8 +55,8 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         ("degree", bounded(0, SIGNAL_DEGREE), (signals,)),  # largest degree of the polynomials
         # number of times that the kernel integrates the signal over time: ``order``, but 0 for a table
         ("integrals", bounded(0, 2), (signals,)),
-        # m, constant that is added to an integral: for the position of the base, the position at the start;
-        # else 0
+        # m, constant that is added to an integrated signal: for the position of the base, its position at the
+        # start; else 0
         ("begin", REAL, (signals,)),
         ("segment", INTEGER, (signals,)),  # index of the knot in use
         ("lap", INTEGER, (signals,)),  # number of times that the table has been repeated

@@ -33,45 +33,45 @@ from chain_impact.kernel.status import LAST_STATUS, OK
     **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "explicit_size"), "ode/methods.py"),
 )
 def step_dtype(links: int, candidates: int) -> np.dtype:
-    """Return the layout of the last accepted step and its dense output, valid from `start` to `end`."""
+    """Return the layout of the last accepted step and its dense output, which covers `start` to `end`."""
     state = state_size(links)
     return record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s, start of the step
-        # s, time at which the time t in the state y is 0: the start of the last step or of the tried step
+        # s, time since which t in the state y counts: the start of the last step or of the tried step
         ("clock", REAL),
         ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
-        # s, time from `start` to the event that begins the step: 0, with derivatives in a tangent instance
+        # s, delay of the event at `start`: 0, with derivatives in a tangent instance
         ("start_delay", REAL),
-        # size of the step in its integration variable: s, or fictitious time, see kernel/ode/sundman.py
+        # size of the step in its integration variable: seconds, or fictitious time (kernel/ode/sundman.py)
         ("size", REAL),
-        ("end_fraction", REAL),  # fraction of `size` at which the step ends
+        ("end_fraction", REAL),  # fraction of `size` at which the step was truncated; 1: it was not
         ("next_size", REAL),  # the proposed size of the next step, in its integration variable
-        # the proposed size before the first of the present contacts began, for the flight after the contacts
+        # proposed size, stored when the first of the present contacts began, for the flight after them
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # state y at `start`
         ("state_end", REAL, (state,)),  # state y at `end`
-        # J, the parts of the dissipated energy at `start` and at `end` that rounding of y has lost
+        # J, dissipated energy at `start` and at `end` that y lacks, because its rounding has lost it
         ("remainder", REAL),
         ("remainder_end", REAL),
-        # J, the part of the dissipated energy that rounding of y has lost at the end of the whole step of
-        # `size`
+        # J, the same at the end of the whole step of `size`, before it was truncated
         ("remainder_whole", REAL),
-        # coefficients of the dense output of the whole step of `size`
+        # coefficients of the dense output, of the whole step of `size`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at `end`
-        # the user of the dense output, or 0 if the step has no dense output yet, see kernel/ode/last_step.py
+        # for whom the dense output was computed; 0: it does not exist yet, see kernel/ode/last_step.py
         ("dense_for", bounded(0, SOLVER)),
         # number of the method of the last step, see kernel/ode/control.py
         ("last_method", bounded(EXPLICIT, IMPLICIT)),
-        # number of breaks in the sequence of steps: a step began elsewhere than at the end of the last step,
-        # or in another integration variable
+        # number of breaks in the sequence of steps: a step has begun elsewhere than at the end of the step
+        # before, or in another integration variable
         ("breaks", INTEGER),
         # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
         # time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
         ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the current method, see kernel/ode/control.py
-        ("explicit_size", REAL),  # s, size of the last explicit step before the implicit steps; 0: not known
+        # s, length of the last explicit step before the present implicit steps; 0: unknown
+        ("explicit_size", REAL),
         ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
@@ -85,18 +85,19 @@ def trial_dtype(links: int) -> np.dtype:
         ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, see kernel/ode/control.py
         ("outcome", bounded(ACCEPTED, DIVERGED)),
-        # error of the step relative to the tolerance or, if larger, the lost energy relative to the allowed
-        # loss; valid for a step that is ACCEPTED or INACCURATE (kernel/ode/control.py)
+        # error of the step relative to the tolerance or, if this is larger, energy that it has lost relative
+        # to the allowed loss; valid for a step that is ACCEPTED or INACCURATE (kernel/ode/control.py)
         ("error", REAL),
-        ("cost_factor", REAL),  # factor on the size of the next step, from the cost of the tried step
+        ("cost_factor", REAL),  # factor on the next size, below 1 if shorter steps would cost less
     )
 
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Return the layout of the reason for a fault status."""
-    # number of the part that is the reason of the fault: 1…C for the candidates, then the N links, then, for
-    # each candidate, the base at its wall; 0: none
+    """Return the layout of the cause of a fault."""
+    # the part of the scene that caused the fault, as a number: first the C candidates, from 1; then the N
+    # links; then the drives, of N joints and a slider; then, for each candidate, the base at its wall; 0:
+    # none
     return record(("part", INTEGER))
 
 
@@ -106,7 +107,7 @@ def statistics_dtype() -> np.dtype:
     return record(
         ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),
-        # number of evaluations of the right-hand side by the solver, without evaluations for outputs
+        # number of evaluations of ẏ that the solver needs; evaluations for outputs do not count
         ("rhs_evaluations", INTEGER),
         ("implicit_steps", INTEGER),
         ("status", bounded(OK, LAST_STATUS)),  # status of the run, see kernel/status.py
@@ -115,13 +116,13 @@ def statistics_dtype() -> np.dtype:
 
 @written_by("cost.py")
 def limits_dtype() -> np.dtype:
-    """Return the layout of the count of events and of the cost, each limited in a window of time."""
+    """Return the layout of the counts of events and of cost, which are limited within windows of time."""
     return record(
         ("event_start", REAL),  # s, start of the window in which events are counted
         ("event_count", INTEGER),
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
-        ("cost_count", INTEGER),  # cost before `cost_start`, in evaluations
-        # cost before the communication step, in evaluations; cost.UNLIMITED: the step may have any cost
+        ("cost_count", INTEGER),  # cost until `cost_start`, in evaluations
+        # cost until the start of the communication step, in evaluations; cost.UNLIMITED: no limit
         ("call_count", INTEGER),
         # cost of calculations that are no evaluations (located points, responses to impulses), as a number of
         # evaluations of equal cost
@@ -138,13 +139,14 @@ def balance_dtype() -> np.dtype:
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
         ("start", REAL),  # s, start of the window of time in which changes are summed
-        # J, energy balance at the start of the window, plus later changes by parameters
+        # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
-        ("allowed", REAL),  # J, largest change that was allowed to a step in the window so far
-        # J, the part of the change that is allowed to every step, whatever its state
+        ("allowed", REAL),  # J, largest change that a step in the window was allowed so far
+        # J, change of the energy balance that every step may have, in any state
         ("least_allowed", REAL),
         ("since", REAL),  # s, the start of the run
-        ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
+        # J, energy balance at the start of the run, plus the later changes that new parameters cause
+        ("origin", REAL),
         # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
         ("available_at_start", REAL),
         ("available", REAL),  # J, the largest available energy up to the end of the last step
@@ -174,7 +176,8 @@ def elimination_dtype(links: int) -> np.dtype:
     """Return the layout of the results h/H, 1/H and h₀/H of chain/elimination.py for each link."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
-        # kg, articulated inertia at the joint where the arms of a free chain meet
+        # kg, articulated inertia at the joint where the arms of a free chain meet, or at the base of a
+        # slider; not set with a pinned base
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
     )
 
@@ -204,8 +207,8 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
         ("y", REAL, (state,)),  # the state y that is being evaluated
-        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for an evaluation outside of a step
-        ("nearby", REAL, (state,)),  # a state some way before or after ``y``, see kernel/ode/folds.py
+        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for an evaluation that is not a stage of a step
+        ("nearby", REAL, (state,)),  # a state some time before or after ``y``, see kernel/ode/folds.py
         ("error", REAL, (2, state)),  # the two error estimates of a step
         ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
         # loads, as forces or impulses: N or N·s at each place, N·m or N·m·s in each joint and on each link
@@ -222,12 +225,12 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
-        # 1: the places are located and accelerated at the end of the step; they remain valid after the step
+        # 1: the places are located and accelerated at the end of the last step; valid after the step, too
         ("at_end", INTEGER),
         # a change of all coordinates or of their rates, such as the response to an impulse or a force
         ("change", REAL, (coordinate_count(links),)),
         ("motion", places),  # motions of all places that a change of the coordinates causes
-        # m/s², for each point, bound on the links' part of the second derivative of the position in the
+        # m/s², for each point a bound: the part of the links in the second derivative of its position in the
         # step's variable
         ("reach", REAL, (points,)),
     )
@@ -239,15 +242,16 @@ def search_dtype(candidates: int) -> np.dtype:
     return record(
         # which data of the clearances are known at the end of a step, see kernel/events/exclusion.py
         ("known", bounded(0, FAR)),
-        ("known_for", INTEGER),  # value of `step.breaks` for which the value of ``known`` is valid
+        # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
+        ("known_for", INTEGER),
         # m, lower bound on the clearances of candidates without contact at the end of a step
         ("safe_distance", REAL),
         ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
         # m/s², bound on the accelerations of places relative to walls at the end of a step
         ("acceleration", REAL),
-        # number of candidates that the search follows; the other candidates have no event in the step
+        # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
+        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search examines, packed
         # m/s², bound over the step on the second derivative of each suspect's clearance in the step's
         # variable
         ("curvature", REAL, (candidates,)),
@@ -283,8 +287,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # data for the complex shifts, one of each conjugate pair; ``scratch`` contains the same data for the real
-    # shift
+    # data of the linear systems for complex shifts, one shift of each conjugate pair; ``scratch`` has the
+    # data for the real shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -296,29 +300,32 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     return record(
         ("start", REAL, (extended,)),  # extended state z at the start of a step
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
-        # the extended state that is evaluated; in `correct_stages` the largest changes of its entries
+        # the extended state z that is evaluated; after `correct_stages` the largest |change| of each entry
         ("z", REAL, (extended,)),
-        # weights 1/(tolerance × scale) of errors in z; in an explicit step the scales of y and of clearances
+        # in an implicit step the weights 1/(tolerance × scale) of errors in z; in an explicit step the scales
+        # of errors in y and in clearances
         ("weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start of the step to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
-        # residuals in the eigenvectors of the matrix Q, and later the corrections (kernel/ode/radau.py)
+        # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` for which the stages in ``last`` can be extrapolated
+        # value of `touch.listings` when ``last`` was stored: with another value, other contacts are active,
+        # and ``last`` does not predict the next stages
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance
         ("contraction", REAL),  # last convergence rate θ of Newton's iteration
-        ("thirds", REAL, (2, state)),  # corrections of the dense output at the two thirds of the step
+        # corrections of the dense output at one third and two thirds of the step
+        ("thirds", REAL, (2, state)),
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts with a force law, packed
         ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad, −∂F/∂ψ of each drive; of the slider N/m
         ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad, −∂F/∂ψ̇ of each drive; of the slider N·s/m
-        # m or m/s, clearances or their rates that `project_coordinates` gives to the active contacts, packed
+        # m or m/s, clearances or rates to which `project_coordinates` moves active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination
