@@ -22,7 +22,7 @@ from chain_impact.extras import how_to_install
 from chain_impact.system import PLATFORMS
 
 FOLDER = PACKAGE / "ready"
-MODULE = f"{KERNEL}.ll.xz"  # the file of the lowered kernel, compressed in a wheel
+MODULE = f"{KERNEL}.ll.xz"  # the file with the compressed lowered kernel, in each wheel
 # the file with the fingerprint of the sources of the ready kernels: they are used only if it equals the
 # present one
 MADE_FROM = "sources.txt"

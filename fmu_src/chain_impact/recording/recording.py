@@ -90,7 +90,11 @@ class Recording:
         return by_owner(self.columns)
 
     def columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
-        """Return (number, wall's name) → quantity → values, for all owners of a kind such as ``contact``."""
+        """Return the columns of owners of a kind, such as ``contact``: (number, name) → quantity → values.
+
+        The number is that of the point, joint or link, or 0 for an owner without a number. The name is that
+        of the wall or the signal, or "" for an owner without a name.
+        """
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }

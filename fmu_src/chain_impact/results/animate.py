@@ -14,7 +14,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
-FILM_SIZE = (960, 540)  # [pixels] width and height of a film
+FILM_SIZE = (960, 540)  # [pixels] default width and height of a film
 
 
 class AnimationError(ValueError):

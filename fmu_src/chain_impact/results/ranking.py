@@ -163,7 +163,7 @@ class Ranking:
             )
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
-        """Draw the largest effects as bars, to the right if the quantity grows with the parameter.
+        """Draw the largest effects as horizontal bars: to the right if the quantity grows with the parameter.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
@@ -234,11 +234,11 @@ def readable(value: float, unit: str) -> tuple[float, str]:
 def ranking_of(
     recording: Recording, sensitivities: Sensitivities, quantity: str, parameters: str | Sequence[str] = "*"
 ) -> Ranking:
-    """Rank the parameters of a recording with derivatives.
+    """Return the parameters of a recording in the order of their effects on a quantity.
 
     Args:
         recording: the recording, with impacts and outputs.
-        sensitivities: the derivatives of the recording.
+        sensitivities: the derivatives of the recording's outputs and impacts.
         quantity: see ``Result.ranking``.
         parameters: see ``Result.ranking``.
 

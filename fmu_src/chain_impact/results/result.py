@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 ENERGIES = {
     kind.parts.quantity: kind for block in OUTPUTS for kind in block.kinds if kind.parts.owner == "energy"
 }
-"""Energy → its row in the table of outputs."""
+"""Name of an energy, such as ``kinetic`` → the row of this energy in the table of outputs."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result(Pictured):
     """The result of a simulation: a recording with its scene.
 
-    Two results are equal if their attributes are, except for ``stepwise`` and ``rerun``.
+    Two results are equal if all their attributes except ``stepwise`` and ``rerun`` are equal.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. In a name, ``*`` stands for any text, and the result is a dict of all matching outputs:
@@ -84,10 +84,10 @@ class Result(Pictured):
     def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
 
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
-        """Return an output over time by name, shape (T,), or a dict for a list of names and patterns.
+        """Return an output over time by its name, shape (T,), or a dict: name → output over time.
 
-        A single pattern also gives a dict. Type checkers assume that a text gives an array, so with type
-        checkers write the pattern in a list.
+        A list of names and patterns gives a dict, and so does a single pattern. Type checkers assume that a
+        single text gives an array; for them, write a single pattern in a list.
 
         Raises:
             UnknownNameError: a KeyError, when no output has the name.
@@ -110,11 +110,11 @@ class Result(Pictured):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the outputs, in the order of the FMU."""
+        """The names of the outputs in this result: first the continuous ones, then ``stepwise``."""
         return *self.motion, *self.stepwise
 
     def output_hint(self, name: str) -> str | None:
-        """Return a hint for a name that is not an output; None if none is known."""
+        """Return a hint for a name that no output of this result has; None if no hint is known."""
         return missing_output_hint(self.prepared, name)
 
     @property
@@ -194,7 +194,9 @@ class Result(Pictured):
 
     @cached_property
     def all_points(self) -> np.ndarray:
-        """Positions of all points by their numbers, shape (T, N+1+P, 2) [m].
+        """Positions x, y of all points in the order of their numbers, shape (T, N+1+P, 2) [m].
+
+        Points 0…N are the ends of the links; the P points on links follow.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
@@ -208,7 +210,7 @@ class Result(Pictured):
 
     @property
     def angles(self) -> np.ndarray:
-        """Absolute angles of the links, shape (T, N) [rad].
+        """Absolute angles of the links, counted from the x axis, shape (T, N) [rad].
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.
@@ -230,8 +232,8 @@ class Result(Pictured):
 
         Fields kinetic, potential, elastic, dissipated, supplied, total = kinetic + potential + elastic, and
         friction, the part of dissipated that dry friction takes; total + dissipated − supplied is constant.
-        The field friction is NaN if the run does not compute it: it needs an output that is an integral over
-        time.
+        The field friction is NaN if the run does not compute it: the run computes integrals over time only
+        if the scene asks for an output that needs them.
 
         Raises:
             UnknownNameError: when the result lacks one of the outputs.

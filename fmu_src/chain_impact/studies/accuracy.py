@@ -21,13 +21,13 @@ class Differences:
     """The largest differences between two runs, up to their first different impact.
 
     Attributes:
-        impacts: the number of compared impacts.
-        onset: the largest difference of onsets [s]; 0 without an impact.
+        impacts: the number of compared impacts: those before the first different impact.
+        onset: the largest difference of onsets [s]; 0 if no impacts are compared.
         position: the largest distance between the positions of a point in both runs at the same time [m].
         point: the name of the point with the largest distance.
         time: the time of the largest distance [s].
         end: the end of the comparison [s].
-        parted: whether the runs have different impacts after the end of the comparison.
+        parted: whether the comparison ends at the first different impact; if not, it ends with the runs.
     """
 
     impacts: int
@@ -40,7 +40,7 @@ class Differences:
 
 
 def differences(run: Recording, tighter: Recording) -> Differences:
-    """Compare a run with a run at a tighter tolerance, row by row and impact by impact.
+    """Return the differences between a run and a run at a tighter tolerance, in rows and impacts.
 
     After the first different impact the runs are two different motions, whose difference does not measure an
     error.

@@ -77,9 +77,9 @@ def record_slowly(
     inputs: Given | None = None,
     interpolation: Interpolation = "follow",
 ) -> Result:
-    """Simulate a scene twice: first to find the impacts, then with dense rows near each impact.
+    """Return the result of a scene, with dense rows near each impact, so that slow motion shows it.
 
-    The number of rows does not change the solution.
+    The scene is simulated twice, the first time to find the impacts. The rows do not change the solution.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.

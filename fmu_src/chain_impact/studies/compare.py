@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""The factors on the stiffness for which the comparison computes the reachable restitution, if other forces
-than contact forces act in the first impact, too."""
+"""If other forces than contact forces act in the first impact, the restitution that this impact can reach is
+also computed at the scene's stiffness times each of these factors."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -61,7 +61,8 @@ class Comparison(LawRuns):
         reference: id of the law to which the impacts of all other laws are compared.
         runs: one run for each law, in the order of the registry; a user's own law comes last.
         reached: the restitutions that the first impact reaches without losses and with the exact law, at the
-            scene's stiffness and, if not only contact forces act in the impact, at larger stiffnesses.
+            scene's stiffness; if other forces than contact forces act in the impact, at larger stiffnesses,
+            too.
     """
 
     def __repr__(self) -> str:
@@ -128,7 +129,8 @@ LAW_COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "steps": lambda run: run.steps if run.result else None,
     "note": lambda run: run.note,
 }
-"""Column of the CSV → function: run → its value; "restitution" to "energy lost" are of the first impact."""
+"""Column of the CSV → function that returns its value for a run; the columns from "restitution" to "energy
+lost" describe the first impact."""
 
 
 def _cell(value: object) -> object:
@@ -190,9 +192,9 @@ def compare(
 
 
 def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
-    """Return the restitutions without losses and with the exact law, at the stiffness times ``factor``.
+    """Return the restitutions without losses and with the exact law, at the scene's stiffness × ``factor``.
 
-    A run in ``runs``, law → run with this stiffness, is not repeated.
+    ``runs``: law → run at this stiffness; these runs are not repeated.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))
@@ -200,7 +202,7 @@ def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached
 
 
 def _why_none(scene: Scene) -> str:
-    """Return a sentence that says why a successful run has no impact at which the law acts."""
+    """Return words that say why a run without a fault has no impact that laws can be compared by."""
     if scene.stops.model is None:
         return f"there is none before {scene.simulation.stop_time:g} s"
     kept = f"the stops keep stops.model = {scene.stops.model}, and"
@@ -210,9 +212,9 @@ def _why_none(scene: Scene) -> str:
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
-    """Return the ids of the laws to compare, in the order of the registry.
+    """Return the ids of the laws to compare: ``laws``, or all laws, in the order of the registry.
 
-    If all these laws need another exponent than the scene has, the scene's contact model follows.
+    If all of them need another exponent than the scene has, the scene's contact model is added at the end.
 
     Raises:
         UnknownNameError: when an id in ``laws`` does not exist.
@@ -246,21 +248,22 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         first = _values_of(result, impact)
         used = contact_at(result.scene, impact)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
-        # a contact that lasts until the end of the run has no end time
+        # an ``end`` of NaN, of a contact that lasts until the end of the run, makes both comparisons False
         overlap = later["onset"] <= impact["onset"] + first["duration"]
         notes += [OVERLAPS] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
 
 
 def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
-    """Return the values for ``LawRun`` by name.
+    """Return the values of an impact for ``LawRun``: name of the attribute → value.
 
-    Lost energy and loop are missing for an impact that has not ended.
+    ``energy_lost`` and ``loop`` are missing for an impact that has not ended.
     """
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
-        # an impulse ends the impact at once: the time in which the wall then holds the point does not count
+        # With an impulse the impact ends at its onset. The recorded end is later if the rigid wall then holds
+        # the point, which does not count here.
         impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
@@ -278,7 +281,11 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
-    """Return ``run`` with the number and time of its first impact that differs from ``expected``, if any."""
+    """Return ``run`` with the number and the onset of its first impact that ``expected`` does not have.
+
+    ``expected`` is the result with the reference law. If it has more impacts, its next impact counts. A run
+    that ended early and agrees up to its end has no such impact.
+    """
     if run.result is None:
         return run
     ours, theirs = run.result.impacts, expected.impacts

@@ -54,16 +54,16 @@ IMPULSE: dict[str, Any] = {
     "fontsize": "x-small",
     "color": INK,
 }
-"""Place and look of the name of an impulse beside its line."""
-BAND_POINTS = 400  # number of penetrations at which the limits of the grey band of loops are computed
+"""The keywords of matplotlib's ``annotate`` for the name of an impulsive law beside its line."""
+BAND_POINTS = 400  # number of penetrations at which both edges of the grey band of loops are computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
 )
-"""The looks of laws with colours; their lines lie above the wider line of the reference law."""
+"""The looks of the laws with a colour, except the reference law; their lines lie above its wider line."""
 COLOURED_LAWS = 1 + len(LINES)  # largest number of laws with a colour; the reference law is one of these
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Laws that many programs and papers use."""
+"""Laws that many programs and papers use; they get the colours that are left."""
 
 Looks = dict[str, dict[str, Any]]
 
@@ -99,7 +99,10 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def message(comparison: LawRuns, *, small: bool = False) -> str:
-    """Return a headline: how much the laws differ in the first impact; ``small``: of a narrow figure."""
+    """Return the headline: the range of restitutions that the laws give the first impact.
+
+    ``small``: whether the headline is for a narrow figure, and must be short.
+    """
     restitutions = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
     e, name = comparison.contact.restitution, comparison.scene.name
     if not restitutions:
@@ -111,7 +114,7 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
-    """Return a text on the first impact, on the scene's contact, and on the meaning of grey lines."""
+    """Return the text below the headline: the first impact, the scene's contact, and the grey lines."""
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
     mass, speed, force, depth = (unit_at(name, stop=comparison.at_stop) for name in names)
@@ -130,7 +133,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most COLOURED_LAWS, and the reason for each; "" for common laws.
+    """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
     The law that differs most has the restitution in the first impact that is farthest from the restitution
     with the reference law, among the laws with losses. The law without losses ignores the prescribed
@@ -152,14 +155,15 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
 
 
 def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add a further reason why a law has a colour."""
+    """Add to ``why``, law → reasons, a reason why a law has a colour."""
     why[law] = f"{why[law]}, {reason}" if law in why else reason
 
 
 def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
-    """Return colour, line and label of each law; ``small``: in the label only the reference has its reason.
+    """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
-    If two laws have the same force, only the first law has a line, whose label names both laws.
+    Laws with equal loops share the line of the first of them, whose label names them all. A label has the
+    reason for the colour and the restitution; with ``small`` only the reference law has its reason.
     """
     why, lines = named_laws(comparison), iter(LINES)
     twins: dict[str, list[str]] = {}
@@ -187,9 +191,9 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
 
 def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Return whether two loops are equal.
+    """Return whether two loops of force over penetration are equal.
 
-    An empty loop, of an impulse, and None, for an impact that has not ended, never count as equal.
+    Loops of impulses, which are empty, and None, for an impact that has not ended, never count as equal.
     """
     return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
 
@@ -225,10 +229,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that are drawn as a band.
-
-    These are the laws without a colour, if there are more than MOST_GREY.
-    """
+    """Return the laws that share a grey band: those without a colour, if they are more than MOST_GREY."""
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]
@@ -236,9 +237,9 @@ def banded(comparison: LawRuns, looks: Looks) -> list[str]:
 
 
 def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False) -> str:
-    """Return the label of the band: how many laws it has, and which have the extreme restitutions e′.
+    """Return the label of the band: how many laws share it, and which have the extreme restitutions e′.
 
-    ``small``: in short words.
+    ``small``: whether the label is for a narrow figure, and must be short.
     """
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
@@ -250,7 +251,10 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
-    """Fill the area that loops of force over penetration, shape (2, K) each, cover together."""
+    """Fill the area between the least and the largest force of all loops at each penetration.
+
+    A loop has the penetrations and the forces in the first impact with one law, shape (2, K).
+    """
     if not loops:
         return
     depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
@@ -289,9 +293,9 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
-    """Draw lines from a table of law → points of shape (2, S).
+    """Draw a line for each law; ``lines``: law → points of the line, shape (2, S).
 
-    Where some lines merge, each line shows its own dashes.
+    Where coloured lines coincide they are dashed, so that each of them is seen.
     """
     order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
     coloured = [law for law in order if looks[law]["color"] != GREY]
@@ -305,7 +309,7 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
 def legend_handles(axes: Axes, looks: Looks) -> list[Any]:
     """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any.
 
-    An entry shows the line of its law without the dashes of merged lines.
+    An entry shows the line of its law as ``looks`` has it, without the dashes where lines coincide.
     """
     styles = {look["label"]: look for look in looks.values() if look["color"] != GREY}
     drawn = [styles[label] for line in axes.lines if (label := line.get_label()) in styles]

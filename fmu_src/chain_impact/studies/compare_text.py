@@ -13,8 +13,8 @@ from chain_impact.studies.law_change import EXACT_LAW, compared_impact
 from chain_impact.studies.law_runs import LawRun, LawRuns
 from chain_impact.variables.impact_units import unit_at
 
-# A law realises the prescribed restitution if its restitution differs from the prescribed one by at most this
-# part of it.
+# A law realises the prescribed restitution e if the restitution of the first impact differs from e by at most
+# this part of e.
 REALISED_WITHIN = 0.05
 NAMED_LAWS = 3  # the largest number of laws that the advice names
 DASH = "–"
@@ -29,7 +29,7 @@ def report(comparison: LawRuns) -> Iterator[str | TextTable]:
 
 
 def heading(comparison: LawRuns) -> str:
-    """Return the scene, its contact and the first impact."""
+    """Return the first line of the text: the scene, the values of its contact, and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
     mass, speed = (unit_at(name, stop=comparison.at_stop) for name in ("effective_mass", "impact_speed"))
@@ -41,13 +41,13 @@ def heading(comparison: LawRuns) -> str:
 
 
 def law_table(comparison: LawRuns) -> TextTable:
-    """Return the table with a row for each law; the last column, without a name, has the notes.
+    """Return the table with a row for each law; the last column, which has no name, has the notes.
 
-    The unit of each column suits its largest value.
+    The unit of each column has a prefix that suits its largest value.
     """
     force, depth = (unit_at(name, stop=comparison.at_stop) for name in ("peak_force", "max_penetration"))
     quantities = {
-        # an impulse has no peak force, so its cell is empty
+        # an impulse has the peak force 0, which is shown as a dash
         f"peak, {force}": [run.peak_force or math.nan for run in comparison.runs],
         f"depth, {depth}": [run.max_penetration for run in comparison.runs],
         "time, s": [run.duration for run in comparison.runs],
@@ -60,7 +60,10 @@ def law_table(comparison: LawRuns) -> TextTable:
 
 
 def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
-    """Return the head of a column with a prefix in its unit ("peak, kN" for "peak, N"), and the cells."""
+    """Return the head of a column, and its cells, with a prefix of the unit that suits the largest value.
+
+    ``name`` is the head without a prefix: "peak, N" may become "peak, kN".
+    """
     what, _, unit = name.partition(", ")
     factor, unit = prefixed(np.nanmax([0.0, *values]), unit)
     return f"{what}, {unit}", [formatted(factor * value, "#.4g") for value in values]
@@ -73,7 +76,7 @@ def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
 
 
 def formatted(value: float, form: str) -> str:
-    """Return a number as text; a dash for NaN."""
+    """Return a number as text in the format ``form``, such as ".2f"; a dash for NaN."""
     return DASH if math.isnan(value) else format(value, form)
 
 
@@ -90,10 +93,10 @@ def legend(comparison: LawRuns) -> str:
 
 
 def advice(comparison: LawRuns) -> str:
-    """Return a sentence on the laws that realise the prescribed restitution, and on the law to take.
+    """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
-    For an impact that is not free, the text also gives the restitution that can be reached. Only an impulse
-    gives such an impact the prescribed restitution; a force gives a similar restitution only by chance.
+    If the impact is free, the sentence advises one of them. If not, a second sentence gives the restitutions
+    that can be reached: only an impulse then gives the prescribed restitution, a force only by chance.
     """
     e = comparison.contact.restitution
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
@@ -112,9 +115,9 @@ def _few(laws: Sequence[str]) -> str:
 
 
 def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
-    """Return words that advise one of the laws in ``near``, which are near the restitution.
+    """Return words that advise one of the laws in ``near``; "" if these are fewer than two.
 
-    The words are "" for fewer than two laws.
+    ``near`` has the laws that realise the prescribed restitution.
     """
     if len(near) <= 1:
         return ""
@@ -126,9 +129,9 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
 
 
 def _reach(comparison: LawRuns) -> str:
-    """Return a sentence on the restitution that is possible in an impact that is not free.
+    """Return a sentence with the restitutions that the first impact, which is not free, can reach.
 
-    The sentence also gives the restitution at stiffer contacts.
+    These are the restitutions without losses and with EXACT_LAW, at the scene's and at larger stiffnesses.
     """
     e = comparison.contact.restitution
     values = ", ".join(

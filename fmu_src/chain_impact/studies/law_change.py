@@ -23,23 +23,20 @@ Changes = dict[tuple[str | int, ...], Any]
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law prescribes or, if it prescribes none, the scene's ``exponent``.
-
-    If the law prescribes none, ``exponent``, that of the scene.
-    """
+    """Return the exponent that a law prescribes or, if it prescribes none, the scene's ``exponent``."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 
 
 def keeps_exponents(law: str, scene: Scene) -> bool:
-    """Return whether a law allows every exponent with which it would be used in the scene."""
+    """Return whether a scene can have a law without a change of exponents."""
     return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield path, exponent and stiffness for each table of the scene with a stiffness of a contact.
+    """Yield path, exponent and stiffness of each table with a stiffness for the law of `contact`.
 
-    Only tables for the law of `contact` count.
+    These are `contact`, the walls with their own stiffness, and `stops` if they have no law of their own.
     """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
@@ -52,26 +49,25 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
 
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Return the index of the first row in ``Result.impacts`` for which the law of `contact` acts.
+    """Return the index of the first row of ``impacts`` for which the law of `contact` acts, or None.
 
-    Returns None if there is no such row.
-
-    The law of `contact` does not act at stops with their own law.
+    This law does not act at stops with their own law. ``impacts`` is ``Result.impacts``.
     """
     differs = scene.stops.model is not None
     return next((k for k, row in enumerate(impacts) if not (differs and at_stop(scene, row["wall"]))), None)
 
 
 def compared_impact(scene: Scene) -> str:
-    """Return the words for the impact with which laws are compared."""
+    """Return the words for the impact by which laws are compared: the first at which their force acts."""
     return "first impact" if scene.stops.model is None else "first impact at a wall"
 
 
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
-    """Return the changes that give a scene another law; stops with their own law keep this law.
+    """Return the changes that give a scene another law: path → value. Stops with their own law keep it.
 
-    If the law needs another exponent, the elastic penetration of ``impact``, a row of ``Result.impacts``,
-    stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and stiffnesses do not change.
+    If the law needs another exponent, stiffnesses change so that ``impact``, a row of ``Result.impacts``,
+    keeps its penetration without losses, δ: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and
+    stiffnesses do not change.
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
@@ -87,20 +83,23 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness for the exponent ``needed`` with which a lossless impact is equally deep."""
+    """Return the stiffness that gives an impact without losses the same penetration with another exponent.
+
+    ``stiffness`` and ``n`` are the present stiffness and exponent; ``needed`` is the other exponent.
+    """
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = lossless_depth(energy, stiffness, n)
     return float((needed + 1.0) * energy / depth ** (needed + 1.0))
 
 
 def stiffened(scene: Scene, factor: float) -> Scene:
-    """Return the scene with stiffnesses times ``factor`` wherever the law of `contact` acts."""
+    """Return the scene with all stiffnesses for the law of `contact` multiplied by ``factor``."""
     changes: Changes = {(*path, "stiffness"): factor * stiffness for path, _, stiffness in _tables(scene)}
     return with_values(scene, changes)
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """Return the values of the contact law for an impact: at its wall, or at the stops of joints."""
+    """Return the contact with the values that hold for an impact: those of its wall, or of the stops."""
     contact, stops = scene.contact, scene.stops
     if at_stop(scene, impact["wall"]):
         keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
@@ -116,7 +115,10 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
 
 
 def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:
-    """Return a contact with another law that gives an impact the same elastic penetration."""
+    """Return a contact with another law, which gives an impact the same penetration without losses.
+
+    Exponent and stiffness change only if the law needs another exponent.
+    """
     needed = needed_exponent(law, contact.exponent)
     if needed == contact.exponent:
         return replace(contact, model=law)

@@ -14,14 +14,15 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-FREE_TOLERANCE = 0.05  # largest deviation of a free impact's restitution from its expected value
+# An impact is free if the differences between its restitutions and those expected of a free impact are less.
+FREE_TOLERANCE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class LawRun:
-    """The result of one law.
+    """The run of a scene with one contact law, and the values of the first impact.
 
-    The values of the first impact are NaN if there is no impact. If it has not ended, its force and
+    The values of the first impact are NaN if there is no impact. If the impact has not ended, its force and
     penetration are the largest so far, and the other values are NaN. If stops have their own law, the first
     impact is the first impact at a wall.
 
@@ -30,8 +31,8 @@ class LawRun:
         exponent: exponent n of the run.
         stiffness: stiffness K of the run [N/m^n].
         restitution: realised restitution of the first impact.
-        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop all quantities belong to
-            the angle: the peak is a moment [N·m], the penetration is in rad.
+        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop of a joint the quantities
+            are those of the joint angle: the peak is a moment [N·m], the penetration is in rad.
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
         energy_lost: energy that the whole chain dissipates from the onset to the end of the first impact [J].
@@ -68,16 +69,16 @@ class LawRun:
 
     @property
     def steps(self) -> int:
-        """The number of steps of the solver in the run."""
+        """The number of steps that the solver took in the run."""
         return self.result.statistics["steps"] if self.result else 0
 
 
 @dataclass(frozen=True)
 class Reached:
-    """The restitution of the first impact at a stiffness; NaN if the impact has not ended.
+    """The restitutions that the first impact reaches at one stiffness; NaN if the impact has not ended.
 
     Attributes:
-        stiffness: K of the impact [N/m^n].
+        stiffness: stiffness K of the first impact [N/m^n].
         lossless: restitution with a law without losses, about the largest possible one; 1 in a free impact.
         exact: restitution with the law that realises the scene's restitution in a free impact.
     """
@@ -100,7 +101,7 @@ class LawRuns:
     reached: tuple[Reached, ...]
 
     def __getitem__(self, law: str) -> LawRun:
-        """Return the run with the law that has an id."""
+        """Return the run with a law, by the law's id."""
         return next(run for run in self.runs if run.law == law)
 
     @property
@@ -110,20 +111,20 @@ class LawRuns:
         If stops have their own law, the first impact is the first impact at a wall.
         """
         impact = first_of(self[self.reference].result)
-        assert impact is not None  # every scene that is compared has this impact
+        assert impact is not None  # ``compare`` refuses a scene without this impact
         return impact
 
     @property
     def contact(self) -> Contact:
-        """The values of the scene's contact law for the first impact: at its wall, or at stops."""
+        """The scene's contact with the values for the first impact: those of its wall, or of the stops."""
         return contact_at(self.scene, self.first_impact)
 
     @property
     def is_free(self) -> bool:
-        """Whether only contact forces act in the first impact.
+        """Whether the first impact is free: only contact forces matter while it lasts.
 
-        A free impact has the restitution 1 without losses, and the scene's restitution with the exact law. An
-        impact that has not ended has no restitution, and counts as free.
+        It is free if it has the restitution 1 without losses, and the scene's restitution with the exact law,
+        up to FREE_TOLERANCE. An impact that has not ended has no restitution, and counts as free.
         """
         reached = self.reached[0]
         off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
@@ -131,11 +132,14 @@ class LawRuns:
 
     @property
     def at_stop(self) -> bool:
-        """Whether the first impact is at a stop of a joint, so that its quantities belong to the angle."""
+        """Whether the first impact is at a stop of a joint, so that its quantities are those of the angle."""
         return at_stop(self.scene, self.first_impact["wall"])
 
 
 def first_of(result: Result | None) -> np.void | None:
-    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``, or None."""
+    """Return the first impact for which the law of `contact` acts, a row of ``Result.impacts``.
+
+    The result is None if there is no such impact, or no result.
+    """
     number = None if result is None else first_number(result.scene, result.impacts)
     return None if result is None or number is None else result.impacts[number]

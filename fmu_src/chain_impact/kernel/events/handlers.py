@@ -83,8 +83,9 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force may have jumped. This is possible if a contact begins, ends, reaches its kink or gets
-        a new impact speed, if a rigid wall hits or holds a point, or if modes of friction or drives exist.
+        Whether a force may have jumped. This is so at a kink and at a new impact speed; where a contact
+        begins or ends, if the force may jump there (``may_jump``); if a rigid wall holds a point or has an
+        event; and at every event of a scene with dry friction or a limit of a drive.
     """
     # ``onset`` is the last candidate with a force law whose contact begins
     touch, onset, jumped = d.touch, -1, False

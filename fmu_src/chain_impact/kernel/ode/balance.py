@@ -78,8 +78,9 @@ STEP_CHANGE = 3.0
 WINDOW_CHANGE = 100.0
 # [s] the length of a window of time for WINDOW_CHANGE; equal to COST_WINDOW (cost.py)
 WINDOW = 1.0
-# the limit of the energy that the errors of all steps together add, relative to the available energy: beyond
-# it, steps that add energy are rejected
+# The limit of the energy that the errors of all steps together add; beyond it, steps that add energy are
+# rejected. It is relative to the available energy: the largest energy so far that motion, springs, walls and
+# heat can have had.
 ENERGY_GAIN = 0.1
 # The energy that a step may still add after ENERGY_GAIN has been reached, relative to the available energy,
 # so that round-off does not stop the run. If such additions reach ENERGY_GAIN again, the run ends.

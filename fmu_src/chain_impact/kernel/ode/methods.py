@@ -50,9 +50,9 @@ EQUAL_COST_RATIO = 2.5
 # If the size of the last explicit step is not known, the explicit method returns at an implicit step with hρ
 # < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# The largest hρ of an explicit step in contact, and of the first explicit step in flight: two thirds of the
-# hρ up to which the method is stable. A longer step amplifies motions that are too small for the error
-# control to notice.
+# The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
+# rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies
+# motions that are too small for the error control to notice.
 STABLE_STEP = 4.0
 # The implicit method continues in an impact only if joints make even IMPACT_PART of the impact's first
 # explicit step stiff (hρ > STIFF_STEP). With a value of 1, implicit steps would continue although explicit

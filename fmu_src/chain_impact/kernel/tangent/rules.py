@@ -16,7 +16,8 @@ from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, recipr
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
-# the increment, relative to an argument of a user's law, of the differences that give the derivatives by it
+# The increment of an argument of a user's law for the differences that give the derivatives with respect to
+# this argument, relative to the argument; for the rate δ̇, relative to |δ̇| + v₀.
 ARGUMENT_DIFFERENCE = 1e-3
 # number of iterations for the forces of constraints after which their derivatives have converged
 FORCE_ITERATIONS = 3

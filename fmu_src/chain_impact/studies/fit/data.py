@@ -22,12 +22,12 @@ from chain_impact.variables.prepared import PreparedScene
 
 TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
 WHICH = (IMPACT, POINT, WALL)
-"""The columns that say which impact a row describes."""
+"""The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
 SIGMA = "sigma({})"
-# LATE: if impacts were measured, the model runs until LATE times the last measured time, because the model's
-# impacts may be later than the measured ones
+# If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
+# later than the measured ones.
 LATE = 1.25
 PERCENT = "%"
 
@@ -52,10 +52,7 @@ class ImpactRow:
     order: float
 
     def find(self, impacts: np.ndarray) -> int | None:
-        """Return the row of this impact in ``Result.impacts``.
-
-        Returns None if the impact is missing, or has another point or wall.
-        """
+        """Return the row of this impact in ``Result.impacts``; None if it is missing, or is elsewhere."""
         same = np.ones(len(impacts), bool)
         for name, value in ((POINT, self.point), (WALL, self.wall)):
             if value is not None:
@@ -102,10 +99,10 @@ class Measurements:
 
     @property
     def order(self) -> np.ndarray:
-        """The time of each value, shape (M,) [s].
+        """The time by which each value is sorted, shape (M,) [s].
 
-        For a value of an impact it is the measured onset, or else the measured end; NaN if neither is
-        measured.
+        For a quantity of an impact it is the measured onset of this impact, or else its measured end; NaN if
+        neither was measured.
         """
         onsets = np.array([impact.order for impact in self.impacts])
         order = np.zeros(len(self))
@@ -114,10 +111,10 @@ class Measurements:
         return order
 
     def end(self, stop_time: float) -> float:
-        """Return the time [s] up to which a model must run to cover all measurements.
+        """Return the time [s] up to which a model must run to have a value for every measurement.
 
-        An impact without a measured time may happen at any time until the scene's stop time. With
-        impacts, the result is LATE times the last time.
+        It is the last measured time, or the scene's ``stop_time`` if that is later and an impact has no
+        measured time; if there are measurements of impacts, it is LATE times this time.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():
@@ -125,7 +122,7 @@ class Measurements:
         return LATE * last if self.of_impact.any() else last
 
     def until(self, stop: float) -> Measurements:
-        """Return the measurements up to a time [s], and those of impacts without a measured time.
+        """Return only the measurements up to the time ``stop`` [s], and those of impacts of unknown time.
 
         Raises:
             SceneError: when no measurement is left.
@@ -200,7 +197,7 @@ class _Book:
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
-        """Add the values in some columns of a table to the collected values."""
+        """Add the values in the ``chosen`` columns of a table, and in all columns of inputs."""
         samples, quantities = self._columns(table, chosen | {*self._inputs})
         before = -math.inf
         for row in range(len(table.rows)):
@@ -210,7 +207,7 @@ class _Book:
                 before = self._add_sample(table, row, samples, before)
 
     def measurements(self, source: str) -> Measurements:
-        """Return all measurements that were collected."""
+        """Return all measurements that were collected; ``source`` has the names of their files."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
         names, values, sigmas, where, kinds = zip(*self._found, strict=True)
@@ -237,7 +234,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return the columns of outputs and inputs, and the columns of quantities of impacts, in a table."""
+        """Return two lists of chosen columns of a table: outputs and inputs; quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         likely = "" if TIME in table.names else likely_time(table.names)
@@ -281,9 +278,9 @@ class _Book:
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
-        """Add the outputs and inputs in a row, and return its time [s].
+        """Add the values of outputs and inputs in a row, and return the time of the row [s].
 
-        This time must be later than ``before`` [s].
+        ``names``: the columns. The time must be later than ``before`` [s], the time of the row before.
         """
         time = table.number(row, TIME)
         if not (time >= 0.0 and time > before):
@@ -297,7 +294,7 @@ class _Book:
         return time
 
     def _add_impact(self, table: Table, row: int, names: list[str]) -> None:
-        """Add the measurements of an impact."""
+        """Add the quantities, in the columns ``names``, of the impact that a row describes."""
         number, point, wall = (self._which(table, row, name) for name in WHICH)
         alike = number is None
         if number is None:
@@ -310,7 +307,10 @@ class _Book:
             self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return the number, the point or the wall of the impact in a row; None if the cell is empty."""
+        """Return what a cell in a column of WHICH says of its row's impact; None if the cell is empty.
+
+        The result is the number of the impact, the number of the point, or the index of the wall.
+        """
         cell = table.cell(row, name)
         if cell is None:
             return None
@@ -340,7 +340,10 @@ class _Book:
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
-        """Add the value in a cell to the measurements, if the cell is not empty."""
+        """Add the value in a cell to the measurements, if the cell is not empty.
+
+        ``time_or_impact`` is the time of the row [s] or, if ``of_impact``, the index of the impact.
+        """
         value = table.number(row, name)
         if not math.isnan(value):
             if name == JOINT_FORCE and not self._scene.outputs.loads:
@@ -353,10 +356,7 @@ class _Book:
             )
 
     def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
-        """Return the standard deviation of a value, from its row or else from its column.
-
-        The result is NaN if neither is given.
-        """
+        """Return the standard deviation of a value, from its row or else from ``sigma``; NaN without both."""
         column = SIGMA.format(name)
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
@@ -368,7 +368,9 @@ class _Book:
 
 
 def standard_deviation(name: str, given: float | str, value: float) -> float:
-    """Return the standard deviation of a value, from a number or a percentage that is given for a column.
+    """Return the standard deviation of a value, in the unit of the value.
+
+    ``given`` is the standard deviation for the value's column ``name``: a number, or "2%" of each value.
 
     Raises:
         SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
@@ -390,5 +392,5 @@ def _is_sigma(name: str) -> bool:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return the columns with measured values: all but time, WHICH, joint, and standard deviations."""
+    """Return the columns with measured values or inputs: all but time, WHICH, joint and sigma(…)."""
     return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]

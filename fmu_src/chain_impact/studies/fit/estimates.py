@@ -76,7 +76,7 @@ class Estimates:
 
     @property
     def aic(self) -> float:
-        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
+        """Akaike's information criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
         Only differences between fits of the same data have a meaning; from 10 on, hardly anything supports
         the fit with the larger criterion (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
@@ -85,10 +85,7 @@ class Estimates:
 
     @property
     def law(self) -> str:
-        """The contact law of the walls, or of the stops if no point can touch a wall, or "" without both.
-
-        "" without walls and stops.
-        """
+        """The contact law of the walls, or of the stops if no point can touch a wall; "" without both."""
         contact, stops = self.scene.contact, self.scene.stops
         if point_wall_pairs(self.scene):
             return contact.model
@@ -96,6 +93,6 @@ class Estimates:
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
-        """Which of the M values belong to each column: name of a measured column → shape (M,)."""
+        """Name of a measured column → whether each of the M values belongs to this column, shape (M,)."""
         names = np.array([name for data_set in self.data for name in data_set.quantity])
         return {str(name): names == name for name in dict.fromkeys(names.tolist())}

@@ -120,7 +120,7 @@ def fit(
 
 
 def _fit(problem: Problem, progress: Progress) -> Fit:
-    """Return the fit of one contact law."""
+    """Search the parameters of a problem, whose scenes have one contact law, and return the fit."""
     search_result = search(problem, progress)
     at = _on_bounds(problem, search_result)
     rows = at.usable
@@ -172,7 +172,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
-    """Refuse a column that a rigid impact does not have, such as its peak force."""
+    """Refuse a measured column of OF_FORCE if the walls are rigid, and ``usable`` has none of its values."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
     if not (law and law.impulsive):
@@ -186,10 +186,10 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
 
 
 def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
-    """Return the model at the end of the search; parameters close to a bound are set to the bound.
+    """Return the model at the end of the search, with parameters close to a bound set to this bound.
 
-    The search approaches the bounds without ever reaching them. If the model on the bounds has other values
-    that can be fitted, no parameter is changed.
+    The search approaches the bounds without ever reaching them. If fewer or other values could be fitted
+    after this change, for example because an impact is missing, no parameter is changed.
     """
     at = search_result.search.best
     alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
@@ -206,7 +206,7 @@ def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
 def _runs(
     data: TableSource | Sequence[TableSource | Sequence[TableSource]],
 ) -> list[TableSource | Sequence[TableSource]]:
-    """Return the tables of each data set."""
+    """Return a list with an entry for each data set: a table, or a list of tables of the same run."""
     runs = list(cast("Iterable[TableSource | Sequence[TableSource]]", [data] if is_table(data) else data))
     if not runs:
         raise SceneError("data: must be at least one table")
@@ -214,7 +214,7 @@ def _runs(
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | np.ndarray]) -> list[Scene]:
-    """Return the scene of each data set, with its known values from ``set_each``."""
+    """Return a list of ``count`` scenes, one for each data set, with the set's values from ``set_each``."""
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
@@ -228,7 +228,10 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | n
 
 
 def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
-    """Return sentences on the unit of time, if data are much longer than the scene's stop time [s]."""
+    """Return a sentence for each data set whose time is probably in ms, because it lasts far too long.
+
+    ``stop_time`` is the stop time of the scene [s]; see MOST_STOP_TIMES.
+    """
     lasting = [(data_set.source, float(np.nanmax(data_set.order, initial=0.0))) for data_set in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
@@ -239,7 +242,7 @@ def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
 
 
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
-    """Refuse a standard deviation for a column that does not exist."""
+    """Refuse a name in ``sigma`` that no measured column has."""
     names = {name for data_set in measured for name in data_set.quantity}
     for name in sigma:
         if name not in names:
@@ -249,7 +252,7 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 
 
 def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
-    """Refuse to fit an input whose values the data give."""
+    """Refuse a free parameter that is an input, if the data give the values of this input."""
     for parameter in parameters:
         for k, data_set in enumerate(measured):
             if parameter.run in (None, k) and parameter.name in data_set.inputs:
@@ -258,7 +261,7 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 
 
 def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[float, float]:
-    """Return the ends of an interval as values within the bounds.
+    """Return both ends of a parameter's interval as values of the parameter, within its bounds.
 
     On the scale of the search, the interval goes from ``coordinate − half`` to ``coordinate + half``.
     """
@@ -270,7 +273,7 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
 
 
 def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
-    """Return the scene of a data set with the fitted values; fitted inputs are not part of a scene."""
+    """Return the scene of data set ``k`` with the fitted values; fitted inputs are not part of a scene."""
     known = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
@@ -283,9 +286,10 @@ def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.nd
 
 
 def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
-    """Return −2 log of the likelihood for normal errors, up to a constant.
+    """Return −2 log of the likelihood for normal errors, up to a constant that depends only on the data.
 
-    A column of n residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated.
+    A column of n residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated. ``rows``:
+    whether each value was fitted, shape (M,).
     """
     total = 0.0
     for group, name in enumerate(problem.names):
@@ -302,7 +306,10 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 def _notes(
     problem: Problem, result: Fit, at: Evaluation, search_result: Found, reached: Mapping[int, str]
 ) -> list[str]:
-    """Return the remarks on the result of a fit."""
+    """Return the remarks on a fit: on convergence, values left out, bounds, inputs, and residuals.
+
+    ``reached``: index of a parameter at a bound → "lower" or "upper".
+    """
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
@@ -324,7 +331,7 @@ def _notes(
 
 
 def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
-    """Yield a remark on columns whose estimated standard deviation is rough, because they have few values."""
+    """Yield a remark for each column with an estimated σ that is rough, because the column has few values."""
     for name in problem.estimated:
         count = int((at.usable & (problem.group == problem.names.index(name))).sum())
         if 0 < count < ROUGH_BELOW:

@@ -17,39 +17,40 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-# For P parameters and N values with a time, the first horizon contains at least VALUES_PER_PARAMETER × P
-# values, or N / VALUES_PER_PARAMETER if that number is smaller, but never fewer than P values.
+# For P parameters and N values with a time, at least VALUES_PER_PARAMETER × P values lie before the first
+# horizon, or N / VALUES_PER_PARAMETER if that number is smaller, but never fewer than P values.
 VALUES_PER_PARAMETER = 3
-# The model follows the data as long as the difference, relative to the size of the column, is at most this
-# number. The first number is for the first series of searches, the second number for a second series.
+# The model follows the data as long as each difference from a measured value is at most this part of the size
+# of the value's column: the first number in the first series of searches, the second in a second series.
 FAR = (0.01, 0.0025)
 # A second series follows if the first does not converge, or if the mean square of the residuals with all data
 # is at least WORSE times the smallest one with fewer data. If this smallest mean square is below
 # LEAST_SQUARE, it counts as LEAST_SQUARE, so that round-off causes no second series.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
 MANY_VALUES = 20  # with fewer values, a mean square of residuals is too random to be compared
-GROWTH = 1.1  # the smallest growth factor of the horizon in a step
-# the relative changes of the sum of squares in a step that end a rough search and a fine search
+GROWTH = 1.1  # the least factor between two successive horizons
+# A search ends when a step changes the sum of squares, relatively, by less than this: ROUGH_CHANGE in a
+# search with early data, FINE_CHANGE in a search with all data.
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# the smallest estimated standard deviation, relative to the size of a column; smaller residuals are errors of
-# the solver, not noise
+# the smallest estimated standard deviation of a column, relative to the column's size; smaller residuals are
+# errors of the solver, not noise of the measurement
 LEAST_SIGMA = 1e-8
 # Fewer degrees of freedom than this are round-off and count as 0. A larger limit is not needed: with few
 # degrees of freedom the estimated σ grows, so the column loses weight, determines fewer parameters, and gets
 # more degrees of freedom.
 NO_FREEDOM = 1e-9
-# SETTLED_SIGMA: the relative change of an estimated standard deviation that ends the rounds; MOST_ROUNDS: the
-# largest number of rounds
+# The search with all data is repeated with newly estimated standard deviations until none of these changes,
+# relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times.
 SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 
 @dataclass(frozen=True)
 class Found:
-    """The end of a search.
+    """The result of a series of searches with growing horizons.
 
     Attributes:
-        search: the last search, with all data.
+        search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: the successive times [s] up to which data were used.
         worse: mean square of the residuals with all data, divided by the smallest one with fewer data.
@@ -62,7 +63,7 @@ class Found:
 
 
 def search(problem: Problem, progress: Progress = silent) -> Found:
-    """Fit the free parameters.
+    """Search the values of the free parameters, in a second series of searches if the first one is not good.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model has no value to compare with them.
@@ -77,10 +78,10 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 
 
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
-    """Return the result of a search with growing horizons.
+    """Return the result of a series of searches, whose horizons grow until all data are used.
 
-    Each next horizon is the time at which the model first differs from the data by more than ``far`` times
-    the size of a column, and at least GROWTH times the horizon before.
+    ``start`` is the model at the start. Each next horizon is the time at which the model first differs from
+    the data by more than ``far`` times the size of a column, and at least GROWTH times the horizon before.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
@@ -105,7 +106,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
 
 
 def _squares(at: Evaluation, sigma: np.ndarray) -> float:
-    """Return the mean square of the residuals in standard deviations; infinity without residuals."""
+    """Return the mean square of the residuals r/σ of a model; infinity if the model has no residuals."""
     rows = at.usable
     return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
@@ -113,7 +114,10 @@ def _squares(at: Evaluation, sigma: np.ndarray) -> float:
 def _minimized(
     problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
-    """Return the result of a search with data up to a horizon, and new standard deviations, shape (M,)."""
+    """Return the result of a search with the data up to a horizon [s], and new σ of all values, shape (M,).
+
+    ``whole`` is the model at the start, with all data; see ``minimize`` for ``enough`` and ``most``.
+    """
     minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
         problem.until(whole, horizon),
@@ -126,11 +130,11 @@ def _minimized(
 
 
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
-    """Return the standard deviations, shape (M,); a missing one is estimated from the residuals.
+    """Return the standard deviation σ of each value, shape (M,): the given one, or a new estimate.
 
-    A column of residuals r with ν degrees of freedom has σ² = Σ r²/ν, and σ ≥ LEAST_SIGMA times its size. If
-    a column determines as many parameters as it has values, ν is 0: the residuals then tell nothing, and the
-    column keeps ``sigma``.
+    For a column without given σ, the residuals r with ν degrees of freedom give σ² = Σ r²/ν, but σ is at
+    least LEAST_SIGMA times the size of the column. If a column determines as many parameters as it has
+    values, ν is 0: the residuals then tell nothing, and σ stays as in ``sigma``.
     """
     estimated, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
@@ -143,10 +147,10 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 
 
 def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
-    """Return the degrees of freedom ν of each column with an estimated σ: index of the column → ν.
+    """Return the degrees of freedom ν of the columns with an estimated σ: index of the column → ν.
 
-    A column of n values has ν = n − h. Here h is the number of parameters that the column determines: the sum
-    of the leverages of its values.
+    A column with n values in use has ν = n − h. Here h is the number of parameters that the column
+    determines: the sum of the leverages of its values.
     """
     rows = np.flatnonzero(at.usable)
     left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
@@ -157,7 +161,7 @@ def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> d
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
-    """Return the given standard deviations; where none is given, a hundredth of the column's size."""
+    """Return the first σ of each value, shape (M,): the given one, or a hundredth of the column's size."""
     sigma = problem.sigma.copy()
     for group, least in _estimated(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
@@ -165,7 +169,7 @@ def _first_sigma(problem: Problem) -> np.ndarray:
 
 
 def _estimated(problem: Problem) -> list[tuple[int, float]]:
-    """Return the index of each column without given standard deviations, and its smallest allowed σ."""
+    """Return a pair for each column without a given σ: the column's index, and the least σ of an estimate."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
@@ -193,9 +197,10 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 
 
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
-    """Return the first horizon [s], which contains the number of values that VALUES_PER_PARAMETER demands.
+    """Return the first horizon [s], before which as many values lie as VALUES_PER_PARAMETER demands.
 
-    The horizon is infinite if all data are used at once.
+    It is later if the model follows the data longer, and infinite if all data are used at once. ``whole`` is
+    the model at the start; for ``far`` see ``_next_horizon``.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)

@@ -12,8 +12,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.law_change import first_number, law_values, needed_exponent
 
-# number of decimals to which the criterion is rounded; laws with equal rounded criteria keep their order, the
-# scene's own law first
+# the number of decimals to which Akaike's criterion is rounded before laws are sorted by it; laws with equal
+# rounded criteria keep their order, with the scene's own law first
 CRITERION_DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
@@ -64,12 +64,16 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
 
 
 def _part(progress: Progress, k: int, count: int) -> Progress:
-    """Return the progress function for the k-th of several laws."""
+    """Return the progress function for the fit of law ``k``, counted from 0, of ``count`` laws."""
     return lambda part: progress((k + part) / count)
 
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
-    """Return a scene with another law; for a new exponent, an impact of ``first`` gives the stiffness."""
+    """Return a scene with another law.
+
+    If the law needs another exponent, the stiffness follows from the first impact of the fit ``first``. If
+    this fit is None, or has no such impact, exponents and stiffnesses stay.
+    """
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)
     impact = None if impacts is None or number is None else impacts[number]
@@ -77,9 +81,10 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
-    """Return the key by which laws are sorted.
+    """Return the key by which laws are sorted, the best law first.
 
-    Laws that use all values come first, then the criterion decides; a law without a fit comes last.
+    Laws that use ``most`` values, the largest number of a law, come before laws that use fewer; among these,
+    Akaike's criterion decides. A law without a fit comes last.
     """
     if law_fit.fit is None:
         return True, True, math.inf
@@ -87,7 +92,7 @@ def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
 
 
 def _noted(law_fit: LawFit, most: int) -> LawFit:
-    """Return a law's fit with remarks on values that it does not use, and on a missing convergence."""
+    """Return a law's fit with remarks if it uses fewer values than ``most``, or did not converge."""
     if law_fit.fit is None:
         return law_fit
     left = most - int(law_fit.fit.used.sum())

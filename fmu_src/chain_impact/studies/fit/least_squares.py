@@ -15,15 +15,15 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-SMALLEST_CHANGE = 1e-14  # a smaller relative step, or a smaller gradient, is round-off, and ends the search
+SMALLEST_CHANGE = 1e-14  # a smaller relative step, or scaled gradient, is round-off, and ends the search
 
 
 @dataclass(frozen=True)
 class Search:
-    """The end of a search.
+    """The result of a search for the least sum of squares.
 
     Attributes:
-        best: the model at the end.
+        best: the model at the end of the search.
         converged: whether no step within the bounds reduces the sum of squares much.
         steps: the number of tried steps.
     """
@@ -42,7 +42,9 @@ def minimize(
     enough: float,
     most: int,
 ) -> Search:
-    """Search the least sum of squares by the trust-region method of Branch, Coleman & Li (1999).
+    """Search the parameters with the least sum of squares of residuals r/σ, and return the result.
+
+    The trust-region method is that of Branch, Coleman & Li (1999).
 
     Args:
         evaluate: function that returns the model at the coordinates of the parameters, shape (P,).

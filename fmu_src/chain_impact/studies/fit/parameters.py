@@ -24,10 +24,10 @@ WIDEST = 1e8
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number to fit.
+    """One free parameter, whose value the fit searches.
 
     Attributes:
-        name: as in the FMU.
+        name: the name of the FMU's parameter or input.
         unit: the unit of the value.
         start: value in the scene; for an input, its value while nothing drives it.
         low, high: bounds of the value; infinite if there is no bound.
@@ -63,7 +63,7 @@ class Parameter:
         )
 
     def coordinate(self, value: float) -> float:
-        """Return the coordinate of a value on the scale of the search."""
+        """Return the coordinate of a value on the scale of the search: the value, or its logarithm."""
         if not self.logarithmic:
             return value
         return math.log(value) if value > 0.0 else -math.inf
@@ -73,7 +73,7 @@ class Parameter:
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
-        """Return the derivative of the value with respect to the coordinate."""
+        """Return the derivative of the value with respect to the coordinate on the scale of the search."""
         return value if self.logarithmic else 1.0
 
 
@@ -143,7 +143,7 @@ def _parameter(
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:
-    """Return the lower and the upper bound; infinite where none is given."""
+    """Return the lower and the upper bound that ``bounds`` gives a variable; ± infinity for no bound."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
         low, high = (sign * math.inf if part in ("", None) else float(in_radians(part, variable.unit))

@@ -48,11 +48,13 @@ from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
-CURVE_POINTS = 1500  # number of points of the model's curve
-PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
+CURVE_POINTS = 1500  # number of points of the model's curve up to the end of its run
+PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel, in which the residuals are below the values
 BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
-DOT_OPACITY = 0.35  # the opacity of measured values over time, on which the model's curve is seen
-MOST_DOTS = 60  # of more measured values over time only every n-th is drawn, so that dots do not merge
+DOT_OPACITY = 0.35  # the opacity of measured values over time; the model's curve lies on them
+# The largest number of dots for measured values over time. Of more values only every n-th is drawn, so that
+# dots do not merge.
+MOST_DOTS = 60
 MODEL = VERMILLION  # the colour of the model's curve if there is only one data set
 HARDLY = 10.0  # data hardly support a law from this ΔAIC on (Burnham & Anderson 2004)
 USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
@@ -60,13 +62,13 @@ USUAL = 2.0  # half the width of the band of usual residuals, in standard deviat
 
 @dataclass(frozen=True)
 class Column:
-    """A measured column of one data set.
+    """The K values that one data set has of a measured column, for the picture.
 
     Attributes:
         run: index of the data set.
-        rows: indices of the column's values among all values, shape (K,).
-        at: time [s], or number of the impact in the model, shape (K,); NaN if the model does not have the
-            impact.
+        rows: indices of these values among the values of all data sets, shape (K,).
+        at: position of each value on the horizontal axis, shape (K,): the time [s] for an output, the number
+            of the model's impact for a quantity of impacts; NaN if the model does not have the impact.
     """
 
     run: int
@@ -87,7 +89,7 @@ def plot_fit(
 
 @styled()
 def fill(figure: Figure, fit: Estimates) -> None:
-    """Draw all panels on an empty figure."""
+    """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
     results = [_model(fit, k) for k in range(len(fit.data))]
@@ -143,7 +145,7 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
 
 
 def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of a data set with the fitted values, with rows dense enough for a smooth curve."""
+    """Return the run of data set ``k`` with the fitted values, with rows dense enough for a smooth curve."""
     data, scene = fit.data[k], fit.scenes[k]
     stop = max(1e-9, data.end(scene.simulation.stop_time))
     inputs = dict(data.inputs) | {
@@ -156,9 +158,9 @@ def _model(fit: Estimates, k: int) -> Result:
 
 
 def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> bool:
-    """Draw one column: data and model, and below these the residuals in standard deviations.
+    """Draw one measured column in a cell: data and model, and below these the residuals as Δ/σ.
 
-    Returns whether there are lines at impacts.
+    ``results``: the run of each data set. Returns whether the panel has lines at impacts.
     """
     axes: Any = cell.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
     values, residuals = axes
@@ -197,7 +199,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
-        if np.isfinite(numbers).any():  # otherwise the model has none of the impacts
+        if np.isfinite(numbers).any():  # False if the model has none of the measured impacts
             residuals.set_xlim(np.nanmin(numbers) - BESIDE, np.nanmax(numbers) + BESIDE)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
@@ -210,9 +212,10 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
 def _curve(
     panels: Sequence[Axes], result: Result, model: np.ndarray, last: float, look: dict[str, Any]
 ) -> bool:
-    """Draw the model over time, and lines at its impacts, until the last measurement [s].
+    """Draw the model's curve in the first of two panels, and lines at the model's impacts in both.
 
-    Returns whether there are such lines.
+    The curve has the values ``model`` at the times of ``result``. Curve and lines end at ``last`` [s], the
+    time of the last measurement. Returns whether there are such lines.
     """
     onsets, until = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
@@ -223,7 +226,7 @@ def _curve(
 
 
 def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
-    """Return the parts of a column, one for each data set with this column."""
+    """Return the values of a measured column: an entry for each data set that has this column."""
     columns, first = [], 0
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
@@ -236,7 +239,10 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
 
 
 def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray:
-    """Return the numbers, from 1, of the model's impacts for some rows of data, shape (K,)."""
+    """Return the number, from 1, of the model's impact for each of some measured impacts, shape (K,).
+
+    ``rows``: indices into ``data.impacts``. The number is NaN if the model does not have the impact.
+    """
     matches = (data.impacts[row].find(result.impacts) for row in rows)
     return np.array([np.nan if match is None else match + 1.0 for match in matches])
 
@@ -251,7 +257,7 @@ def _unit(fit: Estimates, name: str) -> str:
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:
-    """Return texts of the first parameters with their standard errors, and the number of the others."""
+    """Return texts of the first MOST_ESTIMATES parameters, and one with the number of the others, if any."""
     texts = [_estimate_text(fit, label) for label in fit.values]
     left = len(texts) - MOST_ESTIMATES
     return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])

@@ -19,20 +19,20 @@ from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Me
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # the size of a column of zeros, because other numbers are divided by the size
-# a parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error, or
-# AT_BOUND times the distance from the start to the bound if this is smaller
+# A parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error, or
+# AT_BOUND times the distance from its start value to the bound if this is smaller.
 AT_BOUND = 0.01
-# a parameter is also at a bound if its distance from the bound, relative to the distance between both bounds,
-# is at most this number
+# A parameter is also at a bound if its distance from the bound, relative to the distance between its lower
+# and its upper bound, is at most this number.
 AT_BOUND_PART = 1e-9
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The model at one set of parameters.
+    """The models of all data sets for some values of the P parameters, compared with M measured values.
 
     Attributes:
-        coordinates: the coordinates of the parameters on the scale of the search, shape (P,).
+        coordinates: the values of the parameters on the scale of the search, shape (P,).
         residuals: model − measured, shape (M,), in the unit of each value; NaN where the model has no value:
             beyond the horizon, after a fault, or for a missing impact.
         slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
@@ -47,12 +47,12 @@ class Evaluation:
 
     @property
     def exists(self) -> np.ndarray:
-        """Whether the model has each value, shape (M,)."""
+        """Whether the model has a value for each measured value, shape (M,)."""
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def usable(self) -> np.ndarray:
-        """Whether each value can be fitted: the model has the value and its derivatives; shape (M,)."""
+        """Whether each measured value can be fitted: the model has it and its derivatives; shape (M,)."""
         usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return usable
 
@@ -126,22 +126,22 @@ class Problem:
 
     @property
     def start(self) -> np.ndarray:
-        """The coordinates at the start of the search, shape (P,)."""
+        """The start values of the parameters on the scale of the search, shape (P,)."""
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation with the residuals after a time ``horizon`` [s] replaced by NaN.
+        """Return an evaluation with NaN as residual of each value that was measured after ``horizon`` [s].
 
-        The residuals of an impact without a known time stay.
+        The residuals of an impact without a measured time stay.
         """
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether each value decides up to which time the model follows the data, shape (M,).
+        """Whether each value counts when the model is tested for following the data, shape (M,).
 
-        These are the outputs or, if no data set has outputs, the onsets and ends of impacts.
+        The outputs count or, if no data set has outputs, the onsets and ends of impacts.
         """
         outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():
@@ -149,19 +149,23 @@ class Problem:
         return np.array([self.names[group] in ("onset", "end") for group in self.group])
 
     def values(self, coordinates: np.ndarray) -> np.ndarray:
-        """Return the values of the parameters at some coordinates."""
+        """Return the values of the parameters for coordinates on the scale of the search, shape (P,)."""
         return np.array(
             [parameter.value(at) for parameter, at in zip(self.parameters, coordinates.tolist(), strict=True)]
         )
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the values with respect to the coordinates, shape (P,)."""
+        """Return the derivative of each parameter's value with respect to its coordinate, shape (P,)."""
         return np.array(
             [parameter.slope(at) for parameter, at in zip(self.parameters, values.tolist(), strict=True)]
         )
 
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
-        """Run the models up to a horizon [s], and compare them with the measurements."""
+        """Run the models with some values of the parameters, and return their differences from the data.
+
+        ``coordinates``: the values on the scale of the search, shape (P,). Values that were measured after
+        ``horizon`` [s] are left out.
+        """
         values = self.values(coordinates)
         scale = self.scale(values)
         model_values, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
@@ -190,8 +194,9 @@ class Problem:
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Return for each parameter the distance from a bound below which it is at the bound, shape (P,).
+        """Return the largest distance from its bound at which each parameter is at this bound, shape (P,).
 
+        ``bounds``: the lower or the upper bound of each parameter; ``errors`` as for ``bounds_reached``.
         The distance is AT_BOUND times the standard error, or times the distance from start to bound if that
         is less, but at least AT_BOUND_PART times the distance between both bounds. The standard error alone
         is so large for an undetermined parameter that every value would be near the bound.
@@ -228,7 +233,10 @@ class Problem:
 
 
 def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
-    """Return the model's values for the measured values, shape (M,), and their derivatives, shape (M, P)."""
+    """Return the model's value for each measured value, shape (M,), and its derivatives, shape (M, P).
+
+    Both are NaN where the run ended earlier, or does not have the measured impact.
+    """
     selected = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
     sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
@@ -242,10 +250,11 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 
 
 def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
-    """Return a quantity of an impact of the model, and its derivatives, shape (P,).
+    """Return the quantity ``name`` of an impact of the model, and its derivatives, shape (P,).
 
-    An impulse has no forces: its peak force and its force in a joint are NaN. If the contact lasts to the end
-    of the run, all quantities are NaN except those that the onset determines.
+    ``at``: the impact's row in ``run.impacts``. An impulse has no forces: its peak force and its force in a
+    joint are NaN. If the contact lasts to the end of the run, all quantities are NaN except those that the
+    onset determines.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")

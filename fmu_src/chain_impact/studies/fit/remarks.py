@@ -12,29 +12,31 @@ from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.uncertainty import exceeded, information
 
-# a residual that is less than this part of the range of its column is too small for a remark
+# a residual that is at most this part of the range of its column's values is too small for a remark
 SMALL = 1e-3
-# correlations between residuals do not matter if the mean square of the residuals, in standard deviations, is
-# less than this number
+# if the mean square of a column's residuals r/σ is at most this number, correlations between them do not
+# matter
 VISIBLE = 0.01
-# if the mean square of the residuals, in standard deviations, is less than this number, the data come from a
-# simulation: then a very small χ² needs no remark
+# if the mean square of all residuals r/σ is less than this number, the data come from a simulation, and a
+# very small χ² needs no remark
 SIMULATED = 1e-6
-IMPROBABLE = 1e-3  # the probability of a χ², or of the largest residual, below which a remark follows
-# a remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this;
-# independent residuals exceed it with a probability of 2 %
+# A remark follows if a χ² as far from its mean, or a largest residual as large, has less than this
+# probability with a correct model.
+IMPROBABLE = 1e-3
+# A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; independent
+# residuals exceed it with a probability of 2 %.
 ALIKE_NEIGHBOURS = 2.0
-LEVERAGE_ROUND_OFF = 1e-9  # for a leverage h, a value of 1 − h smaller than this is round-off of 0
-NAMED_VALUES = 3  # the largest number of values that the remark names
+LEVERAGE_ROUND_OFF = 1e-9  # a value of 1 − h smaller than this, for a leverage h, is round-off of 0
+NAMED_VALUES = 3  # the largest number of values that the remark on values far from the model names
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
-    """Yield a remark with the values that contradict all others, the largest contradiction first.
+    """Yield a remark with the measured values that contradict all others, the largest contradiction first.
 
     If a value with residual r and leverage h is left out, the fit to the other values differs from this value
     by r / (1 − h), to first order. The ratio of this difference to the other residuals has Student's t
     distribution (Cook & Weisberg 1982, *Residuals and Influence in Regression*, 2.2). Each of n tests uses
-    IMPROBABLE / n.
+    the probability IMPROBABLE / n.
 
     Args:
         fit: the fit.
@@ -49,9 +51,9 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
         return
     whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
-    # kept is 1 − h for each value, with the leverage h
+    # kept: 1 − h for each value in use, with its leverage h, shape (number of these values,)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
-    alone = kept < LEVERAGE_ROUND_OFF  # alone: only this value determines some parameter
+    alone = kept < LEVERAGE_ROUND_OFF  # whether some parameter is determined by this value alone
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():
@@ -79,7 +81,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
 
 
 def labels_of(data_set: Measurements) -> Iterator[str]:
-    """Yield words for each value: its column, and its impact or time."""
+    """Yield words for each value of a data set: its column, and its impact or time in brackets."""
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:
             impact = data_set.impacts[row]

@@ -15,7 +15,7 @@ from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation is larger than this
 MOST_HORIZONS = 8  # the largest number of horizons that the report lists
-EQUAL = 2.0  # a smaller difference between two values of Akaike's criterion does not decide between two laws
+EQUAL = 2.0  # a smaller difference of Akaike's criterion between two laws does not decide between them
 
 
 def report(fit: Estimates) -> Iterator[str | TextTable]:
@@ -41,17 +41,20 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
 
 
 def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
-    """Return whether the data cannot decide between a law and the best law."""
+    """Return whether the data cannot decide between a law and the best law.
+
+    This is so if the law uses as many values, and its criterion is larger by less than EQUAL.
+    """
     return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
 
 
 def misfit(fit: Estimates, best: Estimates) -> float:
-    """Return the root mean square of the residuals, in standard deviations of the best fit."""
+    """Return the root mean square of a fit's residuals, each divided by its σ in the best fit."""
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
 
 
 def above_best(fit: Estimates, best: Estimates) -> str:
-    """Return the difference between a law's criterion (Akaike) and that of the best fit, as text."""
+    """Return how much larger Akaike's criterion is for a fit than for the best fit, as text; at least 0."""
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
@@ -82,18 +85,25 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
 
 
 def _interval(parameter: Parameter, value: float, error: float, ends: tuple[float, float]) -> str:
-    """Return an interval as text; "not determined" if it ends at both bounds, or spans a factor > WIDEST."""
+    """Return the interval of a parameter as text, "low … high".
+
+    The text is "not determined" if the interval ends at both bounds of the parameter or, on a logarithmic
+    scale, spans a factor larger than WIDEST. ``error`` is the standard error of the value.
+    """
     low, high = ends
     if (low, high) == (parameter.low, parameter.high) or (parameter.logarithmic and high > WIDEST * low):
         return "not determined"
-    # on a logarithmic scale the relative errors are equal: error of the end / end = error of the value /
-    # value
+    # Each end is rounded by its own error: on a logarithmic scale the value and the ends have the same
+    # relative error.
     errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
     return " … ".join(rounded(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number up to one digit after the first digit of its standard error, in 2 to 10 digits."""
+    """Return a value as text, up to one digit after the first digit of its standard error.
+
+    The text has 2 to 10 significant digits; 4 if the error is 0 or not finite, or the value is 0.
+    """
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))

@@ -27,8 +27,8 @@ class LawFit(LawEstimates):
         law: the id of the law.
         fit: the fit; None if the fit failed.
         note: the reason why there is no fit, or a remark.
-        fewer: how many values less this law uses than the law that uses the most; if the number is not 0,
-            Akaike's criterion cannot be compared.
+        fewer: how many values this law uses less than the law that uses the most; if it is not 0, Akaike's
+            criterion of this law cannot be compared with the others.
     """
 
     fit: Fit | None

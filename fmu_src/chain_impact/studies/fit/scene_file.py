@@ -17,9 +17,9 @@ from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file and, in the same folder, a copy of a law that ``with_law`` has put into the cache.
+    """Write a scene file and, beside it, a copy of a law's file that ``with_law`` has put into the cache.
 
-    Paths of other files are changed if ``like`` is in another folder.
+    If ``like`` is in another folder, the paths of files in the scene are changed to fit the new folder.
 
     Args:
         scene: the scene to write.
@@ -50,13 +50,19 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """Return the text of a scene file with the values of ``scene``; values that are equal keep their text."""
+    """Return the text of a scene file with the values of ``scene``; equal values keep their text.
+
+    ``source``: the name of the file, for errors.
+    """
     present = parse_scene(text, source)
     return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
 
 def _copied(law: Path, folder: Path) -> str:
-    """Copy the file of a law into a folder, unless the folder has it; return the name of the file."""
+    """Copy the file of a law into a folder, unless the folder has it, and return the name of the file.
+
+    Another file with this name in the folder is refused.
+    """
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
         with written_whole(copy) as fresh:
@@ -70,7 +76,7 @@ def _copied(law: Path, folder: Path) -> str:
 
 
 def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
-    """Return the text of a scene file with the path ``file`` at a key."""
+    """Return the text of a scene file in which a key, such as ("contact", "law_file"), is ``file``."""
     document: Any = tomlkit.parse(text)
     table = document
     for step in key[:-1]:
@@ -80,11 +86,14 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
 
 
 def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """Return the text with the values of ``wanted`` where they differ from those of ``present``."""
+    """Return the text of a scene file with the values of ``wanted`` where ``present`` has other values.
+
+    ``present`` has the values of the text; both are dicts as ``scene_to_dict`` makes them.
+    """
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        # a short form of keys cannot hold the changes, so all links are written in full
+        # the short keys ``count`` and ``shape`` cannot hold the changes, so all links are written in full
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):
@@ -96,7 +105,10 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
 
 
 def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
-    """Write the values of a table that differ, and remove the values that are no longer given."""
+    """Write the values of ``wanted`` that differ from ``present`` into a table of a TOML document.
+
+    Values that only ``present`` has are removed from the table.
+    """
     for key in present:
         if key not in wanted and key in table:
             del table[key]
@@ -114,10 +126,10 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 
 
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
-    """Write one value of a table; of a list, write only the entries that differ from ``present``.
+    """Write one value into a table of a TOML document; a comment after the value keeps its column.
 
-    A comment after the value keeps its column. ``present`` is the value of the scene before the change, in
-    its own unit; the table may have this value in degrees.
+    Of a list, only the entries that differ from ``present`` are written. ``present`` is the value before the
+    change, in the unit of the scene; the table may have this value in degrees.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

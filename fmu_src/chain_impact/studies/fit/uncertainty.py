@@ -15,18 +15,20 @@ LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 # with at most this number of degrees of freedom an interval is infinite: Student's t would give at least
 # 44,000 standard errors
 TOO_FEW = 0.25
-# smaller singular values, relative to the largest one, are round-off of the derivatives and count as 0
+# A singular value of the derivatives that is smaller than this, relative to the largest one, is round-off and
+# counts as 0. The derivatives of each parameter are scaled to the norm 1 before.
 SINGULAR = 1e-7
 
 
 @dataclass(frozen=True)
 class Information:
-    """The information of the data about the parameters: the matrix J'J.
+    """The information of the data about the P parameters: the matrix J'J.
 
-    J are the derivatives of the values, divided by their standard deviations.
+    J are the derivatives of the model's values with respect to the parameters' coordinates on the scale of
+    the search, each divided by the standard deviation of the value.
 
     Attributes:
-        matrix: J'J on the scale of the search, shape (P, P).
+        matrix: J'J, shape (P, P).
     """
 
     matrix: np.ndarray
@@ -51,7 +53,7 @@ class Information:
 
     @property
     def errors(self) -> np.ndarray:
-        """The standard errors of the parameters' coordinates in the search, shape (P,).
+        """The standard errors of the parameters on the scale of the search, shape (P,).
 
         The error of a parameter that the data do not determine is infinite.
         """
@@ -59,23 +61,24 @@ class Information:
 
     @property
     def alone(self) -> np.ndarray:
-        """The standard errors with all other parameters fixed, shape (P,).
+        """The standard error of each parameter if all others are fixed, on the scale of the search, (P,).
 
-        The error is infinite for a parameter without effect.
+        The error is infinite for a parameter without effect on the values.
         """
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
 
     def with_held(self, p: int) -> Information:
-        """Return the information about the other parameters if parameter ``p`` is fixed, as a matrix.
-
-        The shape is (P − 1, P − 1).
-        """
+        """Return the information about the P − 1 other parameters if parameter ``p`` is fixed."""
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
 def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
-    """Return the information of values with derivatives of shape (M, P) and standard deviations (M,)."""
+    """Return the information about the parameters that M values hold.
+
+    ``slopes``: derivatives of the values on the scale of the search, shape (M, P). ``sigma``: standard
+    deviations of the values, shape (M,).
+    """
     whitened = slopes / sigma[:, None]
     return Information(whitened.T @ whitened)
 
@@ -85,9 +88,9 @@ class SmallSample:
     """The increase of standard errors because standard deviations are estimated from few values.
 
     Attributes:
-        factor: factor by which a standard error grows because the weights are estimates, shape (P,).
-        freedom: degrees of freedom of a standard error, shape (P,); infinite if no standard deviation is
-            estimated.
+        factor: the factor ≥ 1 by which the standard error of each parameter grows, shape (P,).
+        freedom: degrees of freedom of each standard error, shape (P,); infinite if no estimated standard
+            deviation contributes to it.
     """
 
     factor: np.ndarray
@@ -97,7 +100,7 @@ class SmallSample:
 def small_sample(
     slopes: np.ndarray, sigma: np.ndarray, groups: Sequence[tuple[np.ndarray, float]]
 ) -> SmallSample:
-    """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
+    """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983), with a variance for each column.
 
     C is the covariance of the parameters. A column c has ν_c degrees of freedom, and the information
     A_c = J'J/σ² with the derivatives J of its values. Its part p_c of each variance is the diagonal of
@@ -127,8 +130,9 @@ def small_sample(
 
 
 def quantiles(freedom: np.ndarray) -> np.ndarray:
-    """Return half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
+    """Return half the width of the 95 % interval of each parameter, in its standard errors, shape (P,).
 
+    ``freedom``: the degrees of freedom of each standard error, shape (P,), for Student's t distribution.
     With infinite degrees of freedom this distribution is the normal distribution. With almost no degrees of
     freedom the width is infinite: if a column determines as many parameters as it has values, nothing is left
     from which a standard deviation could be estimated.
@@ -142,7 +146,10 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
 
 
 def exceeded(chi_squared: float, freedom: float) -> float:
-    """Return the probability that the χ² of a correct model is larger than ``chi_squared``."""
+    """Return the probability that the χ² of a correct model is larger than ``chi_squared``.
+
+    ``freedom``: the degrees of freedom of χ².
+    """
     from scipy import special  # this import takes long
 
     return float(special.chdtrc(freedom, chi_squared))

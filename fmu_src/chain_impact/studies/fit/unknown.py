@@ -10,13 +10,14 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.uncertainty import Information
 
-# a value counts as not determined if its standard error, relative to the value, exceeds this number
+# A value on a logarithmic scale, or with 0 as its only bound, is not determined if its standard error,
+# relative to the value, exceeds this number.
 UNKNOWN = 0.3
-# a value also counts as not determined if its standard error, relative to the range between its two bounds,
-# is larger than this number: the 95 % interval then covers half the range
+# Another value between two bounds is not determined if its standard error, relative to the range between the
+# bounds, exceeds this number: the 95 % interval then covers half the range.
 UNKNOWN_PART = 0.125
-# the sentence names a second parameter if the standard error is less than BETTER times as large with the
-# second parameter fixed
+# The sentence on a parameter names a second one that is not determined if with this one fixed the parameter
+# is determined, and its standard error is less than BETTER times as large.
 BETTER = 0.5
 # A relative standard error above this is not given in percent: on a logarithmic scale it is given as a
 # factor, else in the unit of the value.
@@ -26,7 +27,10 @@ HUGE = 10.0
 def unknown(
     problem: Problem, at: Evaluation, fisher_information: Information, reached: Collection[int]
 ) -> Iterator[str]:
-    """Yield a sentence for each parameter that the data do not determine, except those at bounds."""
+    """Yield a sentence for each parameter that the data do not determine.
+
+    ``reached`` has the indices of the parameters at a bound, which get no sentence.
+    """
     values, errors = problem.values(at.coordinates), fisher_information.errors
 
     def is_weak(p: int, error: float) -> bool:
@@ -49,9 +53,10 @@ def unknown(
 
 
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
-    """Return whether a standard error is too large for a value to count as known.
+    """Return whether a standard error is too large for a value to count as determined.
 
-    The standard error is on the scale of the search.
+    ``error`` is the standard error on the scale of the search. A value without bounds counts as determined
+    if its error is finite.
     """
     if not math.isfinite(error):
         return True
@@ -63,7 +68,11 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 
 
 def size_of(parameter: Parameter, value: float, error: float) -> str:
-    """Return words for an error on the scale of the search: percent of a positive value, or with its unit."""
+    """Return words for a standard error, which is given on the scale of the search.
+
+    They are "infinite", percent of a value that must be positive, a factor for a HUGE error on a logarithmic
+    scale, or a number with its unit.
+    """
     if not math.isfinite(error):
         return "infinite"
     if parameter.logarithmic and error > HUGE:

@@ -13,32 +13,32 @@ from threading import Event
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 from chain_impact.system import LISTEN
 
-FIRST_BATCH, LONGEST_BATCH = 8, 2**18  # number of runs in the first and in the longest batch
+FIRST_BATCH, LONGEST_BATCH = 8, 2**18  # number of runs in the first batch, and the most in any batch
 SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0  # [s] shortest and longest time that a batch may take
 # The time that a batch may take, relative to the time so far, between the two limits above. After the first
 # batches, an interruption loses about this part of the time so far.
 SHARE = 0.2
-# A batch has at most BATCH_RATIO times as many runs as the batch before. The last batches are smaller, so
-# that all workers end together; but each takes at least 1/BATCH_RATIO of the time of a usual batch.
+# A batch has at most BATCH_RATIO times as many runs as the batch before. The last batches become smaller, so
+# that all workers end at about the same time; but each takes at least 1/BATCH_RATIO of the usual time.
 BATCH_RATIO = 16
 AHEAD = 2  # number of batches that are submitted for each worker, so that no worker waits for the caller
 
 
 class Batches:
-    """The missing runs of a sweep, given out batch by batch.
+    """The missing runs of a sweep, which workers take batch by batch.
 
-    A batch takes about SHARE × the time so far, within the limits, so that an hour of a core has about a
-    hundred batches.
+    A batch takes about SHARE × the time so far, between SHORTEST_BATCH_TIME and LONGEST_BATCH_TIME, so that
+    an hour of a core has about a hundred batches.
     """
 
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
-        """Store the missing runs in order, and the number of workers."""
+        """Store ``spans``, the missing runs in order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
         self._left = sum(end - first for first, end in spans)
         self._size, self._least, self._elapsed = FIRST_BATCH, 1, 0.0
 
     def take(self) -> Span | None:
-        """Return the next batch, or None if none is left.
+        """Return the next batch as a span of runs, or None if no run is left.
 
         The last batches are small, so that no worker waits long for another.
         """
@@ -53,7 +53,7 @@ class Batches:
         return first, middle
 
     def took(self, batch: Span, seconds: float) -> None:
-        """Record how long a batch took; this time determines the size of the next batches."""
+        """Record the computing time of a batch [s]; this time determines the size of the next batches."""
         self._elapsed += seconds / self._workers
         a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
         wanted = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
@@ -70,7 +70,7 @@ def hand_out(
     check: Callable[[], None] = lambda: None,
     patience: float = LISTEN,
 ) -> Generator[tuple[Span, Outcome]]:
-    """Yield each batch of some spans of runs, with its results, as the executor finishes it.
+    """Divide spans of runs into batches; yield each batch with its results when the executor has finished it.
 
     Args:
         executor: executes the batches in threads of this machine, or on the machines of a cluster.
@@ -79,7 +79,8 @@ def hand_out(
         spans: the runs, in order.
         check: function that is called when no batch was finished for some time; it raises an error if there
             is a fault.
-        patience: the time after which ``check`` is called, and Ctrl-C is noticed [s].
+        patience: the time without a finished batch after which ``check`` is called [s]; after this time at
+            the latest, Ctrl-C is noticed.
     """
     batches = Batches(spans, count)
     at_work: dict[Future[tuple[Outcome, float]], Span] = {}
@@ -109,9 +110,9 @@ def hand_out(
 def run_in_threads(
     computation: Computation, spans: Sequence[Span], threads: int
 ) -> Generator[tuple[Span, Outcome]]:
-    """Compute spans of runs in threads; yield each finished batch of a span with its results.
+    """Compute spans of runs in threads; yield each finished batch of runs with its results.
 
-    Other Python threads can run meanwhile. If the caller stops the iteration, all threads end in less than a
+    Other Python threads can run meanwhile. If the caller stops the iteration, all threads end within about a
     second.
 
     Raises:
@@ -131,7 +132,7 @@ def run_in_threads(
 
 
 def missing(done: Sequence[Span], count: int) -> list[Span]:
-    """Return the spans of 0 … count − 1 that no given span contains."""
+    """Return the spans of the runs 0 … count − 1 that are in no span of ``done``, in order."""
     spans, start = [], 0
     for first, end in sorted(done):
         if first > start:

@@ -18,14 +18,14 @@ from chain_impact.studies.sweep.batches import hand_out
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 
 # [s] CONNECT: the time limit for an answer of the scheduler; PATIENCE: the time without a finished batch of
-# runs after which the number of workers is checked
+# runs after which the connection and the number of workers are checked
 CONNECT, PATIENCE = 10.0, 30.0
 
 
 def run_on_cluster(
     computation: Computation, spans: Sequence[Span], address: str
 ) -> Generator[tuple[Span, Outcome]]:
-    """Yield the results of the runs in some spans, batch by batch as workers finish them.
+    """Compute spans of runs on a cluster; yield each batch of runs with its results when it is finished.
 
     If a worker is lost, other workers take over its batches.
 
@@ -72,12 +72,12 @@ def identity() -> tuple[str, str]:
 
 
 def _sees(folder: Path) -> bool:
-    """Return whether the present worker can see the folder of a sweep."""
+    """Return whether the worker that calls this function can see the manifest in the folder of a sweep."""
     return any(folder.glob("*.json"))
 
 
 def _connected(kind: Any, address: str) -> Any:
-    """Return a client of the scheduler.
+    """Return a client of the scheduler at an address; ``kind`` is the class ``distributed.Client``.
 
     A client that cannot connect is closed here. The garbage collector would close it later, perhaps while
     this thread starts another client and holds the lock that closing needs: a deadlock.
@@ -88,16 +88,17 @@ def _connected(kind: Any, address: str) -> Any:
     except Exception as error:
         with suppress(Exception):
             client.close()
-        client.status = "closed"  # so the garbage collector does not try to close the client again
+        client.status = "closed"  # with this status the garbage collector does not close the client again
         reason = str(error) or type(error).__name__
         raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
     return client
 
 
 def _check_workers(client: Any, computation: Computation, address: str) -> int:
-    """Refuse workers of another version, or without the folder; return the number of their threads.
+    """Return the number of threads of all workers of a cluster.
 
-    Return the number of threads of all workers.
+    A cluster without workers is refused, and so is a worker with another version of the package or of the
+    kernel, or one that cannot read the folder of the sweep.
     """
     threads = client.nthreads()
     if not threads:

@@ -18,18 +18,25 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import STATUS, Job, Runner
 
 Span = tuple[int, int]
-"""A span of runs: first … end − 1."""
+"""A span of runs as a pair (first, end): the runs first … end − 1."""
 Outcome = np.ndarray | str
-"""The rows of a batch, or the name of the file with the rows."""
+"""The result of a batch: its rows or, for a sweep into a folder, the name of the file with the rows."""
 Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # largest number of runs in memory at once, which take 3 MB
-STATUS_WORD = "status"  # name of the column with the word for the status
+CHUNK = 2**14  # the largest number of runs that a worker holds in memory at once; they take about 3 MB
+STATUS_WORD = "status"  # name of the column with the word for the status of each run, such as ok
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
-    """Return columns of the table for ``rows``, the runs from ``first`` on; by default all columns."""
+    """Return columns of a sweep's table for some successive runs: name → values of these runs.
+
+    Args:
+        design: the values of each run.
+        rows: the results of these runs.
+        first: the number, from 0, of the first of these runs.
+        names: the names of the columns; all columns by default.
+    """
     varied = {variation.name: k for k, variation in enumerate(design.variations)}
     columns: Columns = {}
     values = None
@@ -45,7 +52,7 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
 
 
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write parts of columns, one after the other, to a Parquet file.
+    """Write a table to a Parquet file; ``chunks`` yields the columns for some successive rows at a time.
 
     Raises:
         MissingExtraError: when pyarrow is not installed.
@@ -64,13 +71,13 @@ def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
 
 @dataclass(frozen=True)
 class Computation:
-    """The computation of the batches of a sweep.
+    """The computation of any batch of a sweep; a cluster sends it to its workers.
 
     Attributes:
         job: the data that the runs share.
         design: the values of each run.
-        folder: the folder for Parquet files; None if rows are returned.
-        own_kernel: whether the kernel is for exactly the sizes of this scene.
+        folder: the folder to which each batch writes its rows as a Parquet file; None if rows are returned.
+        own_kernel: whether the runs use a kernel for exactly the sizes of this scene.
     """
 
     job: Job
@@ -79,7 +86,7 @@ class Computation:
     own_kernel: bool = False
 
     def runner(self) -> Runner:
-        """Return the runner for the runs of a batch.
+        """Return a new runner, with its own instance record, for the runs of a batch.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
@@ -87,7 +94,9 @@ class Computation:
         return Runner(self.job, own_kernel=self.own_kernel)
 
     def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
-        """Compute some runs; return the rows or the file's name, and the computing time [s].
+        """Compute the runs of a batch; return their rows or the name of their file, and the time taken [s].
+
+        The file has a temporary name, ``Dataset.add`` gives it the final one.
 
         Raises:
             CancelledError: when ``wanted``, which is called at least once a second, returns False.
@@ -109,11 +118,11 @@ class Computation:
             path.unlink(missing_ok=True)
             if not isinstance(error, OSError):
                 raise
-            # the error is raised again with the file's name, which errors of Arrow do not contain
+            # the error is raised again with the name of the folder, because errors of Arrow name no file
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
         return path.name, perf_counter() - started
 
 
 def file_name(batch: Span) -> str:
-    """Return the name of a complete file; the sorted names are in the order of the runs."""
+    """Return the final name of the file with a batch's rows; the names sort in the order of the runs."""
     return f"runs-{batch[0]:015d}{PARQUET}"

@@ -31,24 +31,24 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
 from chain_impact.system import remove_lock, written_whole
 
-# the name of the manifest begins with _, because readers of Parquet ignore files whose names begin with _ or
-# .
+# The name of the manifest begins with _, because readers of Parquet folders ignore such files, as they ignore
+# files whose names begin with a dot.
 MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# regular expressions for the names of complete files, which ``file_name`` gives, and of incomplete files
+# matches the names of complete files, which ``file_name`` gives, and of incomplete files of runs
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # version of the folder's format; it increases when the format changes
 
 
 @dataclass
 class Dataset:
-    """The folder of a sweep.
+    """The folder of a sweep, with the rows that are already computed.
 
     Attributes:
         path: the folder.
-        runs: the number of runs of the sweep.
-        dtype: type of the rows as computed: they have no varied values and no word for the status.
-        files: name of a complete file → runs in the file.
+        runs: the number of runs of the complete sweep.
+        dtype: type of a row of results, without the varied values and the word for the status.
+        files: name of a complete file → span of the runs in the file.
     """
 
     path: Path
@@ -58,18 +58,18 @@ class Dataset:
     files: dict[str, Span] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """Return the number of runs."""
+        """Return the number of runs of the complete sweep."""
         return self.runs
 
     def add(self, batch: Span, file: str) -> None:
-        """Add a complete file to the folder, with its final name."""
+        """Give ``file``, which has all rows of a batch, its final name, and list it in the manifest."""
         name = file_name(batch)
         (self.path / file).replace(self.path / name)
         self.files[name] = batch
         self._list()
 
     def chunks(self, names: Iterable[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, in parts, so that memory stays small.
+        """Yield some columns for CHUNK runs or fewer at a time, in the order of the runs: name → values.
 
         Raises:
             SceneError: when a file is damaged.
@@ -87,9 +87,9 @@ class Dataset:
                 ) from None
 
     def tidy(self) -> None:
-        """Remove files of runs that do not belong to the sweep or are incomplete.
+        """Remove the files of runs that ``files`` does not list, such as incomplete ones.
 
-        If there is no complete file, remove the manifest, too.
+        If it lists none, the manifest is removed, too.
         """
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
@@ -98,7 +98,9 @@ class Dataset:
                 path.unlink()
 
     def is_complete(self) -> bool:
-        """Return whether the folder has all runs of the sweep; if so, use its files. Nothing is written.
+        """Return whether the folder has all runs of the sweep; the folder is only read.
+
+        ``files`` then has the files that the manifest lists.
 
         Raises:
             SceneError: when the folder belongs to another sweep.
@@ -110,13 +112,15 @@ class Dataset:
         return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
 
     def read(self) -> None:
-        """Use the files of an earlier call; begin a new folder if there are none.
+        """Take over the complete files of an earlier call, and write the manifest.
+
+        A damaged file is left out, so that its runs are computed again.
 
         Raises:
             SceneError: when the folder belongs to another sweep, or has files but no manifest.
             OSError: when the folder cannot be read or written.
         """
-        # an incomplete manifest is left over from a process that was killed
+        # such a folder has an incomplete manifest of a process that was killed
         for left in self.path.glob(f".{MANIFEST}-*"):
             rmtree(left, ignore_errors=True)
         if (self.path / MANIFEST).exists():
@@ -132,7 +136,7 @@ class Dataset:
         self._list()
 
     def _fault(self, name: str) -> str:
-        """Return the fault of a file that a quick check finds; "" if the file is complete."""
+        """Return words for the fault of a file; "" if it can be read and has as many rows as are listed."""
         try:
             with require("pyarrow.parquet", "sweep").ParquetFile(self.path / name) as file:
                 count = file.metadata.num_rows
@@ -166,7 +170,9 @@ class Dataset:
 
 @contextmanager
 def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
-    """In this context, lock the folder of a sweep against other sweeps; a complete folder is only read.
+    """Give a ``with`` block the folder of a sweep, locked against other sweeps unless it is complete.
+
+    A complete folder is only read. At the end of the block, incomplete files are removed.
 
     Raises:
         SceneError: when the folder belongs to another sweep, or another sweep writes to it now.
@@ -188,7 +194,7 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Lock a folder against other sweeps, and remove the folder at the end if it is empty.
+    """Make a folder, and lock it against other sweeps in a ``with`` block; an empty folder is then removed.
 
     Raises:
         SceneError: when another sweep writes to the folder.
@@ -204,7 +210,7 @@ def _locked(path: Path) -> Iterator[None]:
         raise SceneError(
             f"{path} is being written by another sweep: wait until it has ended, or choose another folder"
         ) from None
-    # an error about the lock file would not help the user, who does not know of this file
+    # the error names the folder in place of the lock file, which the user does not know
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
@@ -216,13 +222,13 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 def _array(column: Any) -> np.ndarray:
-    """Return a column of Arrow as a NumPy array; texts become strings."""
+    """Return a column of Arrow as a NumPy array; a column of texts gets a NumPy type for strings."""
     array = np.asarray(column.to_numpy(zero_copy_only=False))
     return array.astype(str) if array.dtype.kind == "O" else array
 
 
 def known_by(job: Job, design: Design) -> dict[str, Any]:
-    """Return the data that identify a sweep: all data on which its rows depend."""
+    """Return the data that identify a sweep, because its rows depend on them: name → value or fingerprint."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for variation in design.variations:
         values.update(

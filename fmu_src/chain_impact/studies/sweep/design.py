@@ -20,15 +20,15 @@ from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")
-# the largest number of numbers in a table; a larger table (8 bytes per number, 800 MB) would not fit into
-# memory
+# the largest number of cells in a table that is kept in memory: with 8 bytes per number they take 800 MB
 MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence
 MOST_SEEDS = 2**32
-# the least number of columns with results in a table, by which the size of the table is estimated
+# A table of a sweep has at least so many columns with results. With the varied values, their number decides
+# whether the sweep's table fits into memory, and with it a Latin hypercube of all runs.
 FEWEST_RESULTS = 16
-CUBE = 2**16  # number of runs in each Latin hypercube, if a hypercube of all runs would not fit into memory
+CUBE = 2**16  # number of runs in each Latin hypercube if a table of all runs does not fit into memory
 _own = threading.local()
 
 
@@ -56,11 +56,11 @@ class Design:
 
     @property
     def runs(self) -> int:
-        """The number of runs, which may be larger than ``len()`` can return."""
+        """The number of runs; it can be too large for ``len()``, so this is no ``__len__``."""
         return math.prod(self.shape) if self.samples is None else self.samples
 
     def values(self, first: int, end: int) -> np.ndarray:
-        """Return the values of the runs first … end − 1, shape (runs, K)."""
+        """Return the values of the K parameters in the runs first … end − 1, shape (end − first, K)."""
         if self.samples is None:
             indices = np.unravel_index(np.arange(first, end), self.shape)
             columns = [v.values[at] for v, at in zip(self.variations, indices, strict=True)]
@@ -70,10 +70,11 @@ class Design:
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:
-        """Return a part of a Latin hypercube of all runs, or of successive hypercubes of ``CUBE`` runs each.
+        """Return samples first … end − 1 in the unit cube, shape (end − first, K), by Latin hypercubes.
 
-        Hypercube number k has the same bits as one by SciPy's LatinHypercube whose random generator is
-        child k of the generator with ``seed``.
+        There is one hypercube of all runs, or successive ones of ``CUBE`` runs each. Hypercube number k has
+        the same bits as one by SciPy's LatinHypercube whose random generator is child k of the generator
+        with ``seed``.
         """
         count, varied, parts = self.runs, len(self.variations), []
         size = count if count * (varied + FEWEST_RESULTS) <= MOST_NUMBERS else CUBE
@@ -88,10 +89,10 @@ class Design:
         return np.concatenate(parts)
 
     def _sobol(self, first: int, end: int) -> np.ndarray:
-        """Return a part of the Sobol' sequence.
+        """Return points first … end − 1 of a Sobol' sequence in the unit cube, shape (end − first, K).
 
-        Each thread has its own generator of the sequence, which skips the points before ``first``, in 5 ns
-        for each point.
+        Each thread has its own generator of the sequence, which skips the points before ``first``; this takes
+        5 ns for each point.
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
@@ -101,22 +102,23 @@ class Design:
             _own.engine, _own.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
-        # the first call asks for one point, because SciPy warns of a first number that is not a power of two
+        # the first call asks for one point: SciPy warns if the first number of points is not a power of two
         counts = [end - first] if first else [1, end - 1]
         return np.concatenate([engine.random(count) for count in counts if count])
 
 
 def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the random generator of hypercube number ``cube`` after it has drawn ``drawn`` numbers."""
+    """Return the random generator of hypercube number ``cube`` as it is after ``drawn`` drawn numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
     return np.random.Generator(bits.advance(drawn))
 
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
-    """Return the cell of each sample of a Latin hypercube for each parameter, shape (varied, count).
+    """Return the number of each sample's cell in the range of each parameter, shape (varied, count).
 
-    The range of each parameter has ``count`` cells, from 1 to ``count``; each cell has one sample.
+    The range of each of the ``varied`` parameters is divided into ``count`` cells, numbered from 1; in a
+    Latin hypercube of ``count`` samples each cell has one sample.
     """
     order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
     generator = _generator(seed, cube, count * varied)
@@ -126,7 +128,7 @@ def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
 
 
 def grid(variations: Sequence[Variation], source: str) -> Design:
-    """Return the design of all combinations.
+    """Return the design of all combinations of the variations' values; ``source`` is the scene, for errors.
 
     Raises:
         SceneError: when a variation is an interval.
@@ -158,7 +160,7 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
 
 
 def whole(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
-    """Return a whole number that an argument of a sweep gives, least ≤ number < end.
+    """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
 
     Raises:
         SceneError: when the argument is not such a number.
@@ -171,9 +173,9 @@ def whole(source: str, name: str, number: int, *, least: int = 1, end: int | Non
 
 
 def check_table_size(design: Design, columns: int, source: str, *, streamed: bool) -> None:
-    """Refuse a table that does not fit into memory.
+    """Refuse a sweep whose table, with a number of ``columns``, does not fit into memory.
 
-    For runs that are ``streamed`` to files, only more than MOST_RUNS are refused.
+    For runs that are ``streamed`` to the files of a folder, only more than MOST_RUNS are refused.
 
     Raises:
         SceneError: when there are too many runs, or too many numbers.

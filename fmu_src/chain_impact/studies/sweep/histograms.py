@@ -19,14 +19,14 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
-"""The quantiles that a panel shows, and the styles of their lines."""
+"""The quantiles of the values that a panel shows as vertical lines → style of the line."""
 # the largest number of bars in a histogram: with more bars, a panel of usual width shows only noise
 MOST_BINS = 60
-ONE_BAR_SPREAD = 1e-9  # the relative spread of values below which they share one bar
+ONE_BAR_SPREAD = 1e-9  # values whose range, relative to the largest of them, is at most this share one bar
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
-    """Draw a panel for each quantity: the number of runs over its values, and three quantiles.
+    """Draw a histogram of each quantity in its panel, with a line at the median and at each end of 90 %.
 
     Runs that failed have no value, and are left out.
     """
@@ -53,9 +53,10 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 
 
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
-    """Return the edges of the bars, equally spaced, or on a logarithmic axis in the logarithm.
+    """Return the edges of the bars for some values, in ascending order.
 
-    The edges of bars of whole numbers are between these numbers.
+    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole``, for values that are whole
+    numbers, the edges lie in the middle between two such numbers.
     """
     # the number of bars for N values is 2 N^(1/3): Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))

@@ -18,12 +18,18 @@ SUFFIX = ".partial"
 
 
 def partial_path(table: Path) -> Path:
-    """Return the path of the file with the finished runs, in the folder of the table."""
+    """Return the path of the file with a table's finished runs: the path of the table and SUFFIX."""
     return table.with_name(table.name + SUFFIX)
 
 
 def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span]) -> None:
-    """Write the rows of the finished runs, and the ``head`` that identifies the sweep.
+    """Write the rows of the finished runs of an interrupted sweep to the file beside its table.
+
+    Args:
+        table: the path of the table.
+        head: the data that identify the sweep.
+        rows: the rows of all runs.
+        done: the spans of the finished runs.
 
     Raises:
         OSError: when the file cannot be written.
@@ -33,7 +39,9 @@ def keep(table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[
 
 
 def take_up(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Fill in the rows of an interrupted call of the same sweep; return the spans of these runs.
+    """Fill the rows that an interrupted call of the same sweep kept into ``rows``; return their spans.
+
+    ``head`` has the data that identify the sweep. Without a kept file the list of spans is empty.
 
     Raises:
         SceneError: when the file is damaged, or belongs to another sweep.

@@ -37,9 +37,9 @@ class Job:
 
     Attributes:
         prepared: the prepared scene; the runs differ from it only in the values that vary.
-        varied: the paths of the parameters in the instance record, in the order of the values; an empty
-            path stands for the stop time.
-        kinds: ``real`` or ``enumeration`` for each parameter.
+        varied: the path of each varied parameter in the instance record; an empty path stands for the stop
+            time.
+        kinds: the type of each varied parameter: ``real`` or ``enumeration``.
         outputs: names of additional outputs, with their values at the end of each run.
     """
 
@@ -50,7 +50,7 @@ class Job:
 
     @property
     def scene(self) -> Scene:
-        """The scene, which has the values that are not varied."""
+        """The scene, from which the runs have all values that do not vary."""
         return self.prepared.scene
 
     @property
@@ -61,7 +61,7 @@ class Job:
 
     @property
     def columns(self) -> dict[str, Variable]:
-        """The variables that are read from the record at the end of each run, by name."""
+        """The columns with values at the end of each run: name → output."""
         outputs = self.prepared.outputs_by_name
         standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
@@ -69,13 +69,19 @@ class Job:
 
     @property
     def differentiated(self) -> list[Variable]:
-        """The parameters and inputs of the derivatives among the columns; empty without derivatives."""
+        """The parameters and inputs for which the runs compute derivatives.
+
+        The list is empty if no column is a derivative; otherwise it has all that the scene asks for.
+        """
         asks = any(name.startswith(SENSITIVITY) for name in self.columns)
         return self.prepared.varied if asks else []
 
     @property
     def loads(self) -> dict[str, Variable]:
-        """The largest force in each joint: name → output; the column ``joint_force`` is their maximum."""
+        """The outputs with the largest force in each joint, by name; empty if the scene has no loads.
+
+        The column ``joint_force`` is the largest of their values.
+        """
         outputs = self.prepared.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: outputs[name] for name in names if name in outputs}
@@ -120,10 +126,10 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
 
 
 def has_own_kernel(job: Job) -> bool:
-    """Return whether a kernel for exactly the sizes of the scene exists; if possible, compile this kernel.
+    """Compile a kernel for exactly the sizes of the scene, unless it exists; return whether it exists.
 
-    Runs do not need this kernel, so a compiler that fails only causes a warning. With derivatives the result
-    is False, because runs with derivatives have one kernel for all sizes.
+    Runs do not need this kernel, so a failure of the compiler only causes a warning. With derivatives the
+    result is False, because runs with derivatives have one kernel for all sizes.
     """
     if job.differentiated:
         return False
@@ -156,7 +162,8 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(varied), sizes=sizes)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
-        # integrals such as impulses of walls cost time, so they are computed only if a column needs them
+        # integrals over time, such as the impulse at a wall, cost time, so they are computed only if a column
+        # needs them
         looked_at = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
@@ -178,15 +185,15 @@ class Runner:
         self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
-        """Run the chain once for each row of values, shape (R, K); return the rows of results, shape (R,).
+        """Simulate R runs, and return their rows of results, shape (R,).
 
         Args:
-            values: the values of the parameters.
-            wanted: function that is called at least once a second and returns whether the run is still
+            values: the values of the K varied parameters in each run, shape (R, K).
+            wanted: function that is called at least once a second and returns whether the results are still
                 wanted.
 
         Raises:
-            CancelledError: when the run is no longer wanted.
+            CancelledError: when the results are not wanted any more.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, whole in enumerate(self._whole):
@@ -213,12 +220,15 @@ class Runner:
                 continuing,
             )
             continuing = 1
-        # the kernel may give the end of its last step, which lies after the stop time if a fault follows
+        # after a fault the kernel may give the end of its last step, which can lie after the stop time
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
 
     def _table_rows(self, words: np.ndarray) -> np.ndarray:
-        """Return the rows of the table from the kernel's rows, which end with the loads of each joint."""
+        """Return the rows of the table from the kernel's rows.
+
+        The kernel's rows end with the largest force in each joint; the table has only the largest of these.
+        """
         rows = words
         if self._loads:
             rows = np.zeros(len(words), self._dtype)
@@ -230,7 +240,7 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set energies and other outputs to NaN in runs that did not reach the end; counts stay."""
+        """Set the outputs of runs that did not reach the end to NaN in ``rows``; the solver's counts stay."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.record_path[0] in {"output", BEHIND}:

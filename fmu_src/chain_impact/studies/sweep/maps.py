@@ -26,8 +26,8 @@ from chain_impact.studies.sweep.variation import Variation
 
 # the colours of the map are the same as in the map of a page
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its large to its small values is at least this
-# the ticks with labels, in each decade of an axis with few decades, besides the powers of ten
+WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its largest to its smallest value is at least this
+# On a logarithmic axis of few decades, ticks with labels stand at the powers of ten and at these multiples.
 FEW_TICKS = (2.0, 5.0)
 NEVER = "no run has a finite value"
 
@@ -39,7 +39,10 @@ def draw_maps(
     quantities: Sequence[Quantity],
     over: Sequence[Variation],
 ) -> None:
-    """Draw a map for each quantity, over two parameters."""
+    """Draw a map of each quantity in its panel: a coloured cell for each run, over two parameters.
+
+    ``over``: the parameters of the horizontal and the vertical axis.
+    """
     first, second = over
     x, y = axis_of(first), axis_of(second)
     grey: list[Patch] = []
@@ -71,7 +74,11 @@ def draw_maps(
 def _draw_map(
     figure: Figure, axes: Axes, scales: tuple[Scale, Scale], quantity: Quantity, shown: Any
 ) -> None:
-    """Draw the colours of one map, and the bar that explains them."""
+    """Draw the coloured cells of one map, and the bar that explains the colours.
+
+    ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run failed, with
+    a row for each cell of the vertical axis.
+    """
     x, y = scales
     least, most = float(shown.min()), float(shown.max())
     colours: Colormap = mpl.colormaps[MAP_COLOURS]
@@ -108,19 +115,29 @@ def number_few_decades(axis: Axis) -> None:
 
 
 def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tuple[bool, bool]:
-    """Return whether the least and the largest value lie beyond the ends of the colours."""
+    """Return two flags: whether the least, and whether the largest value is beyond its end of the colours.
+
+    ``extremes``: the least and the largest value; ``ends``: the values with the first and the last colour.
+    """
     return extremes[0] < ends[0], extremes[1] > ends[1]
 
 
 def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
-    """Return words for the extremes that lie beyond the ends of the colours; "" if none does."""
+    """Return words for the label of the colours: the extremes beyond the ends of the colours, or ""."""
     there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
 
 
 @dataclass(frozen=True)
 class Scale:
-    """An axis of a map: the order of its values, the edges of the cells, and the names of choices."""
+    """An axis of a map, for one parameter.
+
+    Attributes:
+        order: the indices of the parameter's values in ascending order.
+        edges: the edges of the cells along the axis, one more than values.
+        logarithmic: whether the axis is logarithmic.
+        names: the names of the choices; empty for a number.
+    """
 
     order: np.ndarray
     edges: np.ndarray
@@ -142,7 +159,7 @@ def axis_of(variation: Variation) -> Scale:
 
 
 def is_logarithmic(variation: Variation) -> bool:
-    """Return whether the axis of a parameter is logarithmic."""
+    """Return whether the axis of a parameter is logarithmic: by its variation, or for its wide range."""
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 
@@ -153,7 +170,7 @@ def label_of(runs: Runs, variation: Variation) -> str:
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:
-    """Return the unit of a parameter, with the number of the exponent if no run varies an exponent."""
+    """Return the unit of a parameter; N/m^1.5 in place of N/m^exponent if no run varies an exponent."""
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
     return unit if varied else of_scene(unit, runs.scene)

@@ -54,15 +54,15 @@ from chain_impact.studies.sweep.variation import Variation
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-# [inch] width of the names of choices, and smallest width of a panel with dots
+# [inch] the width for the names of choices, left of the panels, and the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_VARIED = 2  # largest number of parameters that vary in a picture without samples
 MOST_DRAWN = 2**18  # largest number of runs in a picture
-FEW_VALUES = 40  # a curve through this number of values, or fewer, has a marker at each
-# this number of panels stands in one row if the figure is wide enough; otherwise two panels stand in a row
+FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
+# So many panels stand in one row if the figure is wide enough; another number stands in rows of two.
 IN_ONE_ROW = 3
-# over a logarithmic axis, the vertical axis is logarithmic if the largest value is at least this times the
-# smallest one: a power law is then a straight line
+# Over a logarithmic horizontal axis, the vertical axis is logarithmic, too, if the largest value is at least
+# this times the smallest one, so that a power law is a straight line.
 DECADE = 10.0
 ONE_PANEL_WIDTH = 6.5  # [inch] the width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] the least width of a figure with three maps in a row
@@ -107,18 +107,18 @@ def plot_sweep(
 
 @styled()
 def fill(figure: Figure, runs: Runs, results: Results) -> None:
-    """Draw all panels on an empty figure."""
+    """Draw a panel for each of ``results.drawn``, and the headline, on an empty figure."""
     quantities, kind = results.drawn, kind_of(runs.design)
     varying = varying_in(runs.design)
     told = [conditions(runs, varying), constants(runs, results)]
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    if is_narrow(figure):  # the results are below the panels, so that the headline has one line
+    if is_narrow(figure):  # the ranges of results move below the headline, so that this has one line
         told = [", ".join(parts), *told]
     else:
         head = ", ".join([head, *parts])
     headline(figure, head, "; ".join(filter(None, told)))
-    # parameters that are numbers come before choices
+    # a parameter that is a number comes before a choice, and gets the horizontal axis
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
     across = _across(len(quantities), kind, figure.get_figwidth())
     if kind == DOTS:
@@ -135,7 +135,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 
 def name_once(figure: Figure) -> None:
-    """Keep the name of a horizontal axis only at the lowest panel of a column that shares the axis."""
+    """Remove the name of a horizontal axis from a panel if a panel below it has the same name."""
     named: set[tuple[int, str]] = set()
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
@@ -148,7 +148,7 @@ def name_once(figure: Figure) -> None:
 
 
 def kind_of(design: Design) -> str:
-    """Return the kind of picture for a design."""
+    """Return the kind of picture for a design: DOTS, CURVES, MAPS or HISTOGRAMS."""
     varying = varying_in(design)
     choices = [variation for variation in varying if variation.choices]
     if design.samples is not None:
@@ -159,7 +159,10 @@ def kind_of(design: Design) -> str:
 
 
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
-    """Return the default size of the figure [inches]; a given ``width`` determines how many panels fit."""
+    """Return the default width and height of the figure [inches].
+
+    The height is for ``width``, if the user gives a width: it determines how many panels fit in a row.
+    """
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:
         width = width or NAMES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
@@ -170,7 +173,10 @@ def usual_size(runs: Runs, results: Results, width: float | None = None) -> tupl
 
 
 def title(runs: Runs, results: Results, mark: str) -> list[str]:
-    """Return the parts of the headline: the number of runs, and a summary of their results."""
+    """Return the parts of the headline: the number of runs, ranges of results, and how many runs failed.
+
+    ``mark``: the mark of failed runs in the picture, in brackets.
+    """
     parts, failed = [f"{runs.scene.name}: {plural(len(runs), 'run')}"], int(runs.failed.sum())
     for quantity in results.every:
         values = quantity.of(runs)
@@ -181,7 +187,7 @@ def title(runs: Runs, results: Results, mark: str) -> list[str]:
 
 
 def conditions(runs: Runs, varying: list[Variation]) -> str:
-    """Return a text with the varied parameters and their ranges."""
+    """Return a text with the varied parameters and their ranges, or how many choices they have."""
     parts = []
     for variation in varying:
         ends = " to ".join(
@@ -203,9 +209,10 @@ def varying_in(design: Design) -> list[Variation]:
 
 
 def _across(count: int, kind: str, width: float) -> int:
-    """Return the number of panels in a row of a figure of some width [inches]: two, or all of three panels.
+    """Return how many of ``count`` panels to put in a row of a figure of some width [inches].
 
-    Three maps are in one column if the figure is narrower than THREE_MAPS.
+    They are two, but three of three panels; three maps are in one column if the figure is narrower than
+    THREE_MAPS. ``kind`` is the kind of picture.
     """
     if count != IN_ONE_ROW:
         return 2
@@ -222,7 +229,7 @@ def _dots_across(count: int, width: float) -> int:
 
 
 def _panels(figure: Figure, count: int, most: int, *, sharey: bool = False) -> list[Axes]:
-    """Return empty panels, at most ``most`` in a row; on a narrow figure the panels are below each other."""
+    """Return ``count`` empty panels, at most ``most`` in a row, or one in a row of a narrow figure."""
     across = 1 if is_narrow(figure) else min(count, most)
     grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
@@ -238,7 +245,10 @@ def _curves(
     across: Variation,
     choice: Variation | None = None,
 ) -> None:
-    """Draw a panel for each quantity over a parameter, with one line for each choice."""
+    """Draw each quantity over a parameter in a panel, with a cross at the foot for each failed run.
+
+    ``across``: the parameter, a number. ``choice``: a second parameter, each choice of which has a line.
+    """
     panels = _panels(figure, len(quantities), _across(len(quantities), CURVES, figure.get_figwidth()))
     values = runs[across.name]
     for axes, quantity in zip(panels, quantities, strict=True):
@@ -252,7 +262,8 @@ def _curves(
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": 3.0}
-            if quantity.is_count and runs.design.samples is None:  # no sloping line, as of 1.5 impacts
+            # between two runs, a sloping line would show numbers that are not whole
+            if quantity.is_count and runs.design.samples is None:
                 marks["drawstyle"] = "steps-mid"
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)
         failed = values[runs.failed]
@@ -272,7 +283,10 @@ def _curves(
 
 
 def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variation) -> None:
-    """Draw a panel for each quantity, with a dot in the row of each choice."""
+    """Draw each quantity in a panel with a row for each choice of a parameter, and a dot in each row.
+
+    ``across``: the parameter. A run that failed has a cross at the left edge of its row.
+    """
     names = across.shown(across.values).tolist()
     count = len(quantities)
     panels = _panels(figure, count, _dots_across(count, figure.get_figwidth()), sharey=True)
@@ -290,7 +304,10 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
 
 
 def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
-    """Set the scale and the label of the vertical axis of a panel."""
+    """Set the scale, the ticks and the label of the vertical axis of a panel.
+
+    ``shown``: the values of the quantity in all runs, NaN where a run failed.
+    """
     axes.set_ylabel(quantity.label)
     finite = shown[np.isfinite(shown)]
     if not finite.size:

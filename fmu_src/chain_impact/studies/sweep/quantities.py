@@ -20,19 +20,19 @@ from chain_impact.variables.prepared import PreparedScene
 # MOST_ASKED: the largest number of additional outputs that get a panel without being named in ``panels``;
 # MOST_PANELS: the largest number of panels that a user may name
 MOST_ASKED, MOST_PANELS = 4, 8
-EQUAL_RESULTS = 1e-9  # the largest difference of equal results, relative to their size
+EQUAL_RESULTS = 1e-9  # results are equal if their range, relative to the largest |result|, is at most this
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """The quantity of a panel: a column of the table.
+    """A quantity that a panel can show: a column of the sweep's table.
 
     Attributes:
         column: the name of the column.
         name: the words for the quantity.
-        unit: the unit of the panel; in QUANTITIES the unit of the column, without a prefix.
+        unit: the unit in the picture; in QUANTITIES the unit of the column, without a prefix.
         in_headline: whether the headline has the smallest and the largest value.
-        factor: factor from the unit of the column to the unit of the panel.
+        factor: the factor from the unit of the column to the unit in the picture.
     """
 
     column: str
@@ -48,11 +48,11 @@ class Quantity:
 
     @property
     def is_count(self) -> bool:
-        """Whether the values are whole numbers."""
+        """Whether the quantity is the number of impacts, so that its values are whole numbers."""
         return self.column == COUNT
 
     def of(self, runs: Runs) -> np.ndarray:
-        """Return the values of the quantity, NaN where a run failed, shape (R,)."""
+        """Return the values in all runs, in the unit of the picture, NaN where a run failed, shape (R,)."""
         return np.where(runs.failed, np.nan, self.factor * runs[self.column].astype(float))
 
     def range_text(self, values: np.ndarray) -> str:
@@ -68,18 +68,21 @@ QUANTITIES = (
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
-"""The units in which an additional output has the same prefix as the main results; in others it has none."""
+"""Quantities with one of these units have the same prefix in a picture; an additional output with another
+unit has none."""
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
-"""The columns with forces and moments; for samples only these are drawn, if any of them differs."""
+"""The columns with forces and moments. For samples only these are drawn, if any of them differs between the
+runs."""
 
 
 @dataclass(frozen=True)
 class Results:
-    """The quantities that a sweep can show: the main results and the additional outputs, or the named ones.
+    """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: all quantities.
-        drawn: the quantities that have a panel.
+        every: all quantities that are told: the main results and the first additional outputs, or the columns
+            that the user has named.
+        drawn: the quantities among them that have a panel.
     """
 
     every: list[Quantity]
@@ -87,16 +90,17 @@ class Results:
 
     @property
     def same(self) -> list[Quantity]:
-        """The quantities without a panel, because they are the same in all runs."""
+        """The quantities that are the same in all runs, and therefore have no panel."""
         return [quantity for quantity in self.every if quantity not in self.drawn]
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
-    """Return the quantities of a sweep, without those that the scene cannot have, such as forces at walls.
+    """Return the quantities that the picture of a sweep tells, and those among them that it draws.
 
     The columns that ``panels`` names are drawn. Without names, the quantities that differ between the runs
     are drawn, or all quantities if none differs, with at most MOST_ASKED additional outputs. For samples only
-    the forces and moments (``LOADS``) among these are drawn, if there are any.
+    the forces and moments (``LOADS``) among these are drawn, if there are any. Quantities that the scene
+    cannot have, such as a force at walls without walls, are left out.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
@@ -126,7 +130,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
 
 
 def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Sequence[str]) -> list[str]:
-    """Return the columns in ``available`` that the names in ``panels`` select; ``*`` stands for any text.
+    """Return the names in ``available`` that match a pattern in ``panels``; ``*`` stands for any text.
 
     Raises:
         UnknownNameError: when there is no such column.
@@ -141,7 +145,7 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
 
 
 def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
-    """Return the outputs in ``panels`` that the table of a job does not have yet.
+    """Return the outputs that ``panels`` names and the table of a job lacks, so that the job can add them.
 
     Raises:
         UnknownNameError: when there is neither a column nor an output for a panel.
@@ -153,7 +157,10 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
 
 
 def constants(runs: Runs, results: Results) -> str:
-    """Return words for the quantities without a panel: "the same in all runs: impacts 14"."""
+    """Return words for the quantities that are the same in all runs; "" if there are none.
+
+    An example is "the same in all runs: impacts 14".
+    """
     parts = [
         with_unit(f"{quantity.name} {np.nanmax(quantity.of(runs)):.4g}", quantity.unit)
         for quantity in results.same
@@ -162,13 +169,17 @@ def constants(runs: Runs, results: Results) -> str:
 
 
 def _at_end(name: str, prepared: PreparedScene) -> Quantity:
-    """Return the quantity of an output at the end of each run."""
+    """Return the quantity for a column with an output, or with the time, at the end of each run."""
     unit = "s" if name == ENDED else prepared.units[name]
     return Quantity(name, f"{name} at the end", unit_text(unit))
 
 
 def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
-    """Return the quantities in units with prefixes that suit the largest value of each unit; see SHARED."""
+    """Return the quantities in units with a prefix; quantities with equal units get the same prefix.
+
+    The prefix suits the largest value of these quantities in any run. Additional outputs whose unit is not in
+    SHARED stay without a prefix.
+    """
     shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
     scales = {"": (1.0, "")}
@@ -184,6 +195,6 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
 
 
 def _differs(values: np.ndarray) -> bool:
-    """Return whether finite values differ by more than round-off; True if no value is finite."""
+    """Return whether the finite ones of some values differ by more than round-off; True if none is finite."""
     finite = values[np.isfinite(values)]
     return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())

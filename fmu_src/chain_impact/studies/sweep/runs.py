@@ -40,7 +40,7 @@ class Runs:
         return len(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return a column, shape (R,); a choice, such as a contact law, has its name."""
+        """Return a column of the table, shape (R,); a choice, such as a contact law, is given by its name."""
         if name not in self.names:
             raise KeyError(f"{name} is not a column of the sweep; there are {', '.join(self.names)}")
         return self._columns([name])[name]
@@ -60,7 +60,7 @@ class Runs:
         return table
 
     def chunks(self, names: Sequence[str]) -> Iterator[Columns]:
-        """Yield some columns in the order of the runs, a few thousand runs at a time."""
+        """Yield some columns for CHUNK runs or fewer at a time, in the order of the runs: name → values."""
         if isinstance(self.rows, Dataset):
             yield from self.rows.chunks(names)
             return
@@ -68,6 +68,6 @@ class Runs:
             yield columns_of(self.design, self.rows[first : first + CHUNK], first, names)
 
     def _columns(self, names: Sequence[str]) -> Columns:
-        """Return columns of the complete table, by their names."""
+        """Return columns with the values of all runs: name → values, shape (R,)."""
         chunks = list(self.chunks(names))
         return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}

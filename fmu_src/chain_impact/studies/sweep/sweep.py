@@ -24,9 +24,9 @@ from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
-# The number of runs from which on a kernel is compiled for exactly the sizes of the scene. The compilation
-# takes about 15 s, once. With such a kernel, runs of a scene with moving walls take half the time, other runs
-# nine tenths.
+# From this number of missing runs on, a kernel is compiled for exactly the sizes of the scene. The
+# compilation takes about 15 s, once. With such a kernel, runs of a scene with moving walls take half the
+# time, other runs nine tenths.
 OWN_KERNEL_FROM = 300_000
 
 
@@ -134,7 +134,15 @@ def sweep(
 def _interruptible(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """In this context, store the finished runs of an interrupted sweep: as a table, and for ``take_up``."""
+    """Store the finished runs if the ``with`` block is interrupted: as a table, and for ``take_up``.
+
+    Args:
+        table: the path of the table.
+        head: the data that identify the sweep.
+        rows: the rows of all runs.
+        done: the spans of the finished runs, to which the block adds.
+        design: the values of each run.
+    """
     try:
         yield
     except BaseException:

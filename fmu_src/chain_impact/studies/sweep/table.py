@@ -129,7 +129,9 @@ class Sweep(Runs):
 
 
 def write_table(path: Path, chunks: Iterable[Columns]) -> None:
-    """Write parts of columns one after the other, as CSV or Parquet, according to the suffix.
+    """Write a table as CSV or Parquet, according to the suffix of the path.
+
+    ``chunks`` yields the columns for some successive runs at a time.
 
     Raises:
         MissingExtraError: when pyarrow is not installed, for Parquet.
@@ -149,12 +151,12 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
 
 
 def is_folder(path: str | Path) -> bool:
-    """Return whether a path stands for a folder of files: it is a folder, ends in ``/``, or has no suffix."""
+    """Return whether a path for the table means a folder: it is a folder, ends in ``/``, or has no suffix."""
     return str(path).endswith(("/", os.sep)) or not Path(path).suffix or Path(path).is_dir()
 
 
 def table_path(path: str | Path) -> Path:
-    """Return the path of a table after a check.
+    """Return a path for the table of a sweep, after a check that the table can be written there.
 
     Raises:
         SceneError: when the path is empty, or is neither a folder nor a file with one of the suffixes
@@ -177,12 +179,12 @@ def table_path(path: str | Path) -> Path:
 
 
 def _cell_text(value: object) -> str:
-    """Return the text of a value for a table."""
+    """Return the text of a value for a notebook's table, with 6 digits."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _cells(column: np.ndarray) -> list[Any]:
-    """Return the values of a column for a file, with "" for NaN."""
+    """Return the values of a column for a CSV file, with "" for NaN."""
     if column.dtype.kind != "f":
         return list(column.tolist())
     return ["" if math.isnan(value) else value for value in column.tolist()]

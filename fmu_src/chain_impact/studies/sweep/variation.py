@@ -34,11 +34,11 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Variation:
-    """The variation of one parameter.
+    """The values of one parameter in a sweep, or the interval of its samples.
 
     Attributes:
         variable: the parameter.
-        values: the values, for an enumeration the numbers of choices; for an interval its two ends.
+        values: the values, which are numbers of choices for an enumeration; for an interval its two ends.
         interval: whether ``values`` are the ends of an interval.
         logarithmic: whether the values or samples are equally spaced in the logarithm.
     """
@@ -59,11 +59,14 @@ class Variation:
         return [item.name for item in self.variable.items]
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Return values as a reader sees them, with the names of choices in place of their numbers."""
+        """Return values as they are shown: names of choices in place of their numbers, for an enumeration."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the values at fractions of the interval, or of the list of values; 0 ≤ fraction < 1."""
+        """Return the value for each of some fractions, 0 ≤ fraction < 1.
+
+        A fraction stands for a value within the interval or, without an interval, for one of the values.
+        """
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
@@ -77,7 +80,7 @@ def sweepable(source: Scene | PreparedScene) -> dict[str, Variable]:
 
 
 def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
-    """Return the variation of each parameter.
+    """Return the variation of each parameter in ``vary``, in this order.
 
     Raises:
         SceneError: when a name is unknown, or a value is not allowed.
@@ -105,7 +108,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
 
 
 def _read(variable: Variable, values: Values, source: str) -> Variation:
-    """Return a variation from text, as on the command line, or from numbers and names of choices."""
+    """Return the variation of a parameter from text, as on the command line, or from numbers or choices."""
     if isinstance(values, str):
         if ":" in values:
             return _range(variable, values, source)
@@ -130,7 +133,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
-    except ValueError:  # here a part of the range is not a number, or its second part is missing
+    except ValueError:  # a part of the range is not a number, or the second end is missing
         raise wrong from None
     if len(numbers) > 1:
         raise wrong
@@ -145,9 +148,9 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
-    """Return a value as a number in the variable's unit.
+    """Return a value of a parameter as a number in the parameter's unit.
 
-    Text in degrees becomes radians, and the name of a choice its number, from 1.
+    A text in degrees becomes radians, and the name of a choice its number, from 1.
 
     Raises:
         SceneError: when the value is another text.
@@ -165,7 +168,7 @@ def _number(variable: Variable, value: object, source: str) -> float:
 
 
 def _check(variation: Variation, source: str) -> None:
-    """Refuse a variation with a value that is out of range."""
+    """Refuse a variation with a value that the parameter cannot have."""
     variable, values = variation.variable, variation.values
     good = np.isfinite(values)
     for limit, keeps in (
