@@ -73,7 +73,10 @@ def stored_energy(d, y):
 
 
 def mechanical_energy(d, y):
-    """Return the kinetic and the potential energy [J] of the links, armatures and carriage."""
+    """Return the kinetic and the potential energy [J] of the links, armatures and carriage.
+
+    The points must be located.
+    """
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
@@ -149,7 +152,10 @@ def free_rate_from_inputs(d, y, rate):
 
 
 def free_rate_from_loads(d, y, dissipated, rate):
-    """Set rate = f(y) with the stored loads at all places, and without the forces of constraints."""
+    """Set rate = f(y) with the stored loads at all places, and without the forces of constraints.
+
+    ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
+    """
     n = d.links
     supplied = 0.0
     if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
@@ -214,7 +220,10 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction in the joints, from the loads at the joints' places."""
+    """Add the moments of stops and dry friction to both links of each joint.
+
+    They follow from the loads at the joints' places (rows/geometry.py).
+    """
     for i in range(d.links):
         add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 

@@ -49,7 +49,10 @@ NEAR_PEAK = 0.95
 
 
 def start_loads(d, time):
-    """Clear the peaks at the start of a run at ``time`` [s], and store the links' momenta at this time."""
+    """Clear the peaks at the start of a run at ``time`` [s], and store the momenta of the links.
+
+    The momenta are those at the end of the last step.
+    """
     transmitted = d.transmitted
     locate_points(d, d.step.state_end)
     transmitted.start_time, transmitted.searched_end = time, math.nan

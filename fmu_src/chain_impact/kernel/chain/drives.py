@@ -98,7 +98,10 @@ def has_effect(constant):
 
 
 def set_effect_flags(d):
-    """Set the flags in ``chain`` that tell which effects the drives have with the values in use."""
+    """Set the flags in ``chain`` that tell which effects the drives have with the values in use.
+
+    ``has_joint_stops`` must be set before.
+    """
     chain = d.chain
     chain.has_springs, chain.has_springs_or_dampers, chain.has_armatures = 0, 0, 0
     chain.has_joint_places, chain.has_drive_friction, chain.has_drive_limits = chain.has_joint_stops, 0, 0
@@ -161,7 +164,7 @@ def slopes_below_limit(d, _y, i):
 def largest_slopes(d, i):
     """Return the largest slopes that drive i has in any state, in the units of ``drive_slopes``.
 
-    They are 0 if the joint does not exist.
+    They are 0 if the joint does not exist, and ∞ if there is no bound.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 

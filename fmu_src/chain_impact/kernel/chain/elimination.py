@@ -36,6 +36,9 @@ def arm_of_link(d, link, i, outward):
     """Return data of link i relative to its inner joint, the one that is nearer to the middle of the chain.
 
     ``outward`` tells whether the inner joint is the proximal joint.
+
+    Returns:
+        L [m], x and y; m r_C [kg·m], x and y; and I + m r_C² [kg·m²].
     """
     lx, ly = link.x[i], link.y[i]
     beside_x, beside_y = 0.0, 0.0
@@ -68,7 +71,11 @@ def hinge_inertia(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate the angular acceleration α_i of link i, which is not at a free end."""
+    """Eliminate the angular acceleration α_i of link i, which is not at a free end.
+
+    Return A and b at the link's inner joint, from A' and b' at its outer joint. ``outward`` is as for
+    ``arm_of_link``.
+    """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
     w2 = omega * omega
@@ -117,7 +124,10 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate_link(d, y, i, outward, ax, ay, rate):
-    """Set the angular acceleration α_i of a link from the acceleration ``ax, ay`` of its inner joint."""
+    """Set the angular acceleration α_i of a link from the acceleration ``ax, ay`` of its inner joint.
+
+    Return the acceleration of the outer joint, x and y. ``outward`` is as for ``arm_of_link``.
+    """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
     a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])

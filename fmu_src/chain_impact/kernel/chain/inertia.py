@@ -68,9 +68,15 @@ SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
-    """Return the first and the last link of a sequence that can move without kinetic energy, or −1, −1.
+    """Return the first and the last link of a sequence that can move without kinetic energy.
 
-    Such a sequence makes the mass matrix singular in some position. The links are counted from 0.
+    Such a sequence makes the mass matrix singular in some position. The links are counted from 0. The result
+    is −1, −1 if there is no such sequence.
+
+    Args:
+        chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and
+            ``inertia`` [kg·m²] of each link, and ``has_base_joint``.
+        free_base: whether link 1 hangs in a joint at a base that can slide and has no mass.
     """
     begin, count = -1, len(chain.length)
     for i in range(count):

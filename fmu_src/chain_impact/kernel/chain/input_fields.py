@@ -23,7 +23,10 @@ CHANNEL = len(NAMES)  # stands for the number of an input: a prescribed motion o
 
 
 def input_field(part, k):
-    """Return the array of input k in a ``part`` of the record: its values, or a table of coefficients."""
+    """Return the array of input k in a ``part`` of the record: its values, or a table of coefficients.
+
+    The compiled version is in compilation/built_in.py.
+    """
     return getattr(part, NAMES[k])
 
 

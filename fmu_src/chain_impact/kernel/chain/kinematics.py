@@ -174,7 +174,12 @@ def note_points_elsewhere(d):
 
 
 def move_points(d, link_vectors, change, response):
-    """Set ``response`` to the motions of all places that a ``change`` of the coordinates causes."""
+    """Set ``response`` to the motions of all places that a ``change`` of the coordinates causes.
+
+    The motion Δp of a joint follows from the motion of the joint before it and from the rotation Δθ of the
+    link vector L between them: Δp_{i+1} = Δp_i + Δθ_i L⊥. Changes of rates cause changes of velocities in the
+    same way.
+    """
     n = d.links
     x, y = change[0], change[1]
     for i in range(n):

@@ -89,7 +89,10 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Return an estimate [m] of how far a channel moves in the present piece of the inputs, at most."""
+    """Return an estimate [m] of how far a channel moves at most in the present piece of the inputs.
+
+    The result includes the sines of all signals (``travel_of_sines``).
+    """
     most = 0.0
     for m in range(d.channels):
         total = 0.0

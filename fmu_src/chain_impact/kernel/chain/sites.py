@@ -91,7 +91,10 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may include moments on links in this scene."""
+    """Return whether loads may include moments on links in this scene.
+
+    Sites, and centres of mass beside the lines of links, cause such moments.
+    """
     return d.sites > 0 or d.skewed != 0
 
 

@@ -56,5 +56,8 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle or rate of link i relative to link i − 1; for the first link, i = 0, its own value."""
+    """Return the angle or rate of link i relative to link i − 1; for the first link, i = 0, its own value.
+
+    The angles or rates of the links begin at index ``first`` of ``values``.
+    """
     return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)

@@ -132,7 +132,7 @@ def update_to_output_time(d):
 def update_own_to_output_time(d):
     """Cut the last step at the communication point, and log the active contacts up to this point.
 
-    The cost does not count, because it is caused by the caller.
+    The cost does not count: the caller, not the motion, demands this cut.
     """
     counted = counted_cost(d)
     end_at_output_time(d)
@@ -159,7 +159,11 @@ def end_at_output_time(d):
 
 
 def list_latest(d):
-    """Write the latest impacts to the outputs ``latest``, from the log and the active contacts."""
+    """Write the latest impacts to the outputs ``latest``, from the log and the active contacts.
+
+    A contact that still lasts gets its values up to the communication point. The points must be located and
+    accelerated at this point, and the outputs must already contain the forces and impulses.
+    """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
     if latest.requested == 0 or (d.touch.active_count == 0 and latest.listed == rows):
         return

@@ -87,8 +87,8 @@ def excludes_events(d):
     clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
         # The loop has no branches, so that the compiler can use vector instructions: both conditions are
-        # evaluated for all candidates. Every contact passes by the second: contacts with a force are tested
-        # below, and held points have no crossings.
+        # evaluated for all candidates. The second one is true for every contact: contacts with a force are
+        # tested below, and held points have no crossings.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
         # `allowed_position_error` is not added: the errors of a penetration are far smaller than those of a
@@ -111,7 +111,13 @@ def suspect_all(d):
 
 
 def suspect_some(d, apart, error):
-    """Let the search examine the candidates that the test at the step's ends does not exclude."""
+    """Let the search examine the candidates that the test at the step's ends does not exclude.
+
+    Args:
+        d: the instance, with φ, φ′ and φ″ at both ends.
+        apart: the error [m] of the clearances of candidates without contact.
+        error: the error [m] of the penetrations of candidates in contact.
+    """
     search, count = d.search, 0
     for c in range(d.candidates):
         if d.touch.active[c]:
@@ -137,8 +143,8 @@ def distance_per_radian(d):
     """Return the largest distance [m] that a place moves when every link turns by at most 1 rad.
 
     For a point this distance is the length of the stretched chain. For the place of a joint with stops it is
-    the joint's angle, which changes by at most 2 rad, times the length of the longest link; it is the larger
-    one if this link is longer than all other links together.
+    the change of the joint's angle, at most 2 rad, times the length of the longest link. The second distance
+    is larger if the longest link is longer than all other links together.
     """
     if d.chain.has_joint_stops and d.links > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)

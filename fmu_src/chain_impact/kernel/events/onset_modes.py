@@ -13,8 +13,8 @@ from chain_impact.kernel.forces.holding import set_start_to_load_motion
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
-# [s] The time after an onset at which its tangential force is compared with µ_s F. If several contacts begin
-# at the same moment, their normal forces at this time count.
+# [s] The tangential force and µ_s F are compared this time after the onset. If several contacts begin at the
+# same moment, their normal forces at this time count.
 COMPARISON_TIME = 1e-6
 
 

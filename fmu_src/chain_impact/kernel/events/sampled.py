@@ -329,7 +329,11 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether, for any mode that is marked to end, the repeated step at least halves the margin."""
+    """Return whether, for any mode that is marked to end, the repeated step at least halves the margin.
+
+    The dense output of a long implicit step has errors, and may show an end of a mode that a shorter step
+    does not have. Without this check, steps with such false ends could follow each other without end.
+    """
     near = False
     for i in range(d.friction.count):
         e = d.element.index[i]

@@ -18,7 +18,7 @@ def clear_saturation(d):
 
 @has_dual_rule
 def choose_saturation(d):
-    """Choose the modes of all drives at the end of the last step, by the forces they would have unlimited."""
+    """Choose the modes of all drives at the end of the last step, from their forces without limits."""
     if not d.chain.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)

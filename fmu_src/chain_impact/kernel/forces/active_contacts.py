@@ -77,7 +77,10 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads to the input at the tip, contact forces and sliding friction, at the located points."""
+    """Set the loads to the input at the tip, contact forces and sliding friction, at the located points.
+
+    Return the power [W] that contact forces and sliding friction dissipate.
+    """
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.compliant_count):
@@ -150,7 +153,10 @@ def begin_force_contact(d, c):
 
 
 def latch(d, c):
-    """Fix the expected penetration of candidate c's contact and, for a force law, its damping."""
+    """Fix the expected penetration of candidate c's contact and, for a force law, its damping.
+
+    Both values follow from the law, the impact speed and the effective mass.
+    """
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)

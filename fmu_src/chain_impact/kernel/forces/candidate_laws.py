@@ -63,7 +63,12 @@ def start_laws(d):
 
 
 def law_origin(d, c):
-    """Return a number that tells where the law of candidate c is given."""
+    """Return a number that tells where the law of candidate c is given.
+
+    Returns:
+        The number of the wall if the wall has its own material; OF_CONTACT for the material of `contact`;
+        OF_JOINTS for a stop in a joint; OF_SLIDER for an end of the slider's line, which has no friction.
+    """
     if at_stop(d, c):
         return OF_JOINTS if at_joint_stop(d, c) else OF_SLIDER
     wall = d.candidate.wall[c]

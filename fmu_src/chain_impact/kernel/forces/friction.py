@@ -87,7 +87,11 @@ def set_anchor(d, e):
 
 
 def list_friction(d):
-    """List the elements that have dry friction at present, and those of them that stick."""
+    """List the elements that have dry friction at present, and those of them that stick.
+
+    Both lists are packed: contacts come first, then joints, then the slider. A free base has no joint, so the
+    element of the first joint has no friction.
+    """
     friction = d.friction
     friction.count = 0
     for k in range(d.touch.compliant_count):
@@ -163,6 +167,9 @@ def apply_friction(d):
     """Add the sliding friction of contacts with a force law, joints and slider to the loads.
 
     The friction of a sticking element is not added: it is a constraint force, which is computed later.
+
+    Returns:
+        The dissipated power [W].
     """
     friction = d.friction
     friction.power = 0.0

@@ -106,7 +106,10 @@ def add_change(d, y, first):
 
 
 def set_start_to_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations along all constraints that the rate ẏ of the state y contains."""
+    """Set ``start`` to the accelerations along all constraints that the rate ẏ of the state y contains.
+
+    Return the largest component of the acceleration of any place or moving wall.
+    """
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
         d.constraints.start[k] = constraint_acceleration(d, k)

@@ -74,7 +74,7 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
-# degree 5, 4, 3 of the polynomial that predicts stages up to this far beyond the last step, in its lengths
+# the predicted stages follow a polynomial of degree 5, 4, 3 up to here beyond the last step, in its lengths
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
@@ -103,7 +103,8 @@ def _coefficients():
 
 # row m times the increments of the stages is the coefficient of the m-th basis function of the dense output
 SHAPE = _coefficients()
-CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # largest |second derivatives| of the first five functions on [0, 1]
+# the largest |second derivative| of each of the first five basis functions on [0, 1]
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)
 
 
 def factorize(d, h):
@@ -347,7 +348,7 @@ def set_dense(values, j, stages, at, degree):
 def match_clearances(d):
     """Make the coordinates of the dense output agree with the integrated clearances at thirds of the step.
 
-    The work of dry friction in this correction is added to the dissipated energy.
+    Dry friction does work in this correction; its loss of energy counts as dissipated.
     """
     dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
     if clearance_count(d) == 0:

@@ -294,7 +294,10 @@ def copy_tried_quadratures(d, z, first):
 
 
 def accept_quadratures(d):
-    """Make the quadratures of the tried step the quadratures of the last step."""
+    """Make the quadratures of the tried step the quadratures of the last step.
+
+    ``make_last_step`` does the same for the state.
+    """
     quadrature = d.quadrature
     for k in range(quadrature.count):
         quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]

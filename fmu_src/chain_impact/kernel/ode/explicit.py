@@ -103,9 +103,9 @@ D: tuple[dict[int, float], ...] = (
 STAGES = len(A)
 # index of the stage at the end of a step; its rate is the first stage of the next step
 END_STAGE = STEP_STAGES
-# A step that ends PAST_END times farther than the predicted end of a contact may be LARGEST_STRETCH times
-# longer than the error control allows. If the end is farther away, the step covers at most half of the time
-# until then, so that the following step is not tiny.
+# Near the end of a contact, a step is PAST_END times as long as the predicted time to this end, if it then
+# exceeds the size that the errors allow by a factor of at most LARGEST_STRETCH. Otherwise it covers at most
+# half of this time, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
 # A contact that ends within this first part of a step has practically no force left: its penetration may be
 # round-off. The step then ignores this end, and the search for events finds the end in the step. A step up to

@@ -25,7 +25,10 @@ def store_friction_forces(d, stage):
 
 
 def correct_friction_energy(d, h):
-    """Correct the dissipated energy in the stages of an implicit step of size h [s], after the iteration."""
+    """Subtract the work of friction along the last correction from the dissipated energy of each stage.
+
+    The step is an implicit one of size h [s], after its iteration; the work of sticking elements is added.
+    """
     for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
@@ -105,11 +108,11 @@ def work_of_sliding(d, change, force):
 
 
 def count_holding_work(d, h):
-    """Add the work of sticking elements since the start of the step to the dissipated energy of each stage.
+    """Count the work of sticking elements since the start of the step as dissipated in each stage.
 
-    The constraint forces of sticking elements do work only along errors, because such elements should not
-    move. At the end of the step a projection moves the elements back to their anchors, and does the opposite
-    work.
+    The energy that their constraint forces take from the chain is added to the dissipated energy. These
+    forces do work only along errors, because such elements should not move. At the end of the step a
+    projection moves the elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)

@@ -73,9 +73,9 @@ def reset_times(d, time):
 
 
 def set_start_delay(d, delay):
-    """Set the ``delay`` [s] of the event at the start of the next step: by it a parameter shifts the event.
+    """Set the ``delay`` [s] by which a parameter shifts the event at the start of the next step.
 
-    The value of the delay is 0; in a tangent instance it has derivatives.
+    The value of the delay is 0; only in a tangent instance does it have derivatives.
     """
     d.step.start_delay = delay
 
@@ -110,7 +110,7 @@ def make_last_step(d):
 
 
 def project_trial(d):
-    """Project the end of the tried step onto the constraints, and count the work of dry friction in this.
+    """Project the end of the tried step onto the constraints, and count the work of dry friction in it.
 
     The projection moves points back to rigid walls and sticking elements back to their anchors; other
     elements move with them, and dry friction does work. At rest this work, and the energy that the step
@@ -185,7 +185,7 @@ def end_at_fraction(d, theta):
 
 
 def set_own_output_time(d, time):
-    """Set the communication point of the instance to a ``time`` [s] in the last step, with dense output."""
+    """Set the communication point to a ``time`` [s] in the last step, and ensure the step's dense output."""
     d.step.time = time
     ensure_dense(d, OUTPUTS)
 
@@ -199,7 +199,7 @@ def truncate_to_output_time(d):
 
 
 def store_output_state(d):
-    """Store the state at the communication point in ``trial.state``, free at that time."""
+    """Store the state at the communication point in ``trial.state``, which no tried step uses then."""
     interpolate(d.step, fraction(d, d.step.time), d.trial.state)
 
 

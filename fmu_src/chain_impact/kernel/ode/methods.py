@@ -44,11 +44,11 @@ STIFF_STEP_IN_CONTACT = 0.1
 # by the impact speed. An impact takes three to ten time scales, so with a smaller value it could count as
 # sustained.
 SUSTAINED_AFTER = 20.0
-# The explicit method returns if the next implicit step is shorter than EQUAL_COST_RATIO times the last
-# explicit step: an implicit step costs about as much as EQUAL_COST_RATIO explicit steps.
+# An implicit step costs about as much as EQUAL_COST_RATIO explicit steps. If the next implicit step is
+# shorter than EQUAL_COST_RATIO times the last explicit step, the explicit method takes over again.
 EQUAL_COST_RATIO = 2.5
-# If the size of the last explicit step is not known, the explicit method returns at an implicit step with hρ
-# < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
+# If the size of the last explicit step is not known, the explicit method takes over again at an implicit step
+# with hρ < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
 # rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies

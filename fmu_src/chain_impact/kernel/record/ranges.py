@@ -38,14 +38,17 @@ RANGE_OWNERS = tuple(
 
 
 def values_at(part, path):
-    """Return the values of the field at a ``path`` in a part of the record as an array, also a single one."""
+    """Return the values of the field at a ``path`` in a part of the record as an array.
+
+    For a single number the array has one entry.
+    """
     for name in path:
         part = getattr(part, name)
     return np.ravel(part)
 
 
 def ranged_field(d, k):
-    """Return the values of field k of RANGED as an array, also a single one."""
+    """Return the values of field k of RANGED as an array, which for a single number has one entry."""
     return values_at(d, RANGED[k])
 
 
@@ -59,7 +62,7 @@ BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
 
 
 def bounded_field(d, k):
-    """Return the values of field k of BOUNDED as an array, also a single one."""
+    """Return the values of field k of BOUNDED as an array, which for a single number has one entry."""
     return values_at(d, BOUNDED[k])
 
 

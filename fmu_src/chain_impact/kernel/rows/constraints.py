@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
 # of a link; with a larger D the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # near a fold (folds.py) the first iteration leaves more of the residual
+FOLD_RESIDUAL = 1e-3  # if a first iteration leaves more than this part, it is near a fold (folds.py)
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
 # times the large D of the other iterations, would stay in the forces against motions that can hardly be
@@ -70,7 +70,8 @@ SOLVED_RESIDUAL = 1e-15  # a residual up to this, relative to the largest motion
 # removed for it. With a much smaller limit, their forces would contain round-off times D, and a chain at rest
 # would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
-UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual whose square may underflow, as in a chain at rest
+# [m, m/s or m/s²] a smaller residual, as at rest, counts as 0: its square may underflow
+UNDERFLOW_SIZE = 1e-100
 # Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
 # removed, if the motions can hardly be constrained. They would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
@@ -263,7 +264,7 @@ def find_residual(d):
 
 @inlined
 def correct_impulses(d):
-    """Correct the impulses for the residuals, and find the motion with the corrected impulses."""
+    """Correct the impulses once, to reduce the residuals, and compute the motion with the new impulses."""
     constraints, motion = d.constraints, d.scratch.motion
     # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
     for k in range(constraint_count(d)):
@@ -287,7 +288,7 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Replace the impulses by ``impulse``; set ``change`` to the effect of the difference of both."""
+    """Replace the impulses by ``impulse``; set ``change`` to the effect of this change of the impulses."""
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]

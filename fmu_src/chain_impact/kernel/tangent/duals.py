@@ -118,7 +118,10 @@ def copy_values(source, target):
 
 
 def copy_given(d, t, when):
-    """Copy from d to t the values that a scene or importer gives, of all parts that apply at ``when``."""
+    """Copy from d to t the values that a scene or importer gives, of all parts that apply at ``when``.
+
+    ``when`` is AT_START or AT_ANY_TIME, as the layout of each part declares (record/fields.py).
+    """
     for part, applies in SETTABLE.items():
         if applies == when:
             copy_values(getattr(d, part), getattr(t, part))

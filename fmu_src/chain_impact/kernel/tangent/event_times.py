@@ -58,7 +58,11 @@ def along_motion(function):
 
 
 def delay_along_motion(after):
-    """Return a function of (t, c, rate) for the delay [s] of the event φ = 0 at the end of the last step."""
+    """Return a function of (t, c, rate) for the delay [s] of the event φ = 0 at the end of the last step.
+
+    ``after`` is the first function that ``along_motion`` returns for φ, and ``rate`` is φ̇ at the event.
+    Afterwards points and forces are again those at the end of the last step.
+    """
 
     def delay(t, c, rate):
         time = dual_with_slope(0.0, 0.0, t.step.end)

@@ -56,8 +56,8 @@ def check_onsets(t):
 def near_least_speed(t, c, speed):
     """Return whether an approach ``speed`` [m/s] equals the least impact speed of candidate c's law.
 
-    Equal means up to errors. At the least speed the law changes from a constant impact speed to the approach
-    speed.
+    Equal means up to errors. At a lower speed the law uses the least impact speed, at a higher speed the
+    approach speed.
     """
     errors = OPEN_DISTANCE * value(t.solver.tolerance) * fastest_speed(t)
     return abs(speed - value(t.law.minimum_impact_speed[c])) <= errors
