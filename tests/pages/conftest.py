@@ -49,11 +49,11 @@ USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 """The options of a page that can be changed later."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
     """Return a Chromium.
 
-    It ends with its file, because tests of another room could not start playwright beside it.
+    It ends with the files of this room, because tests of another room could not start playwright beside it.
     """
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
@@ -73,7 +73,7 @@ def address(tmp_path_factory):
     return path.as_uri()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def idle(browser):
     """Return the pages that tests have left empty, each after the options that a page keeps.
 

@@ -84,7 +84,7 @@ def test_a_sweep_on_a_cluster_has_the_rows_of_a_local_one(scheduler, tmp_path):
 def test_a_lost_worker_is_replaced_by_the_others(scheduler):
     scheduler.worker()
     doomed = scheduler.worker()
-    vary = {"contact.restitution": "0.3:0.7:20000"}
+    vary = {"contact.restitution": "0.3:0.7:8000"}
 
     def progress(part):
         if part > 0.2:
