@@ -199,7 +199,8 @@ class Instance:
             times: shape (T,).
             rows: result, T rows of W numbers.
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
-            of_state: whether only outputs in ``STATE_OUTPUTS`` have to be computed.
+            of_state: whether only outputs in ``STATE_OUTPUTS`` (record/instance.py) have to be
+                computed.
         """
         spans = spans_of(self.prepared.output_words) if spans is None else spans
         wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
