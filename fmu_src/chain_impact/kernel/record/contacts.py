@@ -9,13 +9,13 @@ from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.ode.explicit import STAGES
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded, record, table, written_by
 
-# the log of changes of friction modes has this number of rows for each element; a caller must collect them
-# before it is full
+# number of changes of friction modes, on average for each element, that the log has room for until its caller
+# collects them
 CHANGES_OF_EACH = 4
-# The run waits for its caller when this number of ended contacts is not collected. The log has one more row
-# for each candidate, because all contacts may end in one step.
+# number of ended contacts that the log stores before a run waits until its caller collects them; the log has
+# one more row for each candidate, because all contacts may end in one step
 LOG_SIZE = 32
-LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene may request a shorter list
+LATEST = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
 
 @written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/motion.py"))
@@ -62,9 +62,9 @@ def law_dtype(candidates: int) -> np.dtype:
         # factor f(e) of the damping, which is λ in the Hunt–Crossley family (forces/laws.py)
         ("damping_factor", REAL),
         ("rate_exponent", REAL),  # exponent p of the penetration in the damping d δᵖ δ̇
-        ("approach_only", INTEGER),  # 1: damped during compression only
+        ("approach_only", INTEGER),  # 1: the law damps only while δ grows; 0: always
         ("impulsive", INTEGER),  # 1: the wall is rigid, and acts by impulses; 0: a force law
-        # m, up to this depth in the wall a point counts as apart from it
+        # m, depth in the wall up to which a point counts as not touching; 0 at a rigid wall
         ("harmless_depth", REAL),
     )
 
@@ -81,15 +81,15 @@ def most_constraints(candidates: int, elements: int) -> int:
     **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/force_formula.py"),
 )
 def touch_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the data of each candidate's contact.
+    """Return the layout of the data of the contacts, one entry for each candidate.
 
     The impact speed v₀, the effective mass and the values that depend on them are latched: they are fixed at
     the onset, and stay until v₀ is latched again or the law changes. At a stop in a joint, lengths and speeds
     are angles and their rates times a lever arm (rows/geometry.py).
     """
     return record(
-        # how often the active contacts have been listed: after a new list, the stages of the last implicit
-        # step do not predict those of the next one
+        # number of times that ``list_touching`` has listed the active contacts; an implicit step from before
+        # the last listing has entries of other contacts, and cannot predict the next step
         ("listings", INTEGER),
         ("active_count", bounded(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
@@ -108,28 +108,30 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         ("depth_scale", REAL, (candidates,)),  # m, expected penetration δ*; for a rigid wall the longest link
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
-        # m/s, rate of the penetration at the start of the step, for the search for peaks
+        # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the
+        # step if the rate falls through 0
         ("speed", REAL, (candidates,)),
-        # N/s, rate of the contact force at the start of the step; the search for peaks uses only its sign
+        # N/s, rate of the contact force at the start of the step that is searched for peaks; only its sign is
+        # used
         ("force_rate", REAL, (candidates,)),
         ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
-        # 1: a step uses the force of the side beyond the kink (forces/force_formula.py), continued smoothly;
-        # 0: the force of the other side
+        # side of the kink (forces/force_formula.py) whose smooth force a step uses on both sides: 1: the side
+        # beyond the kink; 0: the other side
         ("beyond_kink", INTEGER, (candidates,)),
         # m/s, only a rate of the penetration beyond the kink δ̇ = 0 by more than this counts as a crossing; 0
         # if the law damps in both directions
         ("kink_margin", REAL, (candidates,)),
-        # 1: a stage or the end of the tried step was on the other side of the kink
+        # 1: a stage of the tried step, or its end, lies beyond ``kink_margin`` on the other side of the kink
         ("kink_crossed", INTEGER, (candidates,)),
-        # number of the latest onset of the candidate among all onsets of the run, counted from 1
+        # number of the candidate's latest onset: the count of all onsets of the run up to this one
         ("number", INTEGER, (candidates,)),
         ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
         ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
-        ("joint_square", REAL, (candidates,)),  # N², largest squared joint force so far during the contact
-        # number of the joint with the largest force during the contact, 1…N; 0 for none
+        ("joint_square", REAL, (candidates,)),  # N², largest squared force in a joint during the contact
+        # number of the joint with the largest force during the contact so far, 1…N; 0 for none
         ("joint", INTEGER, (candidates,)),
-        # m, errors in the clearances of the active contacts, packed, for each of the two error estimates of a
-        # tried step
+        # m, errors of the clearances of the active contacts, packed, for each of both error estimates of an
+        # explicit step
         ("gap_error", REAL, (2, candidates)),
     )
 
@@ -192,16 +194,19 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     count = most_constraints(candidates, elements)
     return record(
-        # how much the impulses change each coordinate, or its speed or acceleration, as stated above
+        # change of each coordinate, of its rate or of its acceleration, according to the problem, that all
+        # impulses together cause
         ("change", REAL, (coordinate_count(links),)),
-        # SOLVED, or the reason why constraint forces were not found in this step (kernel/rows/constraints.py)
+        # SOLVED, or the reason why the search for constraint forces has failed in the tried step (UNSOLVED,
+        # MOVING or SQUEEZED of kernel/rows/constraints.py)
         ("unsolved", INTEGER),
         # 1: the last problem was near a fold: its first iteration left more than FOLD_RESIDUAL
         # (rows/constraints.py) of the residual at rigid walls
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
-        ("violated", INTEGER, (count,)),  # 1: the constraint's impulse or residual has the wrong sign
+        # 1: the impulse of a rigid wall is a pull, or the point stays below its target motion
+        ("violated", INTEGER, (count,)),
         ("start", REAL, (count,)),  # motion along the constraint without any impulses
         ("reached", REAL, (count,)),  # motion along the constraint with all impulses
         ("target", REAL, (count,)),  # the least required motion along the constraint
@@ -212,11 +217,11 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection; else 0
         ("resistance", REAL, (count,)),
-        # N, ``refined``: the force near a fold, from samples at other times; ``uneven``: a sum of the samples
-        # that is small if the force is smooth (kernel/ode/folds.py)
+        # N, force of the constraint near a fold, found from forces some time before and after
+        # (kernel/ode/folds.py); and a difference of these forces, which is small if the force is smooth
         ("refined", REAL, (count,)),
         ("uneven", REAL, (count,)),
-        ("sample", REAL, (2, candidates)),  # N, last two samples of the force on a held point, packed
+        ("sample", REAL, (2, candidates)),  # N, last two samples of each held contact's force, packed
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
         # pulls; not packed
         ("least_force", REAL, (candidates,)),
@@ -252,9 +257,10 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
-    latest LATEST impacts: after the entry of such an impact come at most the other ones and, of each other
-    candidate, one contact that began earlier. The row of a stop in a joint has angles and moments: rad/s for
-    speeds, N·m for ``peak_force``, rad, kg·m² and N·m·s.
+    latest LATEST impacts: after the entry of one of these come at most the entries of the others and, for
+    each other candidate, of one contact that began earlier. The row of a stop in a joint has angles and
+    moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
+    ``effective_mass`` and N·m·s for ``impulse``.
     """
     log = LOG_SIZE + candidates
     return record(
@@ -272,15 +278,15 @@ def contact_log_dtype(candidates: int) -> np.dtype:
         ("max_penetration", REAL, (log,)),  # m, largest penetration of the contact
         ("effective_mass", REAL, (log,)),  # kg, effective mass at the onset of the contact
         ("impulse", REAL, (log,)),  # N·s, impulse of the wall on the point in the contact
-        ("joint_force", REAL, (log,)),  # N, largest force in a joint during the contact
+        ("joint_force", REAL, (log,)),  # N, largest force in any joint during the contact
         ("joint", INTEGER, (log,)),  # number of the joint with the largest force, 1…N; 0 for none
-        ("number", INTEGER, (log,)),  # number of the onset among all onsets, as in `touch`
+        ("number", INTEGER, (log,)),  # number of the contact's onset, as in `touch.number`
     )
 
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
-    """Return the layout of the largest values in the whole run, over all contacts that were ever logged."""
+    """Return the layout of the largest forces and depths over all contacts logged since the run's start."""
     return record(
         ("force", REAL),  # N, largest force of a wall on a point, or of a stop of the slider
         ("penetration", REAL),  # m, largest penetration at a wall or a stop of the slider
@@ -298,18 +304,19 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
     """
     count = candidates + elements + 3
     return record(
-        ("computed", INTEGER),  # 1: an output needs quadratures; 0: none is integrated
+        ("computed", INTEGER),  # 1: steps integrate quadratures; 0: they do not, as no output needs one
         # N·s, value of ``total`` at the onset of the candidate's contact
         ("impulse_at_onset", REAL, (candidates,)),
-        # value of each quadrature, from the start of the run to the most recent event or re-initialization
+        # value of each quadrature, an integral from the start of the run, at the most recent event or
+        # re-initialization
         ("total", REAL, (count,)),
         # rate of each quadrature at the time of ``total``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded(0, count)),
-        # indices in ``total`` of the quadratures that are integrated, packed
+        # index in ``total`` of each quadrature that is integrated in steps now, packed
         ("index", bounded(0, count - 1), (count,)),
-        ("state", REAL, (count,)),  # values of the quadratures at the start of the last step
-        ("state_end", REAL, (count,)),  # values of the quadratures at the end of the last step
+        ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
+        ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
         ("rate_end", REAL, (count,)),  # rates of the quadratures at the end of the last step
         ("tried", REAL, (count,)),  # values of the quadratures at the end of the tried step
         # coefficients of the quadratures' dense output in the last step
@@ -349,14 +356,14 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # 0: the speed has determined the mode; 1: the element is at rest, and the forces have; 2: STOPPED of
-        # kernel/tangent/friction.py
+        # what has determined the mode: 0: the motion, as the element moves; 1: the forces, as it is at rest;
+        # in a tangent instance also STOPPED of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
-        # m/s, a speed against the direction of sliding up to this counts as an error
+        # m/s, largest speed of an element against its direction of sliding that counts as an error
         ("slack", REAL, (elements,)),
-        ("anchor", REAL, (elements,)),  # m, coordinate along t at which the element is held while it sticks
+        ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
-        # N, the largest static friction at the last evaluation of ẏ; constant for a joint and the slider
+        # N, largest force of static friction at the last evaluation of ẏ; constant for a joint and the slider
         ("limit", REAL, (elements,)),
         # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
         # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
@@ -367,9 +374,10 @@ def element_dtype(elements: int) -> np.dtype:
 
 @written_by("events/friction_modes.py")
 def changes_dtype(elements: int) -> np.dtype:
-    """Return the layout of the log of changes of modes; friction that begins or ends is a change, too.
+    """Return the layout of the log of changes of friction modes.
 
-    A caller that collects the changes sets ``count`` to 0.
+    Friction that begins or ends is a change, too. After a caller has collected the changes, it sets ``count``
+    to 0.
     """
     log = CHANGES_OF_EACH * elements
     return record(

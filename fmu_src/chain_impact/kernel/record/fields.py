@@ -1,4 +1,4 @@
-"""Functions that build the layouts of records, and that declare which modules write each part."""
+"""Functions that build the layouts (NumPy types) of the record and its parts, and declare their writers."""
 
 import numpy as np
 
@@ -7,10 +7,11 @@ LARGEST, SMALLEST = float(np.finfo(REAL).max), 5e-324  # the largest and the sma
 
 
 def real(least: float, most: float) -> np.dtype:
-    """Return the type of a real with the range ``least`` to ``most``.
+    """Return the type of a real field whose values must lie from ``least`` to ``most``.
 
-    ``check_ranges`` in kernel/initialize.py checks the range. Other reals that the scene gives have their own
-    checks: values of contact laws, limits of stops, initial values and gravity.
+    ``check_ranges`` in kernel/initialize.py checks these values at the start of a run. Other reals that the
+    scene gives have no such range, but checks of their own: values of contact laws, limits of stops, initial
+    values and gravity.
     """
     return np.dtype(REAL, metadata={"range": (least, most)})
 
@@ -20,24 +21,26 @@ LIMIT = real(0.0, float("inf"))  # type of a real that is a limit: any number �
 
 
 def bounded(least: int, most: int) -> np.dtype:
-    """Return the type of an integer with bounds, such as an index or the length of a loop.
+    """Return the type of an integer field whose values must lie from ``least`` to ``most``.
 
-    The kernel does not check such a number where it is used, so ``within_bounds`` in kernel/entry.py checks
-    it in a record from outside. A bound is an affine function of the counts, as are all sizes.
+    The kernel uses the integer as an index or as a number of iterations: a value beyond the bounds could let
+    it access memory outside the record. ``within_bounds`` in kernel/entry.py checks these fields in a record
+    from outside. A bound is an affine function of the counts of the record (counts.py), as are all sizes.
     """
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
 
 
 WRITERS: dict[str, dict[str, tuple[str, ...]]] = {}
-"""Part of the record → field → modules that write the field; "" stands for the fields that are not named."""
+"""Part of the record → field → kernel modules that write the field; "" stands for all fields not named."""
 
 
 def written_by(*writers, **fields):
-    """Declare which modules of the kernel write a part of the record, and which write single fields.
+    """Declare the kernel's modules that write a part of the record; decorates the function of its layout.
 
-    A field that is used after a step has one writer, and other modules call the writer's functions; there are
-    few exceptions, which tests/repository/test_writers.py lists. This test compares the declarations with the
-    code. Modules in kernel/tangent/ also set fields of tangent instances.
+    ``fields`` has the module or modules of single fields, ``writers`` those of all other fields. A field that
+    is used after a step has one writer, and other modules call this writer's functions; tests/repository/
+    test_writers.py lists the few exceptions, and compares the declarations with the code. Modules in
+    kernel/tangent/ also set fields of tangent instances.
     """
 
     def declare(layout):
@@ -52,13 +55,18 @@ def written_by(*writers, **fields):
 
 AT_START, AT_ANY_TIME = 0, 1
 SETTABLE: dict[str, int] = {}
-"""Part of the record that the scene or an importer gives → when its values apply."""
+"""Part of the record that the scene or an importer gives → when its new values take effect.
+
+AT_START: at the start of the next run; AT_ANY_TIME: also during a run.
+"""
 
 
 def settable(when: int):
-    """Declare that the scene or an importer gives a part of the record, and ``when`` its values apply.
+    """Declare that the scene or an importer gives values of a part of the record; decorates its layout.
 
-    ``copy_given`` in kernel/tangent/duals.py copies each of these parts for derivatives.
+    ``when`` says when the kernel applies new values: AT_START or AT_ANY_TIME. Each of these parts is copied
+    to the tangent instances (``copy_given`` in kernel/tangent/duals.py), so that derivatives belong to the
+    same values.
     """
 
     def declare(layout):
@@ -69,41 +77,44 @@ def settable(when: int):
 
 
 def record(*fields: tuple[object, ...]) -> np.dtype:
-    """Return the layout of a record of fields (name, type[, shape])."""
+    """Return the layout of a record, whose fields are given as (name, type) or (name, type, shape)."""
     return np.dtype(list(fields), align=True)
 
 
 def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
-    """Return the layout of a table of columns (name, type) with ``count`` rows.
+    """Return the layout of a table with ``count`` rows, whose columns are given as (name, type).
 
-    The numbers of one row are neighbours in memory.
+    The numbers of one row are neighbours in memory, because the kernel mostly reads whole rows.
     """
     return np.dtype((record(*columns), (count,)))
 
 
 def is_table(dtype: np.dtype) -> bool:
-    """Return whether a layout is that of a table of columns, not of an array of numbers or dual numbers."""
+    """Return whether an array with this layout is a table, not an array of numbers or of dual numbers.
+
+    A dual number is a record of a value and its derivatives, too, but counts as one number.
+    """
     return dtype.base.names is not None and dtype.base.names != ("value", "slope")
 
 
 def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of one vector for each of ``points`` points."""
+    """Return the layout of the vectors, with components x and y, of a number of ``points``."""
     return record(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
 def place_count(links: int, sites: int) -> int:
-    """Return the number of places: the points 0…N, the joints 1…N and the sites."""
+    """Return the number of places of a chain with N ``links``: the points 0…N, the joints 1…N, the sites."""
     return 2 * links + 1 + sites
 
 
 def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of loads: a vector for each place, and a number for each joint and each link."""
+    """Return the layout of loads: forces or impulses at places, and moments in joints and on links."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
     return record(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
 
 
 def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of impedances: a symmetric 2×2 matrix for each place, and a number for each joint."""
+    """Return the layout of impedances: a symmetric 2×2 matrix [kg] at each place, κ [kg·m²] in each joint."""
     matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
     return record(*matrices, ("joint", scalar, (links,)))

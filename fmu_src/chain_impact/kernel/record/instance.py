@@ -2,8 +2,8 @@
 
 Parameters, inputs, the integrator's memory, statistics, outputs and scratch memory are the fields of one
 NumPy record without pointers, so the state of an FMU is a copy of its bytes. Every number takes eight bytes
-(a double or an integer) or, if complex, sixteen, so it has an index counted in doubles from the start of the
-record. The FMU's code needs no other knowledge of the layout.
+(a double or an integer) or, if complex, sixteen. So the code of an FMU finds each number by an index, counted
+in words of eight bytes from the start of the record, and needs no other knowledge of the layout.
 
 Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. The state vector y is in
 kernel/chain/state.py.
@@ -76,8 +76,9 @@ def output_dtype(
     """Return the layout of the outputs at the communication point.
 
     ``force``, ``penetration``, ``penetration_rate`` and ``impulse`` have an entry for each candidate. For
-    stops in joints, the entry of a joint's first stop has the moment [N·m, > 0 at joint_min], the angle
-    [rad], its rate and the angular impulse of both stops; the entry of the second stop is 0.
+    both stops of a joint, the entry of its first stop has the moment [N·m, > 0 at joint_min], the angle
+    beyond the stop [rad], the rate of this angle, and the sum of the angular impulses [N·m·s]; the entry of
+    the second stop is 0.
     """
     points = links + 1 + sites
     return record(
@@ -87,25 +88,26 @@ def output_dtype(
         ("angle", REAL, (links,)),  # rad, absolute angle of each link from +x
         ("angular_velocity", REAL, (links,)),  # rad/s, absolute angular velocity of each link
         ("angular_acceleration", REAL, (links,)),  # rad/s², absolute angular acceleration of each link
-        # rad, angle of each link relative to the link before; of link 1, from +x
+        # rad, angle of each joint: of its outer link relative to the link before; of link 1, from +x
         ("joint_angle", REAL, (links,)),
-        # rad/s, angular velocity of each link relative to the link before; of link 1, absolute
+        # rad/s, angular velocity of each joint's outer link relative to the link before; of link 1, absolute
         ("joint_angular_velocity", REAL, (links,)),
-        ("slider_position", REAL),  # m, position along the line, 0 at the start
+        ("slider_position", REAL),  # m, position of the base along the slider's line, 0 at the start
         ("slider_velocity", REAL),  # m/s, velocity of the slider along the line
         ("slider_acceleration", REAL),  # m/s², acceleration of the slider along the line
-        # N, force of the slider's line on the carriage, along the left normal of the line; set only if loads
-        # are requested
+        # N, force of the slider's line on the carriage, along the normal to the left; set only if loads are
+        # requested
         ("slider_reaction", REAL),
-        ("slider_moment", REAL),  # N·m, moment of the line on the carriage; set only if loads are requested
-        ("force", REAL, (candidates,)),  # N, force of the wall on the point along the inward normal
+        # N·m, moment of the slider's line on the carriage; set only if loads are requested
+        ("slider_moment", REAL),
+        ("force", REAL, (candidates,)),  # N, force of the wall on the point, along the wall's normal
         ("penetration", REAL, (candidates,)),  # m, penetration of each candidate; 0 without contact
         # m/s, rate of the penetration, positive during compression; 0 without contact
         ("penetration_rate", REAL, (candidates,)),
-        ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the start
+        ("impulse", REAL, (candidates,)),  # N·s, impulse of this force since the start of the run
         ("kinetic", REAL),  # J, kinetic energy
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
-        ("elastic", REAL),  # J, energy in the contacts and in springs of passive drives (chain/drives.py)
+        ("elastic", REAL),  # J, energy stored in contacts and in springs of passive drives
         ("dissipated", REAL),  # J, energy dissipated by contacts, dampers and dry friction since the start
         # J, energy supplied by inputs, powered drives and prescribed motions since the start
         ("supplied", REAL),
@@ -114,7 +116,7 @@ def output_dtype(
         ("load", load_output_dtype(loads)),
         # m, position of each channel: base, walls and belts with prescribed motions
         ("channel", REAL, (channels,)),
-        # value, rate and second derivative of each signal that drives an input
+        # value of each signal that drives an input, and its first and second derivatives in time
         ("signal", REAL, (signals, 3)),
     )
 
@@ -124,20 +126,20 @@ STATE_OUTPUTS = (
     *("joint_angular_velocity", "slider_position", "slider_velocity", "kinetic", "potential", "elastic"),
     *("dissipated", "supplied", "total", "channel", "signal"),
 )
-"""The outputs that the state alone determines, without forces and accelerations, which take longer."""
+"""The outputs that follow from the state alone, without forces and accelerations, which take longer."""
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
-    """Return the layout of the outputs of dry friction, by element."""
+    """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
     return record(
         ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks; 0: it slides or has no friction
-        # entries 0…N−1: moment on the outer link of each joint [N·m]; entry N: force on the slider [N]; later
-        # entries: 0
+        # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
+        # friction on the slider [N]; later entries: 0
         ("drive_friction", REAL, (elements,)),
-        ("drive_sticking", REAL, (elements,)),  # 1: the joint or the slider sticks
-        ("dissipated", REAL),  # J, energy dissipated by dry friction, a part of `output.dissipated`
+        ("drive_sticking", REAL, (elements,)),  # 1: the joint (0…N−1), or the slider (N), sticks; else 0
+        ("dissipated", REAL),  # J, energy that dry friction has dissipated since the start
     )
 
 
@@ -151,36 +153,36 @@ def load_output_dtype(loads: int) -> np.dtype:
         # Rows of walls: on the wall
         ("x", REAL, (loads,)),
         ("y", REAL, (loads,)),
-        # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about its
-        # point in `walls`, else about the origin
+        # N·m, rows of joints: moment on the joint's outer link; rows of walls: moment on the wall, about the
+        # wall's point in `walls`, or about the origin for a wall of the box
         ("moment", REAL, (loads,)),
-        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start
+        ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start of the run
         ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, largest |force| in the joint so far
+        ("peak", REAL, (loads,)),  # N, the largest force in the joint since the start of the run
     )
 
 
 @written_by("loads.py")
 def transmitted_dtype(loads: int) -> np.dtype:
-    """Return the layout of intermediate data for loads; rows are those of ``load_output_dtype``."""
+    """Return the layout of the data from which loads follow; the rows are those of the outputs of loads."""
     return record(
         ("start_time", REAL),  # s, time at which the run started
         ("tip_impulse", REAL, (2,)),  # N·s, impulse of the force at the tip since the start
         ("start_x", REAL, (loads,)),  # N·s, momentum of each joint's outer link at the start of the run
         ("start_y", REAL, (loads,)),
-        # N², the largest squared force of each joint until the start of the last step
+        # N², the largest squared force in each joint from the start of the run to the start of the last step
         ("peak", REAL, (loads,)),
-        # N², largest squared force of each joint in the searched part of the last step, see ``search_step``
+        # N², the largest squared force in each joint that the search of the last step has found so far
         ("largest_square", REAL, (loads,)),
-        # N², ``largest_square`` after the last search of a whole step
+        # N², the largest squared force in each joint in the step that was last searched as a whole
         ("searched_square", REAL, (loads,)),
         # `step.breaks` when a whole step was last searched; with ``searched_end`` it tells which step that
         # was
         ("searched_breaks", INTEGER),
         ("searched_end", REAL),  # s, value of `step.end` when a whole step was last searched
-        ("x", REAL, (loads,)),  # N, joint forces at a sample in time
+        ("x", REAL, (loads,)),  # N, forces in the joints at the time that the search samples
         ("y", REAL, (loads,)),
-        # N², ``before``, ``middle``, ``after``: squares of the forces at three successive samples
+        # N², ``before``, ``middle``, ``after``: squares of the joint forces at three successive sampled times
         ("before", REAL, (loads,)),
         ("middle", REAL, (loads,)),
         ("after", REAL, (loads,)),
@@ -188,12 +190,12 @@ def transmitted_dtype(loads: int) -> np.dtype:
 
 
 def instance_dtype(*counts: int) -> np.dtype:
-    """Return the layout of an instance from the values of ``Counts``."""
+    """Return the layout of an instance; ``counts`` are the values of ``Counts``, such as 2 links."""
     links, candidates, elements, loads, channels, sites, signals, knots = Counts(*counts)
     return record(
         *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link lies beside its line
-        ("slides", INTEGER),  # 1: the base slides along a line
+        ("slides", INTEGER),  # 1: the base slides along a line, on a carriage
         # number of tangent instances that follow the record in memory (kernel/tangent/)
         ("tangents", INTEGER),
         ("chain", chain_dtype(links, sites)),

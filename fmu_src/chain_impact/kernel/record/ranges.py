@@ -1,6 +1,7 @@
-"""Tables of the fields of the record with a range or with bounds, from the layouts (record/fields.py).
+"""Tables of the record's fields whose layouts declare a range or bounds (record/fields.py).
 
-The compiled versions of the functions on instances are in compilation/built_in.py.
+The kernel checks these fields one after the other. The functions that take an instance ``d`` are for plain
+Python; their compiled versions are in compilation/built_in.py.
 """
 
 from functools import cache
@@ -12,7 +13,11 @@ from chain_impact.kernel.record.instance import instance_dtype
 
 
 def marked(layout, mark):
-    """Return the fields of a layout whose type has a ``mark``, "range" or "least": path → layout."""
+    """Return the fields of a ``layout`` whose types have a ``mark``: path → layout of the field.
+
+    The mark is "range" (of ``real``) or "least" (of ``bounded``). A path has the names of the parts around
+    the field, and then the field's name.
+    """
     found: dict[tuple[str, ...], np.dtype] = {}
     for name in layout.names:
         field = layout[name]
@@ -25,10 +30,11 @@ def marked(layout, mark):
 
 _SMALL, _LARGE = (marked(instance_dtype(*Counts(links, 1)), "range") for links in (2, 3))
 RANGED = tuple(_SMALL)
-"""The paths, in the record, of all real numbers that must lie in a range."""
+"""The paths of all fields of real numbers that must lie in a range, such as ("chain", "mass")."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)
-# for each field of RANGED, which parts of the scene its entries belong to: links and drives, sites, stops in
-# joints, slider, or the whole chain
+# RANGE_OWNERS: for each field of RANGED, the owner of its entries, which a refusal names. OF_LINKS: links or
+# drives, one entry each; OF_SITES: sites; OF_STOPS: stops in joints; OF_CARRIAGE: the slider; OF_ALL: none of
+# these, but the whole scene
 OF_LINKS, OF_SITES, OF_STOPS, OF_CARRIAGE, OF_ALL = 0, 1, 2, 3, 4
 _OWNER_OF_PART = {"site": OF_SITES, "stops": OF_STOPS, "slider": OF_CARRIAGE}
 RANGE_OWNERS = tuple(
@@ -38,46 +44,46 @@ RANGE_OWNERS = tuple(
 
 
 def values_at(part, path):
-    """Return the values of the field at a ``path`` in a part of the record as an array.
-
-    For a single number the array has one entry.
-    """
+    """Return the values at a ``path`` in a part of the record as a flat array; a number is one entry."""
     for name in path:
         part = getattr(part, name)
     return np.ravel(part)
 
 
 def ranged_field(d, k):
-    """Return the values of field k of RANGED as an array, which for a single number has one entry."""
+    """Return the values of field k of RANGED in the instance d as a flat array; a number is one entry."""
     return values_at(d, RANGED[k])
 
 
 def in_range(value, k):
-    """Return whether a value is in the range of field k of RANGED."""
+    """Return whether a value is in the range of field k of RANGED; False for NaN."""
     return RANGE_LEAST[k] <= value <= RANGE_MOST[k]
 
 
 BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
-"""The paths of the integers with bounds."""
+"""The paths of all fields of integers with bounds: indices and numbers of iterations."""
 
 
 def bounded_field(d, k):
-    """Return the values of field k of BOUNDED as an array, which for a single number has one entry."""
+    """Return the values of field k of BOUNDED in the instance d as a flat array; a number is one entry."""
     return values_at(d, BOUNDED[k])
 
 
 def least_bound(d, k):
-    """Return the least allowed value of field k of BOUNDED."""
+    """Return the least allowed value of field k of BOUNDED, for the counts of the instance d."""
     return bounds_of(tuple(getattr(d, name) for name in COUNTS))[k][0]
 
 
 def most_bound(d, k):
-    """Return the largest allowed value of field k of BOUNDED."""
+    """Return the largest allowed value of field k of BOUNDED, for the counts of the instance d."""
     return bounds_of(tuple(getattr(d, name) for name in COUNTS))[k][1]
 
 
 @cache
 def bounds_of(counts):
-    """Return the least and the largest value of each field of BOUNDED, for the values of ``Counts``."""
+    """Return the least and the largest allowed value of each field of BOUNDED in a record with ``counts``.
+
+    ``counts`` are the values of ``Counts``, of one record.
+    """
     marks = [field.base.metadata for field in marked(instance_dtype(*counts), "least").values()]
     return [(mark["least"], mark["most"]) for mark in marks]

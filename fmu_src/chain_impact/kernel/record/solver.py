@@ -1,4 +1,4 @@
-"""The parts of the record with the solver's memory: data that last, and scratch memory."""
+"""The parts of the record with the solver's memory: data kept between steps, and scratch memory."""
 
 import numpy as np
 
@@ -36,42 +36,45 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step and its dense output, which covers `start` to `end`."""
     state = state_size(links)
     return record(
-        ("time", REAL),  # s, the communication point; start ≤ time ≤ end
-        ("start", REAL),  # s, start of the step
-        # s, time since which t in the state y counts: the start of the last step or of the tried step
+        ("time", REAL),  # s, the communication point, in the last step: start ≤ time ≤ end
+        ("start", REAL),  # s, time at which the last step starts
+        # s, the time from which the entry t of the state y counts: the start of the last or of the tried step
         ("clock", REAL),
-        ("end", REAL),  # s, end of the whole step, or the event at which the step was truncated
-        # s, delay of the event at `start`: 0, with derivatives in a tangent instance
+        ("end", REAL),  # s, time at which the last step ends: as a whole, or at the event that truncates it
+        # s, time from ``start`` to the event that begins the step: 0, but with derivatives in a tangent
+        # instance
         ("start_delay", REAL),
-        # size of the step in its integration variable: seconds, or fictitious time (kernel/ode/sundman.py)
+        # size of the whole step in its integration variable: time [s], or the fictitious time of a contact
+        # (kernel/ode/sundman.py)
         ("size", REAL),
-        ("end_fraction", REAL),  # fraction of `size` at which the step was truncated; 1: it was not
+        ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if no event truncates it
         ("next_size", REAL),  # the proposed size of the next step, in its integration variable
-        # proposed size, stored when the first of the present contacts began, for the flight after them
+        # ``next_size`` as it was before the present contacts began, for the first step after they have ended
         ("flight_size", REAL),
         ("state", REAL, (state,)),  # state y at `start`
         ("state_end", REAL, (state,)),  # state y at `end`
-        # J, dissipated energy at `start` and at `end` that y lacks, because its rounding has lost it
+        # J, the parts of the dissipated energy at ``start`` and at ``end`` that its entry in y lacks, because
+        # the sum was rounded
         ("remainder", REAL),
         ("remainder_end", REAL),
-        # J, the same at the end of the whole step of `size`, before it was truncated
+        # J, the part of the dissipated energy that its entry in y lacks at the end of the whole step of
+        # ``size``
         ("remainder_whole", REAL),
-        # coefficients of the dense output, of the whole step of `size`
+        # coefficients of the dense output, the interpolant of y over the whole step of ``size``
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
-        ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at `end`
-        # for whom the dense output was computed; 0: it does not exist yet, see kernel/ode/last_step.py
+        ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: it must be evaluated
+        # the user of the dense output (kernel/ode/last_step.py), OUTPUTS or SOLVER; 0: there is none yet
         ("dense_for", bounded(0, SOLVER)),
         # number of the method of the last step, see kernel/ode/control.py
         ("last_method", bounded(EXPLICIT, IMPLICIT)),
-        # number of breaks in the sequence of steps: a step has begun elsewhere than at the end of the step
-        # before, or in another integration variable
+        # number of breaks in the sequence of steps: times that a step began in another state than at the end
+        # of the step before, or in another integration variable; data of the last step are then not valid
         ("breaks", INTEGER),
-        # candidate of the regularized contact, in whose fictitious time the step runs; −1: the step runs in
-        # time
+        # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
+        # integration variable is time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
-        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the current method, see kernel/ode/control.py
-        # s, length of the last explicit step before the present implicit steps; 0: unknown
-        ("explicit_size", REAL),
+        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the next step's method (ode/control.py)
+        ("explicit_size", REAL),  # s, size of the explicit step before the implicit ones; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
@@ -83,27 +86,28 @@ def trial_dtype(links: int) -> np.dtype:
     return record(
         ("size", REAL),  # size of the tried step in its integration variable
         ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
-        # ACCEPTED, or the reason why the tried step is rejected, see kernel/ode/control.py
+        # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
         ("outcome", bounded(ACCEPTED, DIVERGED)),
-        # error of the step relative to the tolerance or, if this is larger, energy that it has lost relative
-        # to the allowed loss; valid for a step that is ACCEPTED or INACCURATE (kernel/ode/control.py)
+        # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
+        # relative to the allowed loss; valid if ``outcome`` is ACCEPTED or INACCURATE
         ("error", REAL),
-        ("cost_factor", REAL),  # factor on the next size, below 1 if shorter steps would cost less
+        # factor on the size of the next step: < 1 if a shorter implicit step may cost less, else 1
+        ("cost_factor", REAL),
     )
 
 
 @written_by("status.py")
 def fault_dtype() -> np.dtype:
-    """Return the layout of the cause of a fault."""
-    # the part of the scene that caused the fault, as a number: first the C candidates, from 1; then the N
-    # links; then the drives, of N joints and a slider; then, for each candidate, the base at its wall; 0:
-    # none
+    """Return the layout of the reason for a fault status."""
+    # number of the part of the scene that is the reason of the fault: 1…C for the candidates, then the links,
+    # the drives (of the N joints and of a slider) and, for each candidate, the base at this candidate's wall;
+    # 0: no part
     return record(("part", INTEGER))
 
 
 @written_by("cost.py", status="status.py")
 def statistics_dtype() -> np.dtype:
-    """Return the layout of the counts since the start, and of the status."""
+    """Return the layout of the counts of steps and evaluations since the run's start, and of the status."""
     return record(
         ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),
@@ -116,37 +120,37 @@ def statistics_dtype() -> np.dtype:
 
 @written_by("cost.py")
 def limits_dtype() -> np.dtype:
-    """Return the layout of the counts of events and of cost, which are limited within windows of time."""
+    """Return the layout of the counts of events and cost, each of which is limited in a window of time."""
     return record(
         ("event_start", REAL),  # s, start of the window in which events are counted
         ("event_count", INTEGER),
         ("cost_start", REAL),  # s, start of the window in which the cost is limited
-        ("cost_count", INTEGER),  # cost until `cost_start`, in evaluations
-        # cost until the start of the communication step, in evaluations; cost.UNLIMITED: no limit
+        ("cost_count", INTEGER),  # cost from the start of the run to ``cost_start``, in evaluations
+        # cost from the start of the run to the present communication step, in evaluations; UNLIMITED of
+        # cost.py: this step may have any cost
         ("call_count", INTEGER),
-        # cost of calculations that are no evaluations (located points, responses to impulses), as a number of
-        # evaluations of equal cost
+        # cost since the start of calculations other than evaluations of ẏ (locating points, finding responses
+        # to impulses), as a number of evaluations that cost as much
         ("other_cost", INTEGER),
     )
 
 
 @written_by("ode/balance.py")
 def balance_dtype() -> np.dtype:
-    """Return the layout of the energy balance, and of its allowed changes."""
+    """Return the layout of the energy balance (equations.py) and its allowed changes (ode/balance.py)."""
     return record(
         ("at_end", REAL),  # J, energy balance at the end of the last step
         ("at_start", REAL),  # J, energy balance at the start of the last step
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
-        ("start", REAL),  # s, start of the window of time in which changes are summed
-        # J, energy balance at the start of the window, plus the later changes that new parameters cause
+        ("start", REAL),  # s, start of the window of time in which changes of the balance must not add up
+        # J, energy balance at the start of the window, plus later changes by parameters
         ("reference", REAL),
-        ("allowed", REAL),  # J, largest change that a step in the window was allowed so far
-        # J, change of the energy balance that every step may have, in any state
+        ("allowed", REAL),  # J, largest change of the balance allowed to any step of the window so far
+        # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed", REAL),
-        ("since", REAL),  # s, the start of the run
-        # J, energy balance at the start of the run, plus the later changes that new parameters cause
-        ("origin", REAL),
+        ("since", REAL),  # s, time at which the run started
+        ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
         # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
         ("available_at_start", REAL),
         ("available", REAL),  # J, the largest available energy up to the end of the last step
@@ -159,13 +163,14 @@ def balance_dtype() -> np.dtype:
 def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
     """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return record(
-        # factors of each link: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
+        # factors of each link, with the inertia H and the coupling h of its rotation, and the resistance κ of
+        # its inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ = κ/(H + κ) and
         # ``complement`` 1 − σ = H/(H + κ)
         *(
             (name, scalar, (slots, links))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
-        # 1: joints transmit moments; 0: ``coupling`` and ``complement`` are not used
+        # 1: the joints of this matrix transmit moments; 0: ``coupling`` and ``complement`` are not used
         ("coupled", INTEGER, (slots,)),
         # 1/kg, inverse articulated inertia at the joint where the arms meet: xx, xy, yy
         ("middle_mobility", scalar, (slots, 3)),
@@ -173,11 +178,13 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """Return the layout of the results h/H, 1/H and h₀/H of chain/elimination.py for each link."""
+    """Return the layout of the results of chain/elimination.py: for each link h/H, 1/H and h₀/H.
+
+    These are ``gain``, ``inverse`` and ``bias``.
+    """
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
-        # kg, articulated inertia at the joint where the arms of a free chain meet, or at the base of a
-        # slider; not set with a pinned base
+        # kg, articulated inertia at the joint where the arms of a free chain meet, or at the base on a slider
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
     )
 
@@ -198,7 +205,7 @@ def elimination_dtype(links: int) -> np.dtype:
     **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
 )
 def scratch_dtype(links: int, sites: int) -> np.dtype:
-    """Return the layout of the scratch memory; a field is valid within a step unless a comment says more."""
+    """Return the layout of the scratch memory; its fields are valid only within a step, unless noted."""
     points, state = links + 1, state_size(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
@@ -207,62 +214,64 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
         ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
         ("y", REAL, (state,)),  # the state y that is being evaluated
-        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for an evaluation that is not a stage of a step
-        ("nearby", REAL, (state,)),  # a state some time before or after ``y``, see kernel/ode/folds.py
-        ("error", REAL, (2, state)),  # the two error estimates of a step
-        ("link", vectors_dtype(points)),  # m, link vectors L_i; entry N is not used
-        # loads, as forces or impulses: N or N·s at each place, N·m or N·m·s in each joint and on each link
+        ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for evaluations that are no stages of a step
+        # the state some time before or after that of ``y``, at which ode/folds.py finds forces near a fold
+        ("nearby", REAL, (state,)),
+        ("error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
+        ("link", vectors_dtype(points)),  # m, link vectors L_i, from joint to joint; entry N is not used
+        # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
         ("load", loads),
-        ("moment", REAL, (links,)),  # N·m, moment on each link from its joints
+        ("moment", REAL, (links,)),  # N·m, sum of the moments on each link in both of its joints
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
         ("factors", factors_dtype(links, REAL, SLOTS)),
         # results of the recursion for the accelerations, see kernel/chain/elimination.py
         ("elimination", elimination_dtype(links)),
-        # m, positions of all places: points, joints in a scene with stops or dry friction in joints, and
-        # sites
+        # m, positions of all places: points, sites and, if `chain.has_joint_places`, joints (with an angle
+        # times the longest link as x)
         ("position", places),
         ("velocity", places),  # m/s, velocities of all places
         ("acceleration", places),  # m/s², accelerations of all places
-        # 1: the places are located and accelerated at the end of the last step; valid after the step, too
+        # 1: ``position``, ``velocity`` and ``acceleration`` are those at the end of the last step; they then
+        # remain valid after the step
         ("at_end", INTEGER),
-        # a change of all coordinates or of their rates, such as the response to an impulse or a force
+        # changes of all coordinates, or of their rates: the response of the chain to impulses or forces
         ("change", REAL, (coordinate_count(links),)),
-        ("motion", places),  # motions of all places that a change of the coordinates causes
-        # m/s², for each point a bound: the part of the links in the second derivative of its position in the
-        # step's variable
+        ("motion", places),  # motions of all places that the changes of coordinates cause
+        # m/s², for each point, a bound on the second derivative of its position relative to the base, in the
+        # integration variable of the step
         ("reach", REAL, (points,)),
     )
 
 
 @written_by("events/exclusion.py", curvature=("events/crossing.py", "ode/collocation.py"))
 def search_dtype(candidates: int) -> np.dtype:
-    """Return the layout of the search for events, with data at both ends of the searched interval."""
+    """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # which data of the clearances are known at the end of a step, see kernel/events/exclusion.py
+        # what is known of the clearances at the end of a step: NOTHING, VALUES, WITH_CURVES or FAR of
+        # kernel/events/exclusion.py
         ("known", bounded(0, FAR)),
-        # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
-        ("known_for", INTEGER),
-        # m, lower bound on the clearances of candidates without contact at the end of a step
+        ("known_for", INTEGER),  # value of `step.breaks` for which the value of ``known`` is valid
+        # m, lower bound on the clearances of all candidates without contact, at the end of a step
         ("safe_distance", REAL),
         ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
         # m/s², bound on the accelerations of places relative to walls at the end of a step
         ("acceleration", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search examines, packed
-        # m/s², bound over the step on the second derivative of each suspect's clearance in the step's
-        # variable
+        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
+        # m/s², bound, over the step, on the second derivative of the clearance of each candidate that the
+        # search follows, in the integration variable of the step
         ("curvature", REAL, (candidates,)),
         # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
         # u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
         ("phi_start", REAL, (candidates,)),
         ("phi_end", REAL, (candidates,)),
-        # derivative φ′ of each candidate in the step's variable at the start of the interval
+        # derivative φ′ of each candidate's φ in the step's variable, at the start of the interval
         ("phi_start_rate", REAL, (candidates,)),
         ("phi_end_rate", REAL, (candidates,)),
-        # second derivative φ″ of each candidate at the start of the whole step
+        # second derivative φ″ of each candidate's φ in the step's variable, at the start of the whole step
         ("phi_start_curve", REAL, (candidates,)),
         ("phi_end_curve", REAL, (candidates,)),
     )
@@ -282,50 +291,53 @@ def search_dtype(candidates: int) -> np.dtype:
 def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
-    The vector z consists of y without its last two entries, the clearances of active contacts with a force
-    law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
+    The extended state z consists of y without its last two entries, the clearances of active contacts with a
+    force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # data of the linear systems for complex shifts, one shift of each conjugate pair; ``scratch`` has the
-    # data for the real shift
+    # data of the linear systems with complex shifts s, of which one of each conjugate pair is solved;
+    # ``scratch`` contains the same data for the system with the real shift
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
         ("load", loads_dtype(links, sites, COMPLEX)),
         ("motion", vectors_dtype(place_count(links, sites), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(links),)),
-        ("x", COMPLEX, (extended,)),  # right-hand side of a linear system, and later its solution
+        ("x", COMPLEX, (extended,)),  # right-hand side of the linear system, later its solution
     )
     return record(
         ("start", REAL, (extended,)),  # extended state z at the start of a step
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
-        # the extended state z that is evaluated; after `correct_stages` the largest |change| of each entry
+        # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest change of
+        # each entry
         ("z", REAL, (extended,)),
-        # in an implicit step the weights 1/(tolerance × scale) of errors in z; in an explicit step the scales
-        # of errors in y and in clearances
+        # weights 1/(tolerance × scale) of errors in z; in an explicit step the scales of errors in y and in
+        # clearances
         ("weight", REAL, (extended,)),
-        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the start of the step to its nodes
+        ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the step's start to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         ("friction", REAL, (RADAU_STAGES, elements)),  # N, forces of dry friction at the nodes
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` when ``last`` was stored: with another value, other contacts are active,
-        # and ``last`` does not predict the next stages
+        # value of `touch.listings` in the step of ``last``; only with the same value, and so the same active
+        # contacts, can ``last`` be extrapolated to the next step
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance
-        ("contraction", REAL),  # last convergence rate θ of Newton's iteration
-        # corrections of the dense output at one third and two thirds of the step
+        # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ if it has failed
+        ("contraction", REAL),
+        # changes of the state at one and at two thirds of the step that correct the dense output
         ("thirds", REAL, (2, state)),
         ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
         ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts with a force law, packed
         ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad, −∂F/∂ψ of each drive; of the slider N/m
         ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad, −∂F/∂ψ̇ of each drive; of the slider N·s/m
-        # m or m/s, clearances or rates to which `project_coordinates` moves active contacts, packed
+        # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
+        # active contacts, packed
         ("normal", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination
