@@ -28,7 +28,8 @@ from chain_impact.kernel.chain.slider import along_slider, slider_position
 from chain_impact.kernel.chain.state import ANGLES, omega_at, relative, velocity_at
 from chain_impact.kernel.functions import has_dual_rule
 
-# an excess of a drive's force F over its limit up to this, relative to the limit, is round-off
+# the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
+# limit
 DRIVE_EXCESS = 1e-12
 # an error of a spring's force up to this is round-off, relative to the stiffness times the sizes of position
 # and target, k (|ψ| + |ψ_t|)
@@ -53,8 +54,9 @@ def is_slider(d, i):
 def along_drive(d, values, first, i):
     """Return the component of ``values`` along the coordinate of drive i.
 
-    ``values`` is a state, a rate or a change of the coordinates. The entries of the base begin at index
-    ``first``: 0 for coordinates, and velocity_at(N) for their rates.
+    For a joint it is the value of link i minus the value of the link before; for the slider it is the base's
+    component along the line. The values of the base begin at index ``first`` of ``values``: 0 for coordinates
+    in a state, velocity_at(N) for their rates; the values of the links follow.
     """
     if is_slider(d, i):
         return along_slider(d, values[first], values[first + 1])
@@ -62,14 +64,17 @@ def along_drive(d, values, first, i):
 
 
 def spring_stretch(d, y, i):
-    """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i; ψ_t is the rest or target position."""
+    """Return the stretch ψ − ψ_t [rad or m] of the spring of drive i, in the state y.
+
+    ψ_t is the position at which the spring has no force: its rest position, or the target of a servo.
+    """
     if is_slider(d, i):
         return slider_position(d, y) - d.inputs.target[i]
     return relative(y, ANGLES, i) - d.inputs.target[i]
 
 
 def coordinates_of_drive(d, y, i):
-    """Return the sum [rad or m] of the |coordinates| from which ψ of drive i is computed.
+    """Return the sum [rad or m] of the absolute values of the coordinates in ψ of drive i.
 
     The round-off of ψ is relative to this sum.
     """
@@ -79,7 +84,10 @@ def coordinates_of_drive(d, y, i):
 
 
 def lever_of_drive(d, i):
-    """Return the lever arm [m] at which a force at a joint's place is a torque; 1 for the slider."""
+    """Return the lever arm [m] at which a force stands for the torque of joint i: the longest link.
+
+    For the slider, whose drive has a force, the result is 1.
+    """
     return 1.0 if is_slider(d, i) else d.chain.longest_link
 
 
@@ -93,14 +101,17 @@ def moment_factor(d, i):
 
 @has_dual_rule
 def has_effect(constant):
-    """Return whether a damping, stiffness or armature differs from 0, so that its terms must be computed."""
+    """Return whether a damping, a stiffness or an armature has an effect, so that its terms are needed.
+
+    This is so if it is not zero; a dual number also has an effect if its derivatives are not zero.
+    """
     return constant != 0.0
 
 
 def set_effect_flags(d):
-    """Set the flags in ``chain`` that tell which effects the drives have with the values in use.
+    """Set the flags in `chain` for the effects that some drive has, such as springs, with the values in use.
 
-    ``has_joint_stops`` must be set before.
+    ``chain.has_joint_stops`` must be set before.
     """
     chain = d.chain
     chain.has_springs, chain.has_springs_or_dampers, chain.has_armatures = 0, 0, 0
@@ -121,16 +132,17 @@ def set_effect_flags(d):
 
 
 def joints_resist(d):
-    """Return whether any joint may have an impedance in this scene, at its place or from its drive.
+    """Return whether some joint may resist a change of its rate, so that joints have impedances.
 
-    Stops and dry friction act at the joint's place.
+    Stops and dry friction give an impedance at the joint's place; springs, dampers and armatures give one in
+    the joint itself.
     """
     chain = d.chain
     return chain.has_joint_places or chain.has_springs_or_dampers or chain.has_armatures
 
 
 def drive_inertia(d, i):
-    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 if there is no such joint."""
+    """Return the inertia I_a [kg·m²] of the rotor of the drive of joint i; 0 for joint 0 of a free base."""
     return d.chain.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
@@ -157,14 +169,14 @@ def drive_slopes(d, y, i):
 
 
 def slopes_below_limit(d, _y, i):
-    """Return the slopes c and k of drive i below its limit in the state y; they do not depend on y."""
+    """Return the slopes −∂F/∂ψ̇ = c and −∂F/∂ψ = k that drive i has below its limit; the state is ignored."""
     return largest_slopes(d, i)
 
 
 def largest_slopes(d, i):
-    """Return the largest slopes that drive i has in any state, in the units of ``drive_slopes``.
+    """Return the largest slopes −∂F/∂ψ̇ and −∂F/∂ψ that drive i has in any state, as for ``drive_slopes``.
 
-    They are 0 if the joint does not exist, and ∞ if there is no bound.
+    They are the damping c and the stiffness k; at a free base, which has no drive, they are 0.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -179,20 +191,20 @@ def is_powered(d, i):
 
 
 def unlimited_spring_force(d, y, i):
-    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i, regardless of the drive's limit."""
+    """Return k (ψ − ψ_t) [N·m or N], the spring's term in F of drive i without the drive's limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
 def spring_force(d, y, i):
-    """Return the force k (ψ − ψ_t) [N·m or N] of the spring of drive i; 0 at a limit and without a joint."""
+    """Return k (ψ − ψ_t) [N·m or N], the spring's term in the force F of drive i.
+
+    The result is 0 while the drive is at its limit, and at a free base, which has no drive.
+    """
     return unlimited_spring_force(d, y, i) if is_below_limit(d, i) else 0.0
 
 
 def passive_spring_force(d, y, i):
-    """Return the spring force [N·m or N] of drive i if the drive is passive; 0 if it is powered.
-
-    Only the spring of a passive drive stores energy.
-    """
+    """Return ``spring_force`` [N·m or N] of a passive drive i, whose spring stores energy; else 0."""
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
 
@@ -207,7 +219,10 @@ def spring_energy(d, y):
 
 
 def unlimited_force(d, y, i):
-    """Return the force or torque F of drive i without its limit [N·m or N]; 0 without a joint."""
+    """Return the force or torque F [N·m or N] that drive i would have without a limit.
+
+    At a free base, which has no drive, the result is 0.
+    """
     if i < first_joint(d):
         return 0.0
     rate = along_drive(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
@@ -225,14 +240,17 @@ def drive_force(d, y, i):
 
 
 def transmitted_moment(d, y, rate, i):
-    """Return the moment F − I_a ψ̈ [N·m] that the drive of joint i transmits, at the ``rate`` ẏ."""
+    """Return the moment F − I_a ψ̈ [N·m] that the drive of joint i transmits to link i.
+
+    ψ̈ is the angular acceleration of the joint in ``rate``, the rate ẏ of the state y.
+    """
     return drive_force(d, y, i) - drive_inertia(d, i) * relative(rate, omega_at(d.links), i)
 
 
 def drive_power(d, y, i):
     """Return the force or torque [N·m or N] of drive i, and the powers [W] that it dissipates and supplies.
 
-    The force of a passive drive lacks the force of its spring, whose energy is stored.
+    The force of a passive drive lacks the force of its spring, which stores energy and is added elsewhere.
     """
     rate = along_drive(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
@@ -243,9 +261,9 @@ def drive_power(d, y, i):
 
 
 def drive_mode(unlimited, limit):
-    """Return the mode of a drive with the force ``unlimited`` and a ``limit``: 0 below the limit, else ±1.
+    """Return the mode of a drive with a ``limit``, from the force ``unlimited`` that it would have without.
 
-    With the limit 0, the mode is 1 or −1.
+    The mode is 0 below the limit, else the sign of the force. With the limit 0, the mode is never 0.
     """
     if abs(unlimited) > limit or limit == 0.0:
         return 1 if unlimited > 0.0 else -1
@@ -253,10 +271,12 @@ def drive_mode(unlimited, limit):
 
 
 def mode_margin(d, y):
-    """Return the least margin [N·m] of all drives with a limit > 0 to the end of their modes.
+    """Return the least margin [N·m], of all drives with a limit > 0, by which a drive's mode still holds.
 
-    Round-off is added, so the result is negative only if a mode has surely ended. The result is ∞ if no drive
-    has such a limit. The forces of a slider are multiplied by the longest link, to compare them with torques.
+    The margin is the distance of the force F, without its limit, from the limit; it is < 0 where F has passed
+    the limit. Round-off is added, so the result is negative only where a mode has surely ended. The result is
+    ∞ if no drive has such a limit. The forces of a slider are multiplied by the longest link, to compare them
+    with torques.
     """
     least = math.inf
     for i in range(drive_count(d)):
@@ -274,7 +294,10 @@ def mode_margin(d, y):
 
 
 def load_drive(d, load, i, force):
-    """Set ``load`` along the coordinate of drive i to ``force``: a force [N], torque [N·m] or impulse."""
+    """Set in ``load`` the load along the coordinate of drive i to a ``force`` [N] or torque [N·m].
+
+    For a joint it is the moment in the joint, for the slider a force on the base along the line.
+    """
     if is_slider(d, i):
         load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy
     else:

@@ -33,9 +33,9 @@ from chain_impact.kernel.functions import has_complex_rule, inlined
 
 @inlined
 def arm_of_link(d, link, i, outward):
-    """Return data of link i relative to its inner joint, the one that is nearer to the middle of the chain.
+    """Return data of link i, relative to its inner joint, which is nearer to the middle of the chain.
 
-    ``outward`` tells whether the inner joint is the proximal joint.
+    ``outward``: whether the inner joint is the link's proximal joint.
 
     Returns:
         L [m], x and y; m r_C [kg·m], x and y; and I + m r_C² [kg·m²].
@@ -71,10 +71,9 @@ def hinge_inertia(link, axx, axy, ayy):
 
 
 def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate the angular acceleration α_i of link i, which is not at a free end.
+    """Eliminate the angular acceleration α_i of a link between two joints.
 
-    Return A and b at the link's inner joint, from A' and b' at its outer joint. ``outward`` is as for
-    ``arm_of_link``.
+    Returns A (xx, xy, yy) and b (x, y) at the link's inner joint, from A' and b' at its outer joint.
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link, i, outward)
@@ -124,9 +123,9 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 
 def accelerate_link(d, y, i, outward, ax, ay, rate):
-    """Set the angular acceleration α_i of a link from the acceleration ``ax, ay`` of its inner joint.
+    """Set in ``rate`` the angular acceleration α_i of link i, from the acceleration of its inner joint.
 
-    Return the acceleration of the outer joint, x and y. ``outward`` is as for ``arm_of_link``.
+    Returns the acceleration of the link's outer joint.
     """
     stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # for the acceleration a of the inner joint: α = −(h·a + h₀)/H
@@ -160,7 +159,7 @@ def accelerations(d, y, rate):
 
 @inlined
 def arms(d, y, rate, middle):
-    """Solve for the accelerations; the two arms of the elimination meet at the joint ``middle``."""
+    """Solve for the accelerations, as ``accelerations`` does; the two arms meet at the joint ``middle``."""
     n = d.links
     axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0

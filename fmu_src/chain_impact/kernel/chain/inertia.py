@@ -21,20 +21,23 @@ positive, as in the elimination of a positive definite matrix.
 """
 
 DERIVED = -1.7976931348623157e308
-"""Stands for a given value if no value is given: the lowest double, which no scene gives as a value."""
+"""The number in the field of a given value if no value is given, so that the kernel derives the value.
+
+DERIVED is the lowest double; no scene gives this number as a value.
+"""
 
 
 def given_or_derived(given, derived):
-    """Return the given value, or the derived value if no value is given.
+    """Return the value ``given``, or the value ``derived`` if ``given`` is DERIVED: no value is given.
 
-    If no value is given, the term ``given − DERIVED`` is 0. In a tangent instance it has derivatives with
-    respect to the given value: those as if the derived value had been given.
+    In the second case the term ``given − DERIVED`` is 0. In a tangent instance this term has the derivatives
+    with respect to the value, as if the derived value had been given.
     """
     return derived + (given - DERIVED) if given == DERIVED else given
 
 
 def middle_of_rod(length):
-    """Return the distance [m] of the centre of mass of a uniform rod from its end; ``length`` in m."""
+    """Return the distance [m] of the centre of mass of a uniform rod from its end; ``length`` is in m."""
     return length / 2
 
 
@@ -51,7 +54,7 @@ def inertia_of_box(mass, length, height):
 
 
 def corner_of_box(number, length, height):
-    """Return the coordinates [m] of a corner of a box: along the link, and to the left of the link.
+    """Return the coordinates [m] of a corner of a box: along the link, and to the left of the link's line.
 
     Args:
         number: the number of the corner: 1 and 2 lie to the right, 3 and 4 to the left, 1 and 3 at the
@@ -62,16 +65,17 @@ def corner_of_box(number, length, height):
     return length if number % 2 == 0 else 0.0 * length, -0.5 * height if number <= 2 else 0.5 * height
 
 
-# A joint and a centre of mass count as one point up to this distance, relative to the link's length. The
-# inertia about the joint is proportional to the square of the distance, so it would be round-off only.
+# The largest distance between a joint and a centre of mass, relative to the link's length, at which both
+# count as one point. The inertia about the joint of a link whose own inertia is 0, its mass times the squared
+# distance, is then only round-off.
 SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
     """Return the first and the last link of a sequence that can move without kinetic energy.
 
-    Such a sequence makes the mass matrix singular in some position. The links are counted from 0. The result
-    is −1, −1 if there is no such sequence.
+    The links of the sequence have no inertia; the module's docstring tells where it begins and ends. Links
+    are counted from 0. The result is −1, −1 if no such sequence exists.
 
     Args:
         chain: record with ``length`` [m], ``center_of_mass`` [m], ``center_of_mass_offset`` [m] and

@@ -5,8 +5,8 @@ the coefficients of polynomials, one column for each value. The prescribed motio
 inputs in this sense; they are in motion.py.
 """
 
-EACH_DRIVE = 0  # stands for a number of values: one value for each drive (drives.py)
-# the inputs: name of the field in the record → the number of its values
+EACH_DRIVE = 0  # stands in FIELDS for a number of values: the input has one value for each drive (drives.py)
+# table of the inputs: the field of the record → the number of its values
 FIELDS = {
     # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
     "motor": EACH_DRIVE,
@@ -19,13 +19,15 @@ NAMES = tuple(FIELDS)
 OF_DRIVES = tuple(k for k, size in enumerate(FIELDS.values()) if size == EACH_DRIVE)
 # The number of an input is its position in NAMES. TARGET_VELOCITY must be TARGET + 1.
 MOTOR, TARGET, TARGET_VELOCITY, TIP_FORCE = range(len(NAMES))
-CHANNEL = len(NAMES)  # stands for the number of an input: a prescribed motion of base, wall or belt
+# stands in `signal.input` for the number of an input: the signal drives a motion of base, wall or belt
+CHANNEL = len(NAMES)
 
 
 def input_field(part, k):
-    """Return the array of input k in a ``part`` of the record: its values, or a table of coefficients.
+    """Return the array of input k in a ``part`` of the record.
 
-    The compiled version is in compilation/built_in.py.
+    In `given` and `inputs` the array has the input's values, in a piece it has the coefficients of their
+    polynomials, one column for each value. The compiled version is in compilation/built_in.py.
     """
     return getattr(part, NAMES[k])
 
@@ -36,5 +38,5 @@ def is_of_drive(k):
 
 
 def is_used(d, k):
-    """Return whether input k can change in this scene: targets and their velocities only if it has servos."""
+    """Return whether input k can change: targets and their velocities only in a scene with servos."""
     return k in (MOTOR, TIP_FORCE) or d.chain.has_servos

@@ -32,10 +32,12 @@ REINITIALIZE, CONTINUES = 1, 2
 # relative to (|v| + |v′|) times the time between them. A larger part is a contradiction, of which the user is
 # warned; a part beyond 1 is a jump of the position of a wall.
 UNEXPLAINED_PART = 0.05
-# a displacement that may always be unexplained, whatever the speeds are, relative to the longest link
+# the displacement, relative to the longest link, that may be unexplained in addition to UNEXPLAINED_PART, at
+# any speed: round-off
 UNEXPLAINED_DISPLACEMENT = 1e-9
-# A jump of an acceleration, times the squared duration of the cubic, is round-off up to this, relative to the
-# positions at the cubic's ends and its travel. A third coefficient up to this counts as 0.
+# The largest jump of an acceleration, times the squared duration of the cubic, that counts as round-off,
+# relative to the sum of the positions at both ends of the cubic and of half its duration times the speeds
+# there. Also the largest third coefficient, relative to the same sum, that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
 # `change_rate` [rad/s] of a cubic motion that lasts a time h is CUBIC_CHANGE/h; the value is small because a
 # cubic has no sixth derivative
@@ -46,7 +48,7 @@ SAME_TIME = 4e-15
 
 
 def apply_inputs(d):
-    """Use the given inputs from now on, and set `given.changed` to 0."""
+    """Use the given inputs, dampings and stiffnesses from now on, and clear `given.changed`."""
     d.given.changed = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
@@ -69,12 +71,12 @@ def apply_inputs(d):
 
 
 def withdraw_request(d):
-    """Set `given.changed` to 0 without applying the given values, which are in use already."""
+    """Clear the mark `given.changed`, because the given values are already in use."""
     d.given.changed = 0
 
 
 def inputs_in_use(d):
-    """Return whether the inputs in use are constants and equal the given inputs."""
+    """Return whether inputs, motions, damping and stiffness in use are constants, and equal to the given."""
     given, inputs, used = d.given, d.inputs, d.inputs.piece
     if given.piece.order > 0 or used.order > 0:
         return False
@@ -104,7 +106,7 @@ def ensure_inputs(d, y):
 
 
 def set_inputs(d, time):
-    """Set the inputs to their values at a ``time`` [s]."""
+    """Set the inputs to their values at a ``time`` [s], and move base and walls to this time."""
     piece = d.inputs.piece
     x = (time - piece.middle) * piece.scale
     for k in range(CHANNEL):
@@ -119,7 +121,10 @@ def set_inputs(d, time):
 
 
 def set_from_signals(d, time):
-    """Set the inputs that signals drive to their values at a ``time`` [s], except prescribed motions."""
+    """Set the inputs that signals drive to their values at a ``time`` [s].
+
+    The rate of a driven target sets the target velocity. Prescribed motions are set by ``move_channels``.
+    """
     for j in range(d.signals):
         k, i = d.signal.input[j], d.signal.index[j]
         if k == CHANNEL:
@@ -131,7 +136,10 @@ def set_from_signals(d, time):
 
 
 def polynomial(powers, order, i, x):
-    """Return the value at x of the polynomial with the coefficients in column i, by Horner's scheme."""
+    """Return the value at x of a polynomial of degree ``order``, by Horner's scheme.
+
+    Its coefficients are in column i of ``powers``: row k belongs to xᵏ.
+    """
     total = powers[order, i]
     for m in range(1, order + 1):
         total = total * x + powers[order - m, i]
@@ -139,14 +147,19 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Return whether the next piece of the inputs continues the piece in use, where the last step ends."""
+    """Return whether the next step can begin with the next piece of the inputs, without re-initialization.
+
+    This is so if only this piece has been set, if it continues the present piece without a jump, and if the
+    last step ends at the communication point.
+    """
     return d.given.changed == CONTINUES and d.step.end - d.step.time <= SAME_TIME * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """Return a size ≤ h of the next step that ends with the piece of the inputs, or well before its end.
+    """Return a size ≤ h of the next step, which does not pass the end of the present piece of the inputs.
 
-    A step in the fictitious time of a contact, or with constant inputs, has the size h.
+    ``limit_to_time`` describes the size. A step in the fictitious time of a contact, or with constant inputs,
+    has the size h.
     """
     if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
@@ -154,7 +167,11 @@ def limit_to_piece(d, h):
 
 
 def limit_to_time(d, time, h):
-    """Return a size ≤ h of the next step that ends at a ``time`` [s], or leaves no tiny step before it."""
+    """Return a size ≤ h [s] of the next step, which does not pass a later ``time`` [s].
+
+    A step that could pass the time ends there; a step longer than half of the remaining time is shortened to
+    this half, so that the step after it is not tiny.
+    """
     remaining = time - d.step.end
     if remaining <= 0.0 or 2.0 * h <= remaining:
         return h
@@ -162,14 +179,15 @@ def limit_to_time(d, time, h):
 
 
 def belts_jump(d):
-    """Return whether the speed of a belt has jumped where the piece of the inputs in use begins."""
+    """Return whether the speed of any belt jumps at the start of the piece of the inputs in use."""
     return d.channels > 0 and d.motion.jumps != 0
 
 
 def begin_motion(d, time):
-    """Begin all prescribed motions at a ``time`` [s], the start of a run, with the given values.
+    """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
-    The motions go on with the given velocity and acceleration, or with the given polynomials.
+    They begin with the given values, which ``motion.interpolates`` turns into polynomials, or with the given
+    polynomials.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
@@ -198,8 +216,9 @@ def begin_motion(d, time):
 def interpolate_motion(d, time):
     """Set the cubics of prescribed motions until a ``time`` [s], the next communication point.
 
-    They start at the present position and velocity, and end on the motion that the given values describe.
-    A motion that a signal drives has no cubic.
+    Each cubic starts at the present position and velocity of its channel, and ends on the motion that the
+    given values describe. A motion that a signal drives has no cubic. Nothing is done if the polynomials are
+    given.
 
     Returns:
         WALL_JUMPS if the given positions of a wall jump by a distance that the given velocities do not
@@ -246,7 +265,7 @@ def refuse_channel(d, j):
 def set_cubic(d, j, time, h):
     """Set the cubic of channel j from now until a ``time`` [s], which is ``h`` [s] later.
 
-    Return whether the acceleration of the channel does not jump now.
+    Return whether the channel's acceleration at the cubic's start continues its present one without a jump.
     """
     given, moved = d.motion, d.moved
     s, v, lasted = moved.position[j], moved.velocity[j], time - moved.given_at[j]
@@ -272,8 +291,9 @@ def set_cubic(d, j, time, h):
 def record_given(d, j, now):
     """Record the values that are given to channel j at the communication point ``now`` [s].
 
-    Return False if the position of a wall jumps, else True. A channel of the base without a given velocity
-    gets the mean velocity since its previous given position.
+    Return False if the position of a wall jumps, else True. A base without a given velocity gets the mean
+    velocity since its previous given position. The first contradiction between position and velocity is
+    stored in `moved.contradiction`.
     """
     given, moved = d.motion, d.moved
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
@@ -286,8 +306,8 @@ def record_given(d, j, now):
     moved.given_at[j], moved.mean[j], moved.from_position[j], moved.from_velocity[j] = now, 0.0, s, v
     moved.anchored[j] = 1
     if as_before:
-        # only velocity or acceleration is new: the position continues from its present value; a velocity that
-        # is not given again stays
+        # no new position is given: the position continues from its present value, and so does the velocity
+        # if only an acceleration is new
         moved.from_position[j], moved.anchored[j] = moved.position[j], 0
         moved.from_velocity[j] = v if v_anew else moved.velocity[j]
         return True

@@ -1,4 +1,4 @@
-"""The rates of the fast motions that dampers and springs of drives (drives.py) cause.
+"""The rates [1/s] of the fast motions that dampers and springs of drives (drives.py) cause.
 
 C = Σ c_i χ_i χ_iᵀ is the damping matrix, with the damping c_i of drive i and the gradient χ_i of the rate of
 its coordinate, which is ω_i − ω_{i−1} at a joint. With the mass matrix M, damped motions decay with the
@@ -54,7 +54,7 @@ def joint_rate_bound(d):
 
 
 def rate_from_resistance(resistance, inertia):
-    """Return ``resistance``/``inertia`` for two numbers that are not negative; 0/0 = 0, else x/0 = ∞."""
+    """Return ``resistance``/``inertia`` for two numbers ≥ 0; here 0/0 is 0, and x/0 is ∞ for x > 0."""
     if inertia > 0.0:
         return resistance / inertia
     return math.inf if resistance > 0.0 else 0.0
@@ -63,8 +63,8 @@ def rate_from_resistance(resistance, inertia):
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
-    ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module. The function
-    sets ``scratch.link``, and overwrites the loads at all places.
+    ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module. Afterwards the
+    link vectors are those of y, and the loads and factors in the scratch memory are overwritten.
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0

@@ -23,9 +23,10 @@ from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sin
 
 @has_dual_rule
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set x = r cos φ and y = r sin φ for radii r and the angles φ in y, from index ``first`` on.
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, for each radius r and each angle φ [rad].
 
-    All arrays are as long as ``radius``, shape (N,), or longer; ``horizontal`` gets x, ``vertical`` gets y.
+    The angles begin at index ``first`` of y, which may be the state. There are as many as entries in
+    ``radius``, shape (N,); the arrays of results are at least as long.
     """
     count = len(radius)
     if not in_sine_range(y, first, count):
@@ -34,9 +35,10 @@ def set_polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * cosine
             vertical[i] = radius[i] * sine
         return
-    # the copy of the angles shows the compiler that the results do not overwrite them, so it uses vector
-    # instructions in the next loop
+    # The angles are copied to ``vertical``: so the compiler knows that no result overwrites an angle that is
+    # still to be read.
     copy_entries(y, first, count, vertical)
+    # with the copy, the compiler computes several angles of this loop at once
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -45,7 +47,7 @@ def set_polar(radius, y, first, horizontal, vertical):
 
 @inlined
 def copy_entries(y, first, count, out):
-    """Copy ``count`` numbers of y, from index ``first`` on, in groups that the compiler moves as vectors.
+    """Copy ``count`` numbers of y, from index ``first`` on, to the start of ``out``, several at once.
 
     Code that reads the copy as vectors would be slow if the numbers had just been written one by one. So the
     function reads a group of numbers before it writes the group.
@@ -62,9 +64,10 @@ def copy_entries(y, first, count, out):
 
 
 def in_sine_range(y, first, count):
-    """Return whether ``count`` angles of y, from index ``first`` on, surely suit ``cosine_and_sine``.
+    """Return whether ``count`` angles are surely in the range of ``cosine_and_sine``.
 
-    The sum of their absolute values must be below LARGEST_ANGLE. The result is False if an angle is NaN.
+    The angles begin at index ``first`` of y. For True the sum of their absolute values must be below
+    LARGEST_ANGLE, which is more than necessary, but quickly tested. The result is False if an angle is NaN.
     """
     total = 0.0
     for i in range(count):
@@ -73,9 +76,9 @@ def in_sine_range(y, first, count):
 
 
 def locate_points(d, y):
-    """Set positions [m] and velocities [m/s] of all places, and the link vectors, to those of state y.
+    """Locate the points in state y: set link vectors, and positions [m] and velocities [m/s] of all places.
 
-    Moving base and walls are set to their positions at the time of y.
+    A moving base and moving walls are first moved to their positions at the time that y contains.
     """
     if d.channels > 0:
         move_channels_to_state(d, y)
@@ -89,7 +92,7 @@ def locate_points_now(d, y):
 
 
 def locate_from_link_vectors(d, y):
-    """Locate the points with the stored link vectors; leave moving base and walls where they are."""
+    """Locate the points for the state y, whose link vectors have been set; base and walls are not moved."""
     n, link, position, velocity = d.links, d.scratch.link, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -113,16 +116,20 @@ def locate_from_link_vectors(d, y):
 
 
 def set_joint_places(d, values, first, vectors):
-    """Set x of each joint's place to the lever arm times the joint's own angle, its rate or its change.
+    """Set x of each joint's place to the longest link, as a lever arm, times the joint's angle.
 
-    The angles, rates or changes of the links begin at index ``first`` of ``values``.
+    The absolute angles of the N links begin at index ``first`` of ``values``, which may also have rates or
+    changes of angles.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)
 
 
 def accelerate_points(d, y, rate):
-    """Set the accelerations [m/s²] of all places, which must be located, for state y and its rate ẏ."""
+    """Set the accelerations [m/s²] of all places for the state y and its ``rate`` ẏ.
+
+    The points must be located for y.
+    """
     n, link, acceleration = d.links, d.scratch.link, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     if d.channels > 0 and d.chain.base_moves:
@@ -158,27 +165,30 @@ def clear_joints(values):
 
 
 def set_link_vectors(d, y):
-    """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
+    """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y.
+
+    The data of points at the end of the last step then no longer count as valid.
+    """
     note_points_elsewhere(d)
     set_polar(d.chain.length, y, ANGLES, d.scratch.link.x, d.scratch.link.y)
 
 
 def note_points_at_end(d):
-    """Record that the points are located and accelerated at the end of the last step."""
+    """Record that positions, velocities and accelerations of points are those at the last step's end."""
     d.scratch.at_end = 1
 
 
 def note_points_elsewhere(d):
-    """Record that the points are not located at the end of the last step."""
+    """Record that the data of points are no longer those at the end of the last step."""
     d.scratch.at_end = 0
 
 
 def move_points(d, link_vectors, change, response):
-    """Set ``response`` to the motions of all places that a ``change`` of the coordinates causes.
+    """Set ``response`` to the motions of all places that the ``change`` of the coordinates causes.
 
-    The motion Δp of a joint follows from the motion of the joint before it and from the rotation Δθ of the
-    link vector L between them: Δp_{i+1} = Δp_i + Δθ_i L⊥. Changes of rates cause changes of velocities in the
-    same way.
+    The motion Δp of a joint follows from the motion of the joint before and from the rotation Δθ of the link
+    vector L between both: Δp_{i+1} = Δp_i + Δθ_i L⊥. A change of the coordinates' rates gives the changes of
+    velocities in the same way.
     """
     n = d.links
     x, y = change[0], change[1]
@@ -193,7 +203,7 @@ def move_points(d, link_vectors, change, response):
 
 
 def largest_component(d, vectors):
-    """Return the largest absolute x or y component in the vectors of all places."""
+    """Return the largest absolute value of all components x and y in the vectors of all places."""
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
@@ -206,9 +216,9 @@ def largest_component(d, vectors):
 
 
 def at_center_of_mass(d, vectors, i):
-    """Return the vector at link i's centre of mass that follows from ``vectors`` at the points.
+    """Return the components of a vector, such as the velocity, at link i's centre of mass.
 
-    ``vectors`` are velocities, changes of velocities, or accelerations.
+    They follow from the ``vectors`` at the two ends of the link.
     """
     # v_C = v_i + (c/ℓ) Δv + (o/ℓ) Δv⊥, with Δv = v_{i+1} − v_i, for a centre of mass at c along the link of
     # length ℓ, and o to the left of it

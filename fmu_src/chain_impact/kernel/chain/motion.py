@@ -22,9 +22,9 @@ def move_channels_to_state(d, y):
 
 
 def move_channels(d, time):
-    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels at a ``time`` [s].
+    """Set position [m], velocity [m/s] and acceleration [m/s²] of all channels to those at a ``time`` [s].
 
-    The function also sets the offsets and speeds of the walls and belts that the channels move.
+    The function also moves the walls and belts of all candidates.
     """
     moved, piece = d.moved, d.inputs.piece
     x, since = (time - piece.middle) * piece.scale, time - moved.began
@@ -34,7 +34,8 @@ def move_channels(d, time):
             half_a = half_a * x + v
             v = v * x + s
             s = s * x + moved.piece[piece.order - k, m]
-        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives
+        # `added`, `added_rate` and `added_acceleration` are 0; in a tangent instance they have derivatives of
+        # given positions, velocities and accelerations
         moved.position[m] = (
             s + moved.added[m] + since * (moved.added_rate[m] + 0.5 * since * moved.added_acceleration[m])
         )
@@ -51,7 +52,7 @@ def move_channels(d, time):
 
 
 def move_wall(d, c, m):
-    """Set offset and motion of candidate c's wall from channel m, and of its belt from channel m + 1."""
+    """Move the wall of candidate c along its normal with channel m, and its belt with the next channel."""
     wall, moved = d.shift, d.moved
     d.candidate.offset[c] = wall.unmoved_offset[c] + moved.position[m]
     wall.rate[c], wall.acceleration[c] = moved.velocity[m], moved.acceleration[m]
@@ -89,9 +90,9 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Return an estimate [m] of how far a channel moves at most in the present piece of the inputs.
+    """Estimate the largest distance [m] that a channel moves in the present piece of the inputs.
 
-    The result includes the sines of all signals (``travel_of_sines``).
+    The channels that sines drive count by ``travel_of_sines``, which is added.
     """
     most = 0.0
     for m in range(d.channels):

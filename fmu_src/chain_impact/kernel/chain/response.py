@@ -44,21 +44,21 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Slots of the factors. FREE: the mass matrix without constraints. HELD: with the impedances of constraints.
-SHIFTED: the matrix of an implicit step, for its real shift."""
+"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: the mass matrix with
+the impedances of constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 SLOTS = 3
 
 
 @has_complex_rule
 def reciprocal(number):
-    """Return 1/``number``; the number must not be zero, and the result must not overflow."""
+    """Return 1/number, for a real ``number`` ≠ 0 whose reciprocal does not overflow."""
     return 1.0 / number
 
 
 def complex_reciprocal(number):
-    """Return 1/``number`` for a complex number.
+    """Return 1/number for a complex ``number`` ≠ 0, by real operations.
 
-    A complex division of numba may raise an error, and has branches, which cost time.
+    The complex division of numba may raise an error, and has branches, which cost time.
     """
     size = 1.0 / (number.real * number.real + number.imag * number.imag)
     return complex(number.real * size, -number.imag * size)
@@ -66,7 +66,7 @@ def complex_reciprocal(number):
 
 @has_complex_rule
 def cross(lx, ly, bx, by):
-    """Return L⊥·b, the cross product L × b of a link vector L and a vector b."""
+    """Return L⊥·b for a link vector L and a vector b: the z component of the cross product L × b."""
     return lx * by - ly * bx
 
 
@@ -91,7 +91,7 @@ COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_ine
 
 
 def no_impedance(d, impedance):
-    """Set the impedances at all places and in all joints to zero."""
+    """Set to zero the impedances at all places and, in a scene that uses them, in all joints."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.chain.has_joint_places:
@@ -113,7 +113,8 @@ def factorize(d, link_vectors, space, slot, coupled):
         space: record with ``impedance``, which has ``xx, xy, yy`` of each point and site, D [kg], and
             ``joint``, shape (N,), κ_i [kg·m²]; and with ``factors``, the result, used by ``solve``.
         slot: the slot of ``factors`` that is set.
-        coupled: whether joints may transmit moments; if not, κ and the impulses μ count as zero.
+        coupled: whether joints may transmit moments; if not, the resistances κ_i, and in ``solve`` the
+            angular impulses μ_i, count as zero, which takes less time.
     """
     n, middle, impedance = d.links, d.chain.meeting_joint, space.impedance
     space.factors.coupled[slot] = 1 if coupled else 0
@@ -144,9 +145,10 @@ def factorize(d, link_vectors, space, slot, coupled):
 
 
 def copy_factors(d, coupled):
-    """Copy the factors of the mass matrix that ``accelerations`` has computed to the slot FREE.
+    """Copy the factors of the mass matrix, which ``accelerations`` has found, to the slot FREE.
 
-    ``coupled`` has the same meaning as for ``factorize``. In a chain with armatures the function does
+    So ``solve`` can use them without a new factorization. ``coupled`` has the same meaning as for
+    ``factorize``. In a chain with armatures the function does
     nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
     """
     if d.chain.has_armatures:
@@ -161,10 +163,10 @@ def copy_factors(d, coupled):
 
 
 def set_middle_mobility(d, factors, slot, axx, axy, ayy):
-    """Set A⁻¹, the inverse of the articulated inertia at the middle joint, where both arms meet.
+    """Set ``middle_mobility`` in a slot of the factors: the inverse A⁻¹ of the inertia A at the middle joint.
 
-    A⁻¹ is 0 at a pinned base, and u uᵀ/(u·A u + m) at a slider with the direction u and the mass m
-    (chain/slider.py).
+    A is the articulated inertia with the components axx, axy and ayy. In place of its inverse, the mobility
+    is 0 at a pinned base, and u uᵀ/(u·A u + m) on a slider with the direction u and the mass m (slider.py).
     """
     mobility = factors.middle_mobility
     if d.slides:
@@ -178,10 +180,11 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 @inlined
 def eliminate(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
-    """Eliminate link i: return the articulated inertia at its inner joint, from the one at its outer joint.
+    """Eliminate link i: return the articulated inertia at its inner joint.
 
-    The articulated inertia has the parts A, e and p, as at the head of this module. ``resistance`` is κ of
-    the inner joint.
+    It follows from the articulated inertia at the outer joint: the arguments axx to p, which are its parts A,
+    e and p at the head of this module. ``outward``: whether the inner joint is the proximal one;
+    ``resistance``: κ of the inner joint.
     """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
@@ -265,10 +268,10 @@ def solve(d, link_vectors, space, slot, change):
 
 @inlined
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
-    """Set the change α of ω_i that the loads cause while the inner joint and the link inside of it rest.
+    """Set the change α of ω_i that the loads cause while the inner joint, and the link before it, rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
-    impulse t at the inner joint, from b' and t' at the outer joint.
+    impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
     bx += space.load.x[point]
@@ -288,13 +291,13 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
 
 @inlined
 def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
-    """Add to the change of ω_i the effects of the inner joint's motion and of the inner link's rotation.
+    """Add to the change of ω_i the effects of the motions of the inner joint and of the link before it.
 
-    ``x`` and ``y`` are the components of the inner joint's motion a, and ``before`` is the rotation β of the
-    link on the inner side.
+    ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``before`` is the change
+    β of the angular velocity of the link before, which is nearer to the middle.
 
     Returns:
-        The change of the outer joint's velocity, x and y, and the change of ω_i.
+        The change of the outer joint's velocity, x and y, and the whole change of ω_i.
     """
     factors, sign = space.factors, 1.0 if outward else -1.0
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)

@@ -34,7 +34,7 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Return value, rate and second derivative of signal j at a ``time`` [s], from the segment in use."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], by the polynomial in use."""
     signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = time_since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -50,7 +50,7 @@ def signal_at(d, j, time):
 
 
 def has_signal(d, m):
-    """Return whether a signal prescribes the motion of channel m."""
+    """Return whether a signal drives channel m, a prescribed motion."""
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             return True
@@ -63,9 +63,9 @@ def time_since_knot(d, j, time):
 
 
 def sine_at(d, j, time):
-    """Return value, rate and second derivative of the sine of signal j at a time [s].
+    """Return value, rate and second derivative of the sine that is added to signal j, at a ``time`` [s].
 
-    If the signal is integrated, the results are those of the integral of the sine.
+    If the signal is integrated once or twice over time, they are those of the integral of the sine.
     """
     signal, i = d.signal, d.signal.source[j]
     s = time - signal.start[i]
@@ -117,7 +117,7 @@ def signal_bounds(d, j):
 
 
 def is_sine(d, j):
-    """Return whether the present segment of signal j contains a sine; before its start it does not."""
+    """Return whether signal j is a sine that has begun, so that the sine is added in the present segment."""
     return d.signal.form[j] == SINE and d.signal.segment[j] > d.signal.first[j]
 
 
@@ -130,7 +130,7 @@ def largest_frequency(d, j):
 
 
 def moves_base(d, j):
-    """Return whether signal j moves the base."""
+    """Return whether signal j drives a prescribed motion of the base."""
     return d.chain.base_moves and d.signal.input[j] == CHANNEL and d.signal.index[j] < 2
 
 
@@ -142,8 +142,8 @@ def acts_in_limited_drive(d, j):
 def largest_rate(acts):
     """Return a function for the largest angular frequency [rad/s], in the last step, of some sine signals.
 
-    The function takes an instance. The signals are those for which ``acts`` is true, a function of the
-    instance and the number of a signal. Without any, the frequency is 0.
+    The returned function takes an instance, and finds the largest frequency within its last step; without
+    such a sine, it is 0. ``acts`` takes the instance and the index of a signal.
     """
 
     def rate(d):
@@ -162,9 +162,9 @@ rate_of_base = largest_rate(moves_base)
 
 
 def travel_of_sines(d):
-    """Return an estimate [m] of the sum of the amplitudes of all sines that move base, walls or belts.
+    """Estimate the sum [m] of the amplitudes of all motions of base, walls or belts that sines drive.
 
-    For a sine that is a velocity or an acceleration, the amplitude of its integral counts.
+    If a sine gives a velocity or an acceleration, the amplitude is that of the position, its integral.
     """
     signal, total = d.signal, 0.0
     for j in range(d.signals):
@@ -195,7 +195,7 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j; after the last segment, a periodic table begins again."""
+    """Begin the next segment of signal j; after the last one, the table of the signal begins again."""
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1
@@ -205,14 +205,14 @@ def next_segment(d, j):
 
 
 def set_segment(d, j, k, lap):
-    """Set the knot in use of signal j to k, and the number of repetitions of its table to ``lap``."""
+    """Let signal j use the segment of knot k; ``lap`` is how often its table has begun again."""
     d.signal.segment[j], d.signal.lap[j] = k, lap
 
 
 def knot_count(form, shape):
-    """Return the number of knots of a signal of a form and a shape.
+    """Return the number of knots of a signal of a ``form``, and of a ``shape`` if it is a ramp.
 
-    For the form STEPS or TABLE the result is the least number, 1.
+    Signals of steps and tables have a knot for each given time; for these the result is the least number, 1.
     """
     if form == SINE:
         return SINE_KNOTS
@@ -225,7 +225,10 @@ def knot_count(form, shape):
 
 
 def derive_signals(d, time):
-    """Derive the polynomials of all signals from the given numbers; begin the signals at a ``time`` [s]."""
+    """Derive the polynomials of all signals from the given numbers, and begin the signals at ``time`` [s].
+
+    If a signal drives a velocity or an acceleration, its polynomials are integrated to give the position.
+    """
     signal = d.signal
     for j in range(d.signals):
         i, k = signal.source[j], signal.first[j]
@@ -252,7 +255,7 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Set the segment of signal j that is in use at a ``time`` [s], the start of the run."""
+    """Let signal j begin at a ``time`` [s]: set the segment and the lap of its table at this time."""
     signal = d.signal
     signal.segment[j], signal.lap[j] = signal.first[j], 0
     while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:
@@ -262,7 +265,7 @@ def begin_signal(d, j, time):
 
 
 def set_constant_knot(d, k, time, level):
-    """Let the polynomial of knot k begin at a ``time`` [s], and be the constant ``level``."""
+    """Set knot k to a constant polynomial with the value ``level``, which begins at a ``time`` [s]."""
     d.knot.time[k] = time
     for p in range(1, SIGNAL_DEGREE + 1):
         d.knot.powers[k, p] = 0.0
@@ -270,9 +273,9 @@ def set_constant_knot(d, k, time, level):
 
 
 def derive_sine(d, i, k):
-    """Set the three knots of a sine, from index k on, from row i of the given numbers.
+    """Set the three knots of a sine, from index k on; row i of `signal` has its given numbers.
 
-    They are its value before the start, the rise of its amplitude, and the sine with its full amplitude.
+    Their segments are the times before the sine's start, during its rise, and after the rise.
     """
     signal = d.signal
     rises = signal.rise[i] > 0.0
@@ -284,7 +287,7 @@ def derive_sine(d, i, k):
 
 
 def derive_ramp(d, i, k, shape):
-    """Set the knots of a ramp of a ``shape``, from index k on, from row i of the given numbers."""
+    """Set the knots of a ramp of a ``shape``, from index k on; row i of `signal` has its given numbers."""
     signal, powers = d.signal, d.knot.powers
     way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
     set_constant_knot(d, k, start, signal.initial[i])
@@ -309,7 +312,7 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace the polynomials of signal j by their integrals, which are 0 at a ``time`` [s]."""
+    """Replace the polynomials of signal j by their integral over time, which is 0 at a ``time`` [s]."""
     signal, knot = d.signal, d.knot
     signal.integrals[j] += 1
     for k in range(signal.first[j], signal.last[j] + 1):
@@ -329,7 +332,11 @@ def integrate(d, j, time):
 
 
 def signals_are_valid(d):
-    """Return whether all signals have finite numbers, knots in order, and integrals where they need them."""
+    """Return whether all signals are valid.
+
+    The knots must be finite, and their times must not decrease. A sine that is integrated must have a
+    frequency, or a rate of change of it, that is not 0.
+    """
     signal = d.signal
     for j in range(d.signals):
         i, total = signal.source[j], 0.0

@@ -37,8 +37,8 @@ RISING = 5  # degree of the polynomial of the smooth ramp from 0 to 1, see ``smo
 # The continued fraction is used up to this |y| = |g|/ω². Where |y| is larger, the phase is within 4 rad, 1/(2
 # NEAR_TURNING_POINT), of its value at the time of frequency 0.
 NEAR_TURNING_POINT = 0.125
-# The largest number of levels of the continued fraction is DEPTH without a rise and DEPTH_OF_RISE in a rise,
-# plus DEEPER |y|, with y = g/ω². With fewer levels the integral E_2, and in a rise E_7, would lose digits.
+# The largest number of levels of the continued fraction: DEPTH without a rise, DEPTH_OF_RISE in a rise, plus
+# DEEPER times |y|, with y = g/ω². With fewer levels the integral E_2 would lose digits, and in a rise E_7.
 DEPTH, DEPTH_OF_RISE, DEEPER = 12, 30, 900.0
 FRACTION_ERROR = 1e-17  # levels are added to the continued fraction until its relative error is at most this
 # LARGEST_TURN: if the phase turns at most this [rad] in a rise, the integral is computed by quadrature;
@@ -57,7 +57,7 @@ GAUSS_WEIGHTS = (0.023587668193255914, 0.05346966299765921, 0.08003916427167311,
 
 
 def smooth(x):
-    """Return the smooth ramp 10 x³ − 15 x⁴ + 6 x⁵ from 0 to 1, and its first two derivatives."""
+    """Return the ramp 10 x³ − 15 x⁴ + 6 x⁵, from 0 at x = 0 to 1 at x = 1, and its first two derivatives."""
     y = 1.0 - x
     return x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * y * y, 60.0 * x * y * (1.0 - 2.0 * x)
 
@@ -71,7 +71,7 @@ def sine_phase(d, i, s):
 def sine_integral(d, i, m, s, rise):
     """Return the m-fold integral I_m of the sine in row i of the given numbers, a time s [s] after its start.
 
-    ``rise`` is the time [s] in which the amplitude rises, and 0 if it does not rise.
+    ``rise`` is the duration [s] of the rise of the amplitude if s lies within the rise, else 0.
     """
     begin, g = TAU * d.signal.frequency[i], TAU * d.signal.frequency_rate[i]
     omega = begin + g * s
@@ -137,9 +137,10 @@ def integral_by_recurrence(m, first, rates, s, rise):
 
 
 def rise_coefficient(m, k, s, rise):
-    """Return the coefficient c_k of the m-fold integral, a time s [s] after the start of a rise.
+    """Return the coefficient c_k of the m-fold integral of a sine, a time s [s] after its start.
 
-    Without a rise, ``rise`` = 0, only c_0 is used, which is 1.
+    c_k contains the k-th derivative of the smooth ramp of duration ``rise`` [s]. With ``rise`` = 0 the sine
+    does not rise, and only c_0 = 1 is used.
     """
     if not rise > 0.0:
         return 1.0 + 0.0 * s
@@ -161,7 +162,9 @@ def rise_coefficient(m, k, s, rise):
 
 
 def integral_at_standstill(d, i, begins_up):
-    """Return the phase Φ(s*) [rad], and the real and imaginary part of C, at the time s* of frequency zero.
+    """Return the phase Φ(s*) [rad] at the time s* of frequency zero, and C, the value of E_1 there.
+
+    C is returned as its real and its imaginary part.
 
     C = −½ √(2π/|g|) e^{i(Φ(s*) + π/4)} for g > 0 and ω > 0 at the start. C changes its sign if ω < 0 at the
     start. If g < 0, C changes its sign, and the angle is Φ(s*) − π/4. ``begins_up`` tells whether ω > 0 at
@@ -177,9 +180,10 @@ def integral_at_standstill(d, i, begins_up):
 
 
 def fresnel(middle, since, g, u, v):
-    """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since``.
+    """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since`` [s].
 
-    ``middle`` is Φ* = Φ(s*) [rad], and ``since`` the time since s* [s], the time of frequency zero.
+    ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, and ``since`` is the time since s*.
+    Returns the new u and v.
     """
     for n in range(len(GAUSS_NODES)):
         t = since * GAUSS_NODES[n]
@@ -192,7 +196,7 @@ def fresnel(middle, since, g, u, v):
 def integral_by_quadrature(d, i, m, s, rise):
     """Return the m-fold integral I_m = ∫ (s − t)^{m−1} r(t) sin Φ(t) dt, by quadrature, for m ≤ 2.
 
-    The integral extends from 0 to s, within a rise.
+    The integral extends from t = 0, the start of the sine, to s, within the rise r of duration ``rise``.
     """
     begin = TAU * d.signal.frequency[i]
     # `sine_integral` calls this function only for a turn up to LARGEST_TURN, which bounds the number of

@@ -16,7 +16,7 @@ from chain_impact.kernel.functions import inlined
 
 @inlined
 def joint_place(d, i):
-    """Return the index of the joint of link i among all places: the joints come after the N + 1 points."""
+    """Return the index, among all places, of the proximal joint of link i: joints follow the N + 1 points."""
     return d.links + 1 + i
 
 
@@ -47,7 +47,7 @@ def site_arm(d, link_vectors, s):
 
 
 def locate_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites, from those of the joints, which must be known.
+    """Set positions and velocities of the sites, after those of the points, from the link vectors.
 
     The angular velocities of the links begin at index ``first`` of the state y.
     """
@@ -59,10 +59,9 @@ def locate_sites(d, y, first, position, velocity):
 
 
 def set_site_motions(d, link_vectors, turns, first, vectors):
-    """Set the vectors of the sites from the vectors of the joints and the rotations of the links.
+    """Set the motions of the sites in ``vectors``, from the motions of the joints there.
 
-    The vectors are velocities or small motions. The rotations of the links, angular velocities or small
-    angles, begin at index ``first`` of ``turns``.
+    The rotations of the links, which also move the sites, begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -72,9 +71,10 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites, from those of the joints, which must be known.
+    """Set the accelerations of the sites, after those of the points.
 
-    ω of the links begins at index ``first`` of the state y, and α at the same index of ``rate``.
+    The angular velocities ω of the links begin at index ``first`` of the state y, their angular accelerations
+    α at the same index of its ``rate``.
     """
     set_site_motions(d, d.scratch.link, rate, first, acceleration)
     for s in range(d.sites):
@@ -91,21 +91,24 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may include moments on links in this scene.
+    """Return whether loads may include moments on links; else these moments are not read.
 
-    Sites, and centres of mass beside the lines of links, cause such moments.
+    Forces at sites, and forces on centres of mass beside the lines of links, cause such moments.
     """
     return d.sites > 0 or d.skewed != 0
 
 
 def clear_link_moments(d, load):
-    """Set the moments on all links to zero, if the scene has moments on links."""
+    """Set the moments on all links in ``load`` to zero, if the scene has such moments."""
     for i in range(d.links if has_link_moments(d) else 0):
         load.link[i] = 0.0
 
 
 def move_site_loads(d, link_vectors, load):
-    """Replace forces at sites by equal forces at the links' proximal joints, plus moments on the links."""
+    """Replace the force at each site by an equal force at its link's proximal joint and a moment on the link.
+
+    The moments on all links are first set to zero.
+    """
     clear_link_moments(d, load)
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.state import velocity_at
 
 
 def along_slider(d, vector_x, vector_y):
-    """Return the component of a vector along the slider's line."""
+    """Return the component, along the slider's line, of the vector (``vector_x``, ``vector_y``)."""
     return d.slider.ux * vector_x + d.slider.uy * vector_y
 
 
@@ -24,7 +24,7 @@ def slider_position(d, y):
 
 
 def carriage_energy(d, y):
-    """Return the kinetic and the potential energy [J] of the carriage."""
+    """Return the kinetic and the potential energy [J] of the carriage in the state y."""
     first, gravity = velocity_at(d.links), d.chain.gravity
     rate = along_slider(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

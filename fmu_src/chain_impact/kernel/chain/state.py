@@ -1,4 +1,4 @@
-"""The state vector and the indices of its entries. All other modules use the functions here.
+"""The state vector y and the indices of its entries, which all other modules take from the functions here.
 
     y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
 
@@ -40,7 +40,7 @@ def supplied_at(n):
 
 
 def sundman_u_at(n):
-    """Return the index in y of u, the root of δ/δ*; all entries before it belong to the chain."""
+    """Return the index in y of u = √(δ/δ*), after the entries of the chain and of the energies."""
     return 2 * n + 6
 
 
@@ -56,8 +56,9 @@ def state_size(n):
 
 @inlined
 def relative(values, first, i):
-    """Return the angle or rate of link i relative to link i − 1; for the first link, i = 0, its own value.
+    """Return the angle, or its rate or change, of link i relative to the link before; i counts from 0.
 
-    The angles or rates of the links begin at index ``first`` of ``values``.
+    For the first link, i = 0, it is the absolute value. The absolute values of the links begin at index
+    ``first`` of ``values``.
     """
     return values[first + i] - (values[first + i - 1] if i > 0 else 0.0)

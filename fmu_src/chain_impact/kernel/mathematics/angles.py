@@ -12,7 +12,8 @@ import numpy as np
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
 
-# [rad] ``cosine_and_sine`` needs smaller angles: its reduction of a larger angle loses digits
+# [rad] The largest angle that ``cosine_and_sine`` accepts. A larger angle would lose digits when quarter turns
+# are subtracted.
 LARGEST_ANGLE = 1e6
 TWO_OVER_PI = 0.6366197723675814
 # π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after
@@ -27,14 +28,17 @@ S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
 C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
      -2.75573143539534e-07, 2.0875723499343115e-09, -1.1359659812851872e-11)
 # fmt: on
-# The bits of 2/π are stored in groups of GROUP_BITS bits. A reduction of an angle takes GROUPS groups of
-# them; more groups would not change the result.
+# GROUP_BITS: the number of bits of 2/π in each of the groups in DIGITS. GROUPS: the number of groups that the
+# reduction of one large angle takes; more groups would not change its result.
 GROUP_BITS, GROUPS = 24, 6
 LAST_DIGIT = 971  # exponent e of the largest double m 2^e, with an integer m of 53 bits
 
 
 def _digit_groups():
-    """Return the binary digits of 2/π after the point, as an array of integers of GROUP_BITS digits each."""
+    """Return the binary digits of 2/π after the point, in groups of GROUP_BITS digits.
+
+    Each group is an integer, stored as a double; the first group has the digits next to the point.
+    """
     count = LAST_DIGIT // GROUP_BITS + GROUPS + 1
     scale = GROUP_BITS * count + 32
     # Machin's formula of 1706: π = 16 arctan(1/5) − 4 arctan(1/239)
@@ -44,7 +48,7 @@ def _digit_groups():
 
 
 def _fixed_arctangent(n, scale):
-    """Return arctan(1/n) times 2^scale, as an integer."""
+    """Return arctan(1/n) times 2^scale, as an integer, for an integer n > 1."""
     term, total, k = (1 << scale) // n, 0, 1
     while term:
         total += term // k if k % 4 == 1 else -(term // k)
@@ -57,7 +61,7 @@ DIGITS = _digit_groups()
 
 @has_dual_rule
 def direction(angle):
-    """Return the cosine and sine of any angle [rad]; NaN if the angle is not finite."""
+    """Return the cosine and sine of any angle [rad]; both are NaN if the angle is not finite."""
     if abs(angle) < LARGEST_ANGLE:
         return cosine_and_sine(angle)
     if not abs(angle) < math.inf:
@@ -67,18 +71,18 @@ def direction(angle):
 
 
 def cosine(angle):
-    """Return the cosine of any angle."""
+    """Return the cosine of any angle [rad]; NaN if it is not finite."""
     return direction(angle)[0]
 
 
 def sine(angle):
-    """Return the sine of any angle."""
+    """Return the sine of any angle [rad]; NaN if it is not finite."""
     return direction(angle)[1]
 
 
 @inlined
 def cosine_and_sine(angle):
-    """Return the cosine and sine of an angle between −LARGEST_ANGLE and LARGEST_ANGLE."""
+    """Return the cosine and sine of an angle [rad] between −LARGEST_ANGLE and LARGEST_ANGLE."""
     # the angle φ is k quarter turns and a remainder r: φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2
@@ -89,10 +93,7 @@ def cosine_and_sine(angle):
 
 @inlined
 def cosine_and_sine_of_parts(turns, r):
-    """Return the cosine and sine of the angle ``turns`` π/2 + r [rad], a number of quarter turns and a rest.
-
-    ``turns`` is an integer from −2 to 2, and |r| ≤ π/4.
-    """
+    """Return the cosine and sine of the angle turns π/2 + r, for integers ``turns`` −2 to 2, |r| ≤ π/4."""
     t = r * r
     t2 = t * t
     s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
@@ -105,13 +106,13 @@ def cosine_and_sine_of_parts(turns, r):
 
 
 def far_reduction(angle):
-    """Return the quarter turns, −2 to 2, and the remainder r [rad] of a finite |angle| ≥ LARGEST_ANGLE.
+    """Return the quarter turns, from −2 to 2, and the remainder r [rad] of a large angle.
 
-    Groups of bits of 2/π that would only add whole turns are left out (M. H. Payne & R. N. Hanek 1983, SIGNUM
-    Newsletter 18:19).
+    The size of the angle is at least LARGEST_ANGLE. Whole turns are left out of the quarter turns, and so are
+    the bits of 2/π that would only add whole turns (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits_of(abs(angle))
-    # the size |φ| of the angle as the integers m, e, a and b: |φ| = m 2^e, m = a 2²⁷ + b
+    # the size |φ| of the angle is m 2^e, and m is a 2²⁷ + b, with integers m, e, a and b
     e = (pattern >> FRACTION) - 1075
     m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))

@@ -8,14 +8,14 @@ ONE, INFINITY, LEAST_NORMAL = 0x3FF << 52, 0x7FF << 52, 1 << 52
 """The bits of 1, of infinity, and of the least number that is not subnormal."""
 # number of bits of the fraction of a double, its lowest bits; the bits of the exponent are above them
 FRACTION = 52
-# Adding HALF to the bits of a double, and masking the sum with FRONT, rounds the double to 26 bits. A product
-# of two numbers with 26 bits is exact.
+# HALF and FRONT round a double to 26 bits: HALF is added to the bits of the double, and FRONT masks the sum.
+# The product of two numbers with 26 bits each is exact.
 HALF, FRONT = 1 << 26, -(1 << 27)
 # the number of bits after the binary point of integers that stand for reals: tables are computed with such
 # integers
 FIXED = 160
 ROUND = 1.5 * 2.0**52
-"""Adding ROUND and subtracting it rounds a number to an integer: doubles of this size have no fraction."""
+"""(x + ROUND) − ROUND is x rounded to an integer, if |x| < 2⁵¹: doubles as large as ROUND have no fraction."""
 
 
 @inlined
@@ -26,27 +26,30 @@ def bits_of(number):
 
 @inlined
 def double_of_bits(pattern):
-    """Return the double whose 64 bits are the integer ``pattern``."""
+    """Return the double whose bits are those of the integer ``pattern``."""
     return float(np.int64(pattern).view(np.float64))
 
 
 @inlined
 def rounded_to_26_bits(number):
-    """Return ``number`` rounded to 26 binary digits."""
+    """Return a number rounded to 26 significant bits, so that products of two such numbers are exact."""
     return double_of_bits((bits_of(number) + HALF) & FRONT)
 
 
 @inlined
 def product(y, high, low):
-    """Return the product y (high + low) as the sum of two doubles (T. J. Dekker 1971, Numer Math 18:224)."""
+    """Return the product y (high + low) as the sum of two doubles, the larger one first.
+
+    ``low`` is far smaller than ``high``. (T. J. Dekker 1971, Numer Math 18:224)
+    """
     of_y, of_high = rounded_to_26_bits(y), rounded_to_26_bits(high)
     return of_y * of_high, (y - of_y) * of_high + y * ((high - of_high) + low)
 
 
 def in_two_doubles(fixed, fraction_bits):
-    """Return fixed/2^FIXED, for an integer ``fixed``, as the sum of two doubles.
+    """Return ``fixed``/2^FIXED, for an integer ``fixed``, as the sum of two doubles, the larger one first.
 
-    The first double is a multiple of 2^−fraction_bits, so that products of it with small integers are exact.
+    The first double is a multiple of 2^−fraction_bits, so that sums of such doubles can be exact.
     """
     unit = 1 << (FIXED - fraction_bits)
     first = (fixed + unit // 2) // unit

@@ -1,6 +1,7 @@
-"""Exponentials, with errors below 1 ulp.
+"""Exponentials e^x and e^x − 1, with errors below 1 ulp (unit in the last place).
 
-e^x = 2^k 2^(j/128) e^r, with 2^(j/128) from a table (P. T. P. Tang 1989, ACM Trans Math Softw 15:144).
+e^x = 2^k 2^(j/128) e^r, with integers k and j from 0 to 127, a small remainder r, and 2^(j/128) from a table
+(P. T. P. Tang 1989, ACM Trans Math Softw 15:144).
 """
 
 import math
@@ -25,7 +26,7 @@ EXP_P = (0.499999999999966, 0.16666666666665828, 0.04166668128670721, 0.00833333
 STEP_HIGH, STEP_LOW = in_two_doubles(LN_2 // POWER_COUNT, PLACES)
 STEPS_PER_ONE = (POWER_COUNT << FIXED) / LN_2
 ROUND_BITS = bits_of(ROUND)
-# up to this |x|, ``exp_of_common`` is accurate: e^x is finite, and not so small that it would lose digits
+# the bound of |x| for ``exp_of_common``: below it e^x is finite, and not so small that it has fewer digits
 COMMON = 650.0
 # half of the range of binary exponents; for |x| > COMMON, e^x is computed as e^(x ∓ 512 ln 2) times 2^±512,
 # so that the result is rounded only once
@@ -33,13 +34,17 @@ HALF_RANGE = 512
 UP, DOWN = 2.0**HALF_RANGE, 2.0**-HALF_RANGE
 HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
-NEARLY_LINEAR = 1e-5  # |x| up to which x + x²/2 gives eleven digits of e^x − 1
-# from this x on, 1 is less than a hundredth of the last digit of e^x, and e^x minus 1 is accurate
+# |x| below which x + x²/2 is e^x − 1 to about eleven digits, enough for one step of Newton's method
+NEARLY_LINEAR = 1e-5
+# from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x, and is left out
 STEEP = 40.0
 
 
 def _table():
-    """Return two arrays for j = 0 to 127: the bits of 2^(j/128) rounded, and the relative rounding errors."""
+    """Return two arrays for j from 0 to 127: the bits of 2^(j/128) as a double, and what rounding has lost.
+
+    The lost part is relative to the power.
+    """
     patterns, remainders = [], []
     for j in range(POWER_COUNT):
         power, root = 1 << FIXED, 2 << FIXED

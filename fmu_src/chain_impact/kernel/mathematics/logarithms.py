@@ -1,9 +1,8 @@
-"""Natural logarithms, with errors below 1 ulp.
+"""Natural logarithms ln x and ln(1 + x), with errors below 1 ulp (unit in the last place).
 
-With x = 2^k m and a number c near 1/m from a table, ln x = k ln 2 − ln c + ln(1 + r), r = m c − 1 (P. T. P.
-Tang 1990, ACM Trans Math Softw 16:378). Here k is an integer and m the mantissa, from about √½ to √2. The
-result of ``log_parts`` is the sum of two doubles, with a relative error below 2⁻⁶³; powers need this
-accuracy.
+With x = 2^k m, the mantissa m between about √½ and √2, and a number c near 1/m from a table, ln x = k ln 2 −
+ln c + ln(1 + r), r = m c − 1 (P. T. P. Tang 1990, ACM Trans Math Softw 16:378). Before it is rounded, the
+logarithm is the sum of two doubles, with a relative error below 2⁻⁶³; powers need this accuracy.
 """
 
 import math
@@ -22,15 +21,15 @@ from chain_impact.kernel.mathematics.doubles import (
     rounded_to_26_bits,
 )
 
-# MANTISSA_INTERVALS: the number of intervals of the mantissa m, with a value of c each. WIDTH_BITS: an
+# MANTISSA_INTERVALS: the number of intervals of the mantissa m, each with a row in the table. WIDTH_BITS: an
 # interval contains 2^WIDTH_BITS doubles.
 MANTISSA_INTERVALS, WIDTH_BITS = 256, 44
 # FIRST: the bits of the start of the first interval of the mantissa, near √½. MIDDLE: the number of the
 # interval in which c = 1; it extends as far below 1 as above 1, so that ln x loses no digits near x = 1.
 MIDDLE = 150
 FIRST = ONE - 2 * (1 << WIDTH_BITS) // 3 - (MIDDLE << WIDTH_BITS)
-# number of bits after the binary point in the leading parts of ln 2 and ln c; k ln 2 − ln c of these parts is
-# then exact for |k| < 2¹¹
+# number of bits after the binary point in the larger parts of ln 2 and ln c; the sum k ln 2 − ln c of these
+# parts is then exact for |k| < 2¹¹
 PLACES = 42
 # coefficients of the best approximation on |r| < 0.0035, by Remez's exchange: ln(1 + r) = r − r²/2 + r³ P(r)
 LOG_P = (
@@ -44,7 +43,7 @@ TINY = 2.0**-54  # |x| up to which ln(1 + x) and e^x − 1 are equal to x in dou
 
 
 def fixed_logarithm(a, b):
-    """Return ln(a/b) of two integers, times 2^FIXED, as an integer."""
+    """Return ln(a/b) of two positive integers, times 2^FIXED, as an integer."""
     # ln(a/b) = 2 (z + z³/3 + z⁵/5 + …), z = (a − b)/(a + b)
     term = ((a - b) << FIXED) // (a + b)
     square, total, n = term * term >> FIXED, 0, 1
@@ -55,9 +54,9 @@ def fixed_logarithm(a, b):
 
 
 def _table():
-    """Return a table with a row for each interval of the mantissa m.
+    """Return the columns of a table with a row for each interval of the mantissa m.
 
-    Its columns are c, and −ln c as the sum of two doubles.
+    The columns are c, a number near 1/m, and the two doubles whose sum is −ln c.
     """
     rows = []
     for i in range(MANTISSA_INTERVALS):
@@ -102,7 +101,7 @@ def log_parts(pattern):
 
 
 def log_parts_of_any(x):
-    """Return the logarithm of a positive finite number as the sum of two doubles."""
+    """Return the natural logarithm of a positive finite number, normal or not, as the sum of two doubles."""
     pattern = bits_of(x)
     if pattern < LEAST_NORMAL:
         pattern = bits_of(x * 2.0**52) - (52 << FRACTION)

@@ -1,4 +1,7 @@
-"""Powers, with errors below 1 ulp: x^y = e^(y ln x), with the exponent y ln x as the sum of two doubles."""
+"""Powers, with errors below 1 ulp (unit in the last place).
+
+x^y = e^(y ln x), with y ln x as the sum of two doubles.
+"""
 
 import math
 
@@ -13,7 +16,7 @@ HUGE_EXPONENT = 2.0**64  # for |y| from this on, x^y is 0, 1 or infinite for eve
 
 @has_dual_rule
 def power(x, y):
-    """Return x^y."""
+    """Return x^y for any x and y; the first lines are for a positive x and a result of usual size."""
     pattern = bits_of(x)
     if LEAST_NORMAL <= pattern < INFINITY:
         high, low = log_parts(pattern)
