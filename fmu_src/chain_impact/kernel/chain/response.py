@@ -44,8 +44,8 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: the mass matrix with
-the impedances of constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
+"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: it with the
+impedances of constraints added. SHIFTED: the matrix of an implicit step, for its real shift."""
 SLOTS = 3
 
 
@@ -148,8 +148,8 @@ def copy_factors(d, coupled):
     """Copy the factors of the mass matrix, which ``accelerations`` has found, to the slot FREE.
 
     So ``solve`` can use them without a new factorization. ``coupled`` has the same meaning as for
-    ``factorize``. In a chain with armatures the function does
-    nothing, because ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
+    ``factorize``. In a chain with armatures the function does nothing, because
+    ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
     """
     if d.chain.has_armatures:
         return

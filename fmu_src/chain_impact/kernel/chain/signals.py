@@ -195,7 +195,7 @@ def segment_end(d, j):
 
 
 def next_segment(d, j):
-    """Begin the next segment of signal j; after the last one, the table of the signal begins again."""
+    """Begin the next segment of signal j; after the last one, a periodic table begins again."""
     signal = d.signal
     if signal.segment[j] < signal.last[j]:
         signal.segment[j] += 1

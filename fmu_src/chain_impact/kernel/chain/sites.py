@@ -47,7 +47,7 @@ def site_arm(d, link_vectors, s):
 
 
 def locate_sites(d, y, first, position, velocity):
-    """Set positions and velocities of the sites, after those of the points, from the link vectors.
+    """Set positions and velocities of the sites, from those of the joints, which must be known.
 
     The angular velocities of the links begin at index ``first`` of the state y.
     """
@@ -59,9 +59,10 @@ def locate_sites(d, y, first, position, velocity):
 
 
 def set_site_motions(d, link_vectors, turns, first, vectors):
-    """Set the motions of the sites in ``vectors``, from the motions of the joints there.
+    """Set in ``vectors`` the vectors of the sites, from those of the joints and from the links' rotations.
 
-    The rotations of the links, which also move the sites, begin at index ``first`` of ``turns``.
+    The vectors are velocities or small motions. The rotations of the links, angular velocities or small
+    angles, begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
@@ -71,7 +72,7 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
 
 
 def accelerate_sites(d, y, rate, first, acceleration):
-    """Set the accelerations of the sites, after those of the points.
+    """Set the accelerations of the sites, from those of the joints, which must be known.
 
     The angular velocities ω of the links begin at index ``first`` of the state y, their angular accelerations
     α at the same index of its ``rate``.

@@ -12,8 +12,8 @@ import numpy as np
 from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.doubles import FRACTION, ONE, ROUND, bits_of, double_of_bits
 
-# [rad] The largest angle that ``cosine_and_sine`` accepts. A larger angle would lose digits when quarter turns
-# are subtracted.
+# [rad] The largest angle that ``cosine_and_sine`` accepts. A larger angle would lose digits when its quarter
+# turns are subtracted.
 LARGEST_ANGLE = 1e6
 TWO_OVER_PI = 0.6366197723675814
 # π/2 as a sum of two numbers. The first has 33 bits, so its product with any integer k < 2²⁰ is exact (after

@@ -15,7 +15,7 @@ HALF, FRONT = 1 << 26, -(1 << 27)
 # integers
 FIXED = 160
 ROUND = 1.5 * 2.0**52
-"""(x + ROUND) − ROUND is x rounded to an integer, if |x| < 2⁵¹: doubles as large as ROUND have no fraction."""
+"""(x + ROUND) − ROUND is x rounded to an integer, for |x| < 2⁵¹: doubles of this size have no fraction."""
 
 
 @inlined

@@ -158,7 +158,7 @@ def load_output_dtype(loads: int) -> np.dtype:
         ("moment", REAL, (loads,)),
         ("impulse_x", REAL, (loads,)),  # N·s, impulse of the joint's force since the start of the run
         ("impulse_y", REAL, (loads,)),
-        ("peak", REAL, (loads,)),  # N, the largest force in the joint since the start of the run
+        ("peak", REAL, (loads,)),  # N, largest size of the force in the joint since the start of the run
     )
 
 

@@ -73,7 +73,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
-        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the next step's method (ode/control.py)
+        ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the present or next step's method
         ("explicit_size", REAL),  # s, size of the explicit step before the implicit ones; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
@@ -144,13 +144,14 @@ def balance_dtype() -> np.dtype:
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
         ("start", REAL),  # s, start of the window of time in which changes of the balance must not add up
-        # J, energy balance at the start of the window, plus later changes by parameters
+        # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
         ("allowed", REAL),  # J, largest change of the balance allowed to any step of the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed", REAL),
         ("since", REAL),  # s, time at which the run started
-        ("origin", REAL),  # J, energy balance at the start of the run, plus later changes by parameters
+        # J, energy balance at the start of the run, plus the later changes that new parameters cause
+        ("origin", REAL),
         # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
         ("available_at_start", REAL),
         ("available", REAL),  # J, the largest available energy up to the end of the last step
@@ -184,7 +185,8 @@ def elimination_dtype(links: int) -> np.dtype:
     """
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
-        # kg, articulated inertia at the joint where the arms of a free chain meet, or at the base on a slider
+        # kg, articulated inertia at the joint where the arms of a free chain meet, or at a base on a slider;
+        # not set with a pinned base
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
     )
 
@@ -252,7 +254,8 @@ def search_dtype(candidates: int) -> np.dtype:
         # what is known of the clearances at the end of a step: NOTHING, VALUES, WITH_CURVES or FAR of
         # kernel/events/exclusion.py
         ("known", bounded(0, FAR)),
-        ("known_for", INTEGER),  # value of `step.breaks` for which the value of ``known`` is valid
+        # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
+        ("known_for", INTEGER),
         # m, lower bound on the clearances of all candidates without contact, at the end of a step
         ("safe_distance", REAL),
         ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
@@ -260,9 +263,9 @@ def search_dtype(candidates: int) -> np.dtype:
         ("acceleration", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search follows, packed
+        ("suspect", INTEGER, (candidates,)),  # indices of the candidates that the search examines, packed
         # m/s², bound, over the step, on the second derivative of the clearance of each candidate that the
-        # search follows, in the integration variable of the step
+        # search examines, in the integration variable of the step
         ("curvature", REAL, (candidates,)),
         # φ of each candidate at the start of the interval: the clearance [m]; in contact the penetration [m],
         # u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
@@ -309,11 +312,11 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     return record(
         ("start", REAL, (extended,)),  # extended state z at the start of a step
         ("start_rate", REAL, (extended,)),  # rate ż of the extended state at the start of a step
-        # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest change of
-        # each entry
+        # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest absolute
+        # change of each entry
         ("z", REAL, (extended,)),
-        # weights 1/(tolerance × scale) of errors in z; in an explicit step the scales of errors in y and in
-        # clearances
+        # in an implicit step the weights 1/(tolerance × scale) of errors in z; in an explicit step the scales
+        # of errors in y and in clearances
         ("weight", REAL, (extended,)),
         ("stages", REAL, (RADAU_STAGES, extended)),  # increments of z from the step's start to its nodes
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
