@@ -32,7 +32,7 @@ def count_step(d, implicit):
 
 
 def count_rejected_step(d):
-    """Count a rejected try of a step."""
+    """Count a tried step that has been rejected."""
     d.statistics.rejected_steps += 1
 
 
@@ -42,12 +42,12 @@ def cost_so_far(d):
 
 
 def count_evaluations(d, number):
-    """Count evaluations of the right-hand side."""
+    """Add a ``number`` of evaluations of the right-hand side to their count."""
     d.statistics.rhs_evaluations += number
 
 
 def count_other_cost(d, number):
-    """Count other calculations that cost about as much as ``number`` evaluations."""
+    """Count calculations other than evaluations that cost about as much as ``number`` evaluations."""
     d.limits.other_cost += number
 
 
@@ -108,7 +108,7 @@ def check_cost(d):
 
 
 def check_events(d, events):
-    """Count ``events``; return EVENT_STORM if there are too many in EVENT_WINDOW, else OK."""
+    """Count a number of ``events``; return EVENT_STORM if EVENT_WINDOW has too many of them, else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

@@ -102,7 +102,7 @@ def least_law(d):
 
 
 def is_within(number, least, most):
-    """Return whether least ≤ number ≤ most."""
+    """Return whether ``number`` is at least ``least`` and at most ``most``."""
     return least <= number <= most
 
 

@@ -75,7 +75,7 @@ def stored_energy(d, y):
 def mechanical_energy(d, y):
     """Return the kinetic and the potential energy [J] of the links, armatures and carriage.
 
-    The points must be located.
+    The points must be located for y.
     """
     n = d.links
     kinetic, potential = 0.0, 0.0
@@ -100,7 +100,7 @@ def mechanical_energy(d, y):
 
 @inlined
 def rate_from_state(d, y, rate):
-    """Set rate = f(y), with the active contacts and the present inputs."""
+    """Set ``rate`` to ẏ = f(y); without contacts, dry friction and inputs the points are not located."""
     # in free flight no force acts at a point, so points and walls are not located
     if d.touch.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
         rate_and_points_from_state(d, y, rate)
@@ -110,7 +110,7 @@ def rate_from_state(d, y, rate):
 
 
 def rate_and_points_from_state(d, y, rate):
-    """Set rate = f(y), and locate the points."""
+    """Locate the points for the state y, and set ``rate`` to ẏ = f(y)."""
     locate_points(d, y)
     rate_from_points(d, y, rate)
 
@@ -220,16 +220,13 @@ def joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction to both links of each joint.
-
-    They follow from the loads at the joints' places (rows/geometry.py).
-    """
+    """Add the moments of stops and dry friction in joints to both links, from loads at the joints' places."""
     for i in range(d.links):
         add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):
-    """Add the moments of the springs of passive drives in the joints."""
+    """Add the moments of the springs of passive drives in the joints to both links of each joint."""
     for i in range(d.links):
         add_joint_moment(d, i, -passive_spring_force(d, y, i))
 

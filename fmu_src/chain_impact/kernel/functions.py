@@ -50,7 +50,7 @@ def dispatch(functions):
 def called_in_turn(first, *others):
     """Return a function that calls several functions, one after the other, with its own arguments.
 
-    It returns nothing.
+    The returned function returns nothing.
     """
     if not others:
         return first

@@ -95,7 +95,7 @@ def initialize(d, time):
 
 
 def set_start(d, time):
-    """Set walls, state, loads and modes of dry friction at the start of a run, at ``time`` [s]."""
+    """Set walls, state, loads, and modes of drives and friction at the start of a run, at ``time`` [s]."""
     set_candidate_rows(d)
     set_initial_state(d, d.scratch.y)
     reset_step(d, time, d.scratch.y)
@@ -195,11 +195,10 @@ def derive_chain(d):
 
 
 def derive_sites(d):
-    """Derive what depends on sites.
+    """Derive what depends on sites, and let the chain's reach include the sites.
 
-    This is the first site of each link, the positions of the corners of boxes, the radius of each site, the
-    position of each site divided by the length of the site's link, and the reach of the chain if a site
-    reaches farther than the links.
+    Derived are the first site of each link, the position of each corner of a box, and each site's radius and
+    position relative to the length of its link.
     """
     before, s, chain = 0.0, 0, d.chain
     for i in range(d.links):
@@ -263,7 +262,7 @@ def check_ranges(d):
 def refuse_value(d, k, i):
     """Return PARAMETER_OUT_OF_RANGE for entry i of field k of RANGED, and store the cause.
 
-    The cause is the link, or the slider, to which the entry belongs.
+    The cause is the link, or the slider, to which the entry belongs; for other entries none is stored.
     """
     if RANGE_OWNERS[k] == OF_LINKS and i < d.links:
         return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)

@@ -292,7 +292,10 @@ def rises_between(left, top, right, highest):
 
 
 def load_joints_at(d, theta):
-    """Set ``transmitted.x`` and ``.y`` to the forces in the joints at the fraction θ of the last step."""
+    """Set ``transmitted.x`` and ``.y`` to the forces in the joints at the fraction θ of the last step.
+
+    Afterwards the points are located and accelerated there.
+    """
     y, rate = d.scratch.y, d.scratch.rate
     interpolate(d.step, theta, y)
     locate_points(d, y)

@@ -88,7 +88,10 @@ def refill_motion(d):
 
 
 def fill_motion(d, theta):
-    """Fill the outputs of motion, forces and energies at the fraction θ of the last step."""
+    """Fill the outputs of motion, forces and energies at the fraction θ of the last step.
+
+    If loads are requested, these include the loads of joints and walls, but no impulses and no peaks.
+    """
     n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.y, d.scratch.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
@@ -199,10 +202,10 @@ def fill_quadratures(d, theta):
 
 
 def fill_quadrature(d, i, value):
-    """Store the value of quadrature i in its output.
+    """Store the ``value`` of quadrature i in its output.
 
-    The last two quadratures, the components of the impulse at the tip, have no output; their values are
-    stored for the calculation of the impulses in the joints.
+    The last two quadratures, the components of the impulse of the force at the tip, have no output; they are
+    stored for the impulses in the joints.
     """
     e = i - d.candidates
     if e < 0:

@@ -84,7 +84,7 @@ LAST_STATUS = max(STATUS_TEXT)
 
 
 def set_status(d, status):
-    """Set the status of the run in the record, and return it."""
+    """Set the status of the run in the record, and return the status."""
     d.statistics.status = status
     return status
 

@@ -1,1 +1,1 @@
-"""Forces: contact laws, contacts, dry friction, inputs, and the forces of constraints."""
+"""Forces on the chain: contact laws, contacts, dry friction, and the forces of constraints."""

@@ -69,7 +69,7 @@ def store_force(d, c, force):
 
 
 def clear_loads(d):
-    """Set the loads at all places to zero, except at the tip, which gets the input force."""
+    """Set the loads at all places to zero, but the load at the tip to the force that is an input there."""
     clear_loads_of(d, d.scratch.load)
     tip = d.links
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
@@ -155,7 +155,7 @@ def begin_force_contact(d, c):
 def latch(d, c):
     """Fix the expected penetration of candidate c's contact and, for a force law, its damping.
 
-    Both values follow from the law, the impact speed and the effective mass.
+    Both follow from the law and from the contact's impact speed and effective mass.
     """
     set_expected_depth(d, c)
     if not d.law.impulsive[c]:
@@ -173,19 +173,19 @@ def relatch(d, c, factor):
 
 
 def join_impact(d, c):
-    """Make candidate c active without an onset, because its point takes part in another point's impact."""
+    """Make candidate c active without an onset: its point takes part in the impact of another point."""
     d.touch.active[c] = 1
 
 
 def deactivate(d, c):
-    """Make candidate c inactive."""
+    """Make candidate c inactive: its contact has ended."""
     d.touch.active[c] = 0
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set the rates δ̇ [m/s] of the penetration and dF/dt [N/s] of the force at the start of the next step.
+    """Set the rates δ̇ [m/s] and dF/dt [N/s] of candidate c's penetration and force at the next step's start.
 
-    From their signs the search of the next step decides whether it contains a peak.
+    From their signs the search of the next step decides whether the step contains a peak.
     """
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 
@@ -213,7 +213,7 @@ def set_joint_square(d, c, top, joint):
 
 
 def cross_kink(d, c):
-    """Switch candidate c, at the kink of the force, to the force on the other side of the kink."""
+    """Switch candidate c, whose force is at its kink, to the smooth force of the kink's other side."""
     touch = d.touch
     if is_cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1.0: the force rises
@@ -262,7 +262,7 @@ def list_touching(d):
 
 
 def list_kind(d, impulsive):
-    """Append the active contacts of one kind to the packed list of active contacts.
+    """Append the active contacts of one kind to the list ``touch.active_index``.
 
     ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
     """

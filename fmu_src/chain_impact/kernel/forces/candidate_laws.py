@@ -39,10 +39,10 @@ from chain_impact.kernel.status import (
     refuse_candidate,
 )
 
-# A point at most this deep in a wall counts as apart, relative to the longest link; 0 at rigid walls. For K =
-# 1e8, n = 3/2 and links of 1 m this neglects a force of 1e-10 N; the round-off of positions is about 1e-15 m.
-# Without this margin, the solver would search every step for an onset if a point slides along a wall at zero
-# clearance.
+# The largest depth in a wall at which a point counts as not touching, relative to the longest link; at rigid
+# walls it is 0. For K = 1e8, n = 3/2 and links of 1 m this neglects a force of 1e-10 N; the round-off of
+# positions is about 1e-15 m. Without this margin, the solver would search every step for an onset if a point
+# slides along a wall at zero clearance.
 HARMLESS_DEPTH = 1e-12
 # results of ``law_origin`` for a law that does not belong to a wall
 OF_CONTACT, OF_JOINTS, OF_SLIDER = -1, -2, -3
@@ -131,7 +131,7 @@ def is_in_use(d, c):
 
 
 def record_law_kind(d, c):
-    """Record whether the law of candidate c has a force or is rigid, and whether it has dry friction."""
+    """Set the flags in ``contact`` for the law of candidate c: a force or a rigid wall, and dry friction."""
     if d.law.static_friction[c] > 0.0:
         d.contact.any_friction = 1
     if d.law.impulsive[c]:
@@ -141,14 +141,14 @@ def record_law_kind(d, c):
 
 
 def given_number(d, c):
-    """Return the given number of the law of candidate c."""
+    """Return the given number of candidate c's law: that of stops in joints, if given, or that of walls."""
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
 
 def given_stiffness(d, c):
-    """Return the given stiffness K [N/mⁿ] of candidate c.
+    """Return the given stiffness K [N/mⁿ] of candidate c: its wall's own, else the common one.
 
-    For a joint's stop, the given moment is converted to a contact at the lever arm.
+    The stiffness of a joint's stop, given in N·m/radⁿ, is converted to that of a contact at the lever arm.
     """
     if at_joint_stop(d, c):
         return d.given.stop_stiffness / power(d.chain.longest_link, d.stops.exponent + 1.0)
@@ -159,7 +159,7 @@ def given_stiffness(d, c):
 
 
 def given_restitution(d, c):
-    """Return the given restitution of candidate c."""
+    """Return the given restitution e of candidate c: its wall's, or that of joints' stops, or the common."""
     if at_joint_stop(d, c):
         return given_or_derived(d.given.stop_restitution, d.given.restitution)
     if at_stop(d, c):
@@ -187,7 +187,7 @@ def law_exponent(d, c):
 
 
 def check_law(d, c):
-    """Check the given law of candidate c and whether the given parameters suit it; return a status."""
+    """Check candidate c's given law, and whether the given parameters suit the law; return a status."""
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.is_present():
         return UNKNOWN_LAW
@@ -204,7 +204,7 @@ def check_law(d, c):
 
 
 def check_values(d, c):
-    """Check the given values of candidate c that do not depend on the law; return a status."""
+    """Check restitution, stiffness and friction given for candidate c, under any law; return a status."""
     sliding, static = given_friction(d, c)
     in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
     if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):

@@ -10,7 +10,7 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
+    """One law in the registry, CONTACT_LAWS: a force F = max(0, K δⁿ + d δᵖ δ̇), or impulses."""
 
     id: str  # name in scene files and in the FMU
     number: int  # number in the FMU's enumeration of laws, from 1
@@ -24,17 +24,16 @@ class ContactLaw:
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
     accurate_to: float  # largest restitution e up to which the realised restitution is within 5 % of e
-    damping_factor: object  # f(e), a function of the kernel
+    damping_factor: object  # function of the kernel that returns f(e) for the prescribed restitution e
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n
-    # The exponent s in the damping d = f K^(1−s) m^s, with the effective mass m. The value 0 means that this
-    # formula is not used: the Hunt–Crossley family has d = λ K/v₀ with λ = f, and rigid walls have no
-    # damping.
+    # exponent s in d = f K^(1−s) m^s, with the effective mass m. The value 0 stands for another formula, that
+    # of the Hunt–Crossley family: d = λ K/v₀ with λ = f. Rigid walls have the value 0 but no d.
     mass_power: float = 0.0
     # whether the damping acts only while the penetration grows
     approach_only: bool = False
-    impulsive: bool = False  # whether the walls are rigid, see kernel/events/impacts.py
+    impulsive: bool = False  # whether walls are rigid and act by impulses, see kernel/events/impacts.py
 
     @property
     def restitution_range(self) -> str:

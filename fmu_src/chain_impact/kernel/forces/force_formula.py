@@ -19,8 +19,8 @@ from chain_impact.kernel.functions import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import at_joint_stop, lever_of_candidate
 
-# The increment of penetration and speed, relative to these, for the central differences of a user's law:
-# about the cube root of round-off, with which truncation and round-off cause equal errors.
+# The increment, relative to δ, or to |δ̇| + v₀ for δ̇, of the central differences for the slopes of a user's
+# law. It is about the cube root of round-off, with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
 # A contact turns from compression to restitution while |δ̇| is at most TURNING_RATE times v₀
 # √(tolerance/max(1, damping_over_elastic)). A force of the wrong side up to this rate changes the impulse by
@@ -30,7 +30,10 @@ TURNING_RATE = 0.3
 
 @has_dual_rule
 def power_of_depth(depth, exponent):
-    """Return δ^exponent for δ ≥ 0, by roots and products for the exponents 0, ½, 1 and 3/2."""
+    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents 0, ½, 1 and 3/2.
+
+    ``power_by_roots`` has the other exponents.
+    """
     if exponent == 1.5:
         return depth * math.sqrt(depth)
     if exponent == 1.0:
@@ -43,7 +46,7 @@ def power_of_depth(depth, exponent):
 
 
 def power_by_roots(depth, exponent):
-    """Return δ^exponent for δ ≥ 0, by roots and products for the exponents ¼, 2 and 5/2."""
+    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents ¼, 2 and 5/2."""
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
     if exponent == 2.0:
@@ -84,7 +87,8 @@ def set_expected_depth(d, c):
 def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, from v₀ and the effective mass of its contact.
 
-    The function also sets the speed up to which the kink of a law that damps on approach only is ignored.
+    The function also sets ``touch.kink_margin``: the |δ̇| up to which a law that damps on approach only may
+    be on the wrong side of its kink; 0 for other laws.
     """
     law, touch, number = d.law, d.touch, d.law.number[c]
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
@@ -172,7 +176,7 @@ def note_crossing(d, c, height):
 
 
 def clear_crossings(d):
-    """Clear the records of ``note_crossing`` for all active contacts."""
+    """Set ``touch.kink_crossed`` of all active contacts to 0: no kink has been crossed yet in the step."""
     for k in range(d.touch.active_count):
         d.touch.kink_crossed[d.touch.active_index[k]] = 0
 
@@ -190,7 +194,7 @@ def height_over_kink(d, c, depth, rate):
 
 
 def is_cut_off(d, c):
-    """Return whether a step uses the force 0 for candidate c, because the uncut force is a pull."""
+    """Return whether a step uses the force 0 for candidate c, because the formula of its law gives a pull."""
     return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 

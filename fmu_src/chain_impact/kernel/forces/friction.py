@@ -33,8 +33,8 @@ from chain_impact.kernel.rows.geometry import (
 )
 
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
-# After a projection, a sticking element may be this far from its anchor, relative to the largest coordinate:
-# this is round-off. If a projection leaves more, it has failed for this anchor.
+# The largest distance of a sticking element from its anchor after a projection that counts as round-off,
+# relative to the largest coordinate. If a projection leaves more, it has failed for this anchor.
 ANCHOR_ROUND_OFF = 1e-13
 
 
@@ -63,7 +63,7 @@ def set_friction_used(d):
 
 
 def clear_friction(d):
-    """Set all modes to "no friction"."""
+    """Set the modes of all elements to "no friction"."""
     for e in range(d.elements):
         set_mode(d, e, NO_FRICTION)
 
@@ -87,10 +87,9 @@ def set_anchor(d, e):
 
 
 def list_friction(d):
-    """List the elements that have dry friction at present, and those of them that stick.
+    """List the elements that have dry friction at present, and those of them that stick, both packed.
 
-    Both lists are packed: contacts come first, then joints, then the slider. A free base has no joint, so the
-    element of the first joint has no friction.
+    Contacts come first, then joints, then the slider. The joint of a free base does not exist.
     """
     friction = d.friction
     friction.count = 0
@@ -166,10 +165,9 @@ def friction_load(d, c):
 def apply_friction(d):
     """Add the sliding friction of contacts with a force law, joints and slider to the loads.
 
-    The friction of a sticking element is not added: it is a constraint force, which is computed later.
-
-    Returns:
-        The dissipated power [W].
+    The friction of a sticking element is not added: it is a constraint force, which is computed later. The
+    function also sets the limits of static friction at contacts. Return the power [W] that sliding friction
+    dissipates.
     """
     friction = d.friction
     friction.power = 0.0
@@ -203,8 +201,8 @@ def apply_sliding_friction(d, e, size):
 def store_static_forces(d):
     """Store the constraint forces [N] of sticking elements, and their least margins to the limits.
 
-    A margin is the limit of static friction minus the force; a step with a negative margin is searched for
-    the end of sticking.
+    A margin is the limit of static friction minus the size of the force; a step with a negative margin is
+    searched for the end of sticking.
     """
     friction, first = d.friction, d.touch.active_count
     for i in range(friction.stuck_count):

@@ -46,8 +46,9 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-# A projection may leave a point this deep in a rigid wall, relative to the longest link. If a point stays
-# deeper while walls or the base move, the walls leave no room for the chain, and the step is rejected.
+# The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
+# a point stays deeper while walls or the base move, the walls leave no room for the chain, and the step is
+# rejected.
 SQUEEZED_DEPTH = 1e-6
 # A point leaves a rigid wall only if its speed lifts it at least to this height, relative to the longest
 # link. A lower height could not be distinguished from round-off, and the next onset could not be located.
@@ -56,8 +57,8 @@ LEAST_RISE = 1e-14
 # LARGEST_CORRECTION times the sum of the tolerance and the largest residual. A residual that needs a larger
 # change can hardly be removed by constraint forces.
 LARGEST_CORRECTION = 10.0
-# If a projection onto the constraints of sticking elements alone would leave more than this part of the
-# residual, it is not done.
+# The largest part of the residual that a projection onto the constraints of sticking elements alone may
+# leave. A projection that would leave more is not done.
 LARGEST_REMAINING_RESIDUAL = 0.5
 # The impedance, relative to the mean mass of a link, with which contacts with a force law resist a projection
 # of sticking elements: a change of their clearance at a stiff wall would act as an impact.
@@ -100,15 +101,18 @@ def clear_least_forces(d):
 
 
 def add_change(d, y, first):
-    """Add the change of the coordinates that the impulses cause to y, from index ``first`` on."""
+    """Add to y, from index ``first`` on, the changes ``constraints.change`` that the impulses cause.
+
+    ``first`` is 0 for coordinates, and velocity_at(N) for their rates.
+    """
     for j in range(coordinate_count(d.links)):
         y[first + j] += d.constraints.change[j]
 
 
 def set_start_to_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations along all constraints that the rate ẏ of the state y contains.
+    """Set ``start`` to the accelerations along all constraints, for the rate ẏ (``rate``) of the state y.
 
-    Return the largest component of the acceleration of any place or moving wall.
+    Return the largest component of the accelerations of all places and moving walls.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
@@ -220,7 +224,7 @@ def power_of_motion(d, y, rate):
 
 
 def work_of_impulses(d):
-    """Return the work [J] of moving walls, belts and base in the last computed jump of velocities."""
+    """Return the work [J] that moving walls, belts and base do in the jump of velocities by the impulses."""
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_count(d)):
         sticks = k >= d.touch.active_count

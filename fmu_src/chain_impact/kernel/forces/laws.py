@@ -41,8 +41,9 @@ CONTACT_LAWS: dict[str, ContactLaw] = {}
 def contact_law(title, source, formula, accurate, evidence, **properties):
     """Return a decorator that registers a function f(e) as the next contact law, under its name.
 
-    The docstring of f states the limits of the law. If the source begins with a year, the title is put before
-    it, as the authors.
+    The docstring of f becomes the limits of the law. If the source begins with a year, the title is put
+    before it, as the authors. ``accurate`` is the range of restitutions, ``accurate_from`` and
+    ``accurate_to``; the other arguments are fields of ``ContactLaw``.
     """
 
     def register(function):
@@ -221,9 +222,9 @@ def tsuji(e):
 
 
 def _logarithmic_damping(scale, e):
-    """Return ``scale`` ζ, with the damping ratio ζ at which an oscillator has the speed e after a half-cycle.
+    """Return ``scale`` times ζ, the damping ratio with which an oscillator keeps the part e of its speed.
 
-    The speed e is relative to the speed at the start.
+    e is the speed after half a cycle, relative to the speed at its start.
     """
     decrement = log(e)
     return -scale * decrement / math.sqrt(math.pi * math.pi + decrement * decrement)
@@ -289,7 +290,7 @@ _factor = dispatch([law.damping_factor for law in _LAWS])
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
-# the least restitution of each law: 1/e of a smaller restitution would overflow
+# the least restitution e that each law allows: 0, or a number whose reciprocal 1/e does not overflow
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)

@@ -55,13 +55,13 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# For 1 − e up to this, P is evaluated at e = 1 instead of e, because the derivative of r with respect to e
-# grows without bound toward e = 1.
+# The largest 1 − e for which P is evaluated at 1 in place of e: toward e = 1 the derivative of r with respect
+# to e grows without bound.
 NEAREST_TO_ONE = 1e-12
 
 
 def viscoelastic_factor(e):
-    """Return f(e), the damping factor of the law of Kuwabara and Kono, for 0 < e ≤ 1."""
+    """Return f(e), the factor of the damping in the law of Kuwabara and Kono, for 0 < e ≤ 1."""
     exponent = log(e)
     root = math.sqrt(-expm1(0.125 * exponent)) if 1.0 - e > NEAREST_TO_ONE else 0.0 * e
     return (1.0 - e) * exp(-0.6 * exponent) * series(2.0 * root - 1.0)

@@ -84,10 +84,7 @@ def factorize_contacts(d, slot, impedance):
 
 
 def joints_loaded(d):
-    """Return whether any joint has an armature, an active stop or sticking friction.
-
-    The sticking friction of a slider counts, too.
-    """
+    """Return whether any joint has an armature, an active stop or sticking friction, and so an impedance."""
     return d.chain.has_armatures != 0 or d.touch.joint_stop_count + d.friction.stuck_joints > 0
 
 
@@ -170,7 +167,10 @@ def accelerations_with_armatures(d, y, rate):
 
 
 def effective_mass(d, c):
-    """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points."""
+    """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points.
+
+    It is at most the mass of the chain divided by LEAST_MOBILITY.
+    """
     scratch, row = d.scratch, normal_row(d, c)
     no_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)

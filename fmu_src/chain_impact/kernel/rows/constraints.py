@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
 # of a link; with a larger D the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # if a first iteration leaves more than this part, it is near a fold (folds.py)
+FOLD_RESIDUAL = 1e-3  # if the first iteration leaves more of the residual, a fold is near (ode/folds.py)
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
 # times the large D of the other iterations, would stay in the forces against motions that can hardly be
@@ -65,21 +65,20 @@ LEAST_SINGLE_MOBILITY = 1e-3
 # n iterations leave (1 + x)⁻ⁿ of a motion; one solution with the factor a leaves 1/(1 + a x). Both are equal
 # for a = ((1 + x)ⁿ − 1)/x: n for small x, and 10 for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
-SOLVED_RESIDUAL = 1e-15  # a residual up to this, relative to the largest motion, is round-off
-# A residual of sticking elements up to this, relative to the largest motion, is round-off, and no impulse is
-# removed for it. With a much smaller limit, their forces would contain round-off times D, and a chain at rest
-# would change its energy.
+SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to the largest motion
+# The largest residual of sticking elements that counts as round-off, so that no impulse is removed for it,
+# relative to the largest motion. With a much smaller limit, their forces would contain round-off times D, and
+# a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
-# [m, m/s or m/s²] a smaller residual, as at rest, counts as 0: its square may underflow
-UNDERFLOW_SIZE = 1e-100
+UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual up to this counts as 0, as its square may underflow
 # Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
 # removed, if the motions can hardly be constrained. They would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
-# an impulse or motion of the wrong sign up to this, relative to the largest, is round-off and does not change
-# the active set
+# the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
+# relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
-# After this number of successive pivots that do not reduce the number of violations, each pivot changes only
-# one candidate. Such pivots terminate for a positive definite W, but take longer.
+# The number of successive pivots that may leave the least number of violated candidates unchanged. After one
+# more, pivots change one candidate each until it falls; these end if W is positive definite, but slowly.
 MAX_STALLED_PIVOTS = 3
 # the least impedance of a sticking element, relative to that of the element with the largest limit of
 # friction
@@ -87,7 +86,7 @@ LEAST_STICKING_IMPEDANCE = 1e-2  # with less, the residual would fall too slowly
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# a search has failed after this number of pivots plus 4 for each constraint
+# the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
 EXTRA_PIVOTS = 30
 
 
@@ -217,7 +216,7 @@ def single_active(d):
 
 
 def solve_single(d, only):
-    """Solve the problem of ``solve_equality`` for a single constraint; return whether W is large enough."""
+    """Solve the equality problem for the one constraint ``only``; return False if its W is too small."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, only), d.scratch.load, 1.0)
@@ -239,7 +238,7 @@ def solve_single(d, only):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return True: if the residual is round-off, values need no more iterations; dual numbers may."""
+    """Return True: once the residual is round-off, the iterations suffice; dual numbers may need more."""
     return True
 
 

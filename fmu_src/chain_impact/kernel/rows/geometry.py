@@ -38,16 +38,16 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
 
 
-# [m] a point or base that is at most this deep in a wall at the start of a run touches the wall: the depth
-# may be the round-off of positions and sines
+# [m] the largest depth in a wall at which a point, or a pinned base, may start a run: it touches the wall,
+# and the depth may be the round-off of positions and sines
 OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-"""The inward normals of the box's walls."""
+"""The components x and y of the inward normals of the box's walls, in the order of WALLS."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
 """Name of a stop → the value of candidate.stop; its sign is that of the normal, see ``stop_sign``."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
 STOP_COUNT = len(STOP_CODES)
-AT_WALL = 0  # value of candidate.stop for a candidate at a wall, which is no stop
+AT_WALL = 0  # value of candidate.stop for a candidate at a wall, not at a stop
 
 
 def set_candidate_rows(d):
@@ -77,7 +77,7 @@ def set_box_wall(d, c, wall):
 
 
 def set_sloped_wall(d, c, w):
-    """Set the normal and the offset of candidate c, whose wall is number w of the walls at any angle."""
+    """Set the normal and the offset of candidate c, whose wall has the index w in `walls`."""
     candidate, walls = d.candidate, d.walls
     candidate.offset[c] = 1.0
     cosine, sine = candidate.normal_y[c : c + 1], candidate.normal_x[c : c + 1]
@@ -166,7 +166,7 @@ def candidate_within_bounds(d, c):
 
 
 def normal_row(d, c):
-    """Return the row of candidate c in the direction of the normal n."""
+    """Return the row of candidate c along the normal n of its wall or stop: the place, n_x and n_y."""
     return d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
@@ -203,7 +203,7 @@ def any_sticking(d):
 
 
 def constraint_row(d, k):
-    """Return the row of constraint k.
+    """Return the row of constraint k: the normal of an active contact, or the tangent of a sticking element.
 
     The constraints are numbered: first the active contacts, then the sticking elements.
     """
@@ -244,7 +244,7 @@ def clearance(d, c):
 
 
 def gap_acceleration(d, c):
-    """Return g̈ [m/s²] of candidate c, from the accelerated points."""
+    """Return g̈ [m/s²], the second derivative of candidate c's clearance, from the accelerated points."""
     acceleration = along(normal_row(d, c), d.scratch.acceleration)
     if d.channels > 0:
         acceleration -= d.shift.acceleration[c]

@@ -85,7 +85,10 @@ def sign_at_limit(d, k):
 
 
 def lower_limit(d, k):
-    """Return the lower limit [N] of the force of constraint k, a point at a rigid wall or an element."""
+    """Return the lower limit [N] of the force of constraint k.
+
+    It is 0 for a point at a rigid wall, and minus the upper limit for a sticking element.
+    """
     return 0.0 if k < d.touch.active_count else -upper_limit(d, k)
 
 
