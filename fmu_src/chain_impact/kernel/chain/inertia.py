@@ -72,7 +72,7 @@ SAME_POINT = 1e-8
 
 
 def loose_links(chain, free_base):
-    """Return the first and the last link of a sequence that can move without kinetic energy.
+    """Return the first and the last link of a sequence that can move without kinetic energy in some position.
 
     The links of the sequence have no inertia; the module's docstring tells where it begins and ends. Links
     are counted from 0. The result is −1, −1 if no such sequence exists.

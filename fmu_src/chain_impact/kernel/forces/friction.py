@@ -89,7 +89,8 @@ def set_anchor(d, e):
 def list_friction(d):
     """List the elements that have dry friction at present, and those of them that stick, both packed.
 
-    Contacts come first, then joints, then the slider. The joint of a free base does not exist.
+    Contacts come first, then joints, then the slider. A free base has no joint, so the element of the first
+    joint has no friction.
     """
     friction = d.friction
     friction.count = 0

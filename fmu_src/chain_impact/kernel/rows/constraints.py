@@ -52,7 +52,7 @@ from chain_impact.kernel.rows.geometry import (
 # larger than a link's mass, D is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times the mean mass
 # of a link; with a larger D the residual would only be round-off.
 LARGEST_IMPEDANCE, IMPEDANCE_GROWTH, SLOW_DECREASE = 1e12, 1e3, 0.1
-FOLD_RESIDUAL = 1e-3  # if the first iteration leaves more of the residual, a fold is near (ode/folds.py)
+FOLD_RESIDUAL = 1e-3  # if the first iteration leaves more than this part, a fold is near (ode/folds.py)
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. It finds the forces up to a thousandth. Without it, the round-off of the whole motion,
 # times the large D of the other iterations, would stay in the forces against motions that can hardly be
