@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.in_pages import PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -42,6 +42,32 @@ def test_the_name_of_a_field_for_speech_has_the_words_beside_it(show):
     for label in page.locator(".main-parameter-label").all():
         words = label.evaluate("label => label.firstChild.textContent.trim()")
         assert words in label.evaluate("label => label.control.ariaLabel")
+
+
+CUT = """[...document.querySelectorAll('.main-parameter input[type=text]')]
+  .filter((field) => field.scrollWidth > field.clientWidth).map((field) => field.value)"""
+
+
+@pytest.mark.parametrize("model", ["sphere_on_wall", "arm_at_stop", "ur5e"])
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_no_field_cuts_its_number(show, model, viewport):
+    page = show(model, viewport=viewport)
+    for slider in page.locator(".main-parameter input[type=range]").all():
+        slider.press("PageUp")
+    assert page.evaluate(CUT) == []
+
+
+def test_a_field_has_all_digits_while_it_has_the_focus(show):
+    page = show("sphere_on_wall")
+    stiffness = load_scene("sphere_on_wall").values["contact.stiffness"]
+    field = page.get_by_role("textbox", name="contact.stiffness")
+    assert float(field.input_value()) == pytest.approx(stiffness, rel=1e-4)
+    assert float(field.input_value()) != stiffness
+    field.focus()
+    assert float(field.input_value()) == stiffness
+    field.press("Enter")
+    field.blur()
+    assert page.locator("#reset-all").is_hidden()
 
 
 def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):

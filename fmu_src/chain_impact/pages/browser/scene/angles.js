@@ -6,7 +6,9 @@ import { numberText, unitText } from "../base/format.js";
 const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit, [word, pattern, advice]]) =>
   [unit, { word, text: new RegExp(`^${pattern}$`), advice }]));
 const DEGREE = Math.PI / 180; // [rad] one degree
-const DEGREE_DIGITS = 5; // number of significant digits with which an angle is shown in degrees
+const DEGREE_DIGITS = 5; // largest number of significant digits with which an angle is shown in degrees
+const ALL_DIGITS = 17; // number of digits that determine a number
+const ROOM = 9; // number of characters for which the field of a parameter has room
 
 /** Return an angle in radians for a text such as "90 deg"; return any other value unchanged. */
 export function inRadians(value, unit) {
@@ -19,10 +21,16 @@ export function orDegrees(unit) {
   return IN_DEGREES[unit]?.advice ?? "";
 }
 
-/** Return a value as text; an angle is written in degrees, with 5 digits. */
-export function valueText(value, unit) {
-  if (!(unit in IN_DEGREES)) return numberText(value);
-  return `${numberText(Number((value / DEGREE).toPrecision(DEGREE_DIGITS)))} ${IN_DEGREES[unit].word}`;
+/** Return a value as text with at most `digits` digits; an angle is written in degrees. */
+export function valueText(value, unit, digits = ALL_DIGITS) {
+  if (!(unit in IN_DEGREES)) return numberText(Number(value.toPrecision(digits)));
+  return `${numberText(Number((value / DEGREE).toPrecision(Math.min(digits, DEGREE_DIGITS))))} ${IN_DEGREES[unit].word}`;
+}
+
+/** Return a value as text with as many digits as a field has room for, but at least 3. */
+export function shortText(value, unit) {
+  const texts = [ALL_DIGITS, 6, 5, 4, 3].map((digits) => valueText(value, unit, digits));
+  return texts.find(({ length }) => length <= ROOM) ?? texts.at(-1);
 }
 
 /** Return the factor and the unit with which a value is shown; an angle is shown in degrees. */

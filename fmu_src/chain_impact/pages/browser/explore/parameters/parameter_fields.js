@@ -2,7 +2,7 @@
 
 import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
-import { valueText } from "../../scene/angles.js";
+import { shortText, valueText } from "../../scene/angles.js";
 
 /** Call the function `change`; if it refuses the field's value, mark the field, and show the reason in its row. */
 export function attempt(field, change) {
@@ -37,7 +37,10 @@ export function presentUnit(changes, name, values = changes.values) {
   return unit.includes("^") ? raised(unitOfPower(unit, changes.valueOf(name.replace(/stiffness$/, "exponent"), values))) : unitText(unit);
 }
 
-/** Return a field for a number or a choice, and a function that writes the present value into the field. */
+/**
+ * Return a field for a number or a choice, with two functions: `write` writes a value into it, and `refresh` the present value. Only while a
+ * field has the focus, it shows all digits of its value.
+ */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
   const field = items.length
@@ -46,16 +49,18 @@ export function valueField(changes, parameter) {
   field.title = readable(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`);
   field.setAttribute("aria-label", name);
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
-  const refresh = () => {
-    const value = changes.valueOf(name);
-    if (document.activeElement !== field || items.length) {
-      field.setCustomValidity("");
-      field.value = items.length ? String(value) : valueText(value, unit);
-    } else if (field.checkValidity()) {
-      field.value = valueText(value, unit);
-    }
+  const isActive = () => document.activeElement === field;
+  let written;
+  const write = (value = written) => {
+    written = value;
+    field.value = items.length ? String(value) : (isActive() ? valueText : shortText)(value, unit);
   };
-  return { field, refresh };
+  ["focus", "blur"].forEach((event) => field.addEventListener(event, () => field.checkValidity() && write()));
+  const refresh = () => {
+    if (!isActive() || items.length) field.setCustomValidity("");
+    if (field.checkValidity()) write(changes.valueOf(name));
+  };
+  return { field, write, refresh };
 }
 
 export function resetButton(changes, name, field) {

@@ -2,7 +2,6 @@
 
 import { make } from "../../base/dom.js";
 import { numberText } from "../../base/format.js";
-import { valueText } from "../../scene/angles.js";
 import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
@@ -66,13 +65,15 @@ function labelOf(changes, { name, label: words }) {
 function mainParameter(changes, entry, now) {
   const { name } = entry;
   const parameter = changes.parameters.get(name);
-  const { field, refresh } = valueField(changes, parameter);
+  const { field, write, refresh } = valueField(changes, parameter);
   const { label, text, showUnit } = labelOf(changes, entry);
   const row = make("div", { className: "main-parameter" }, label, resetButton(changes, name, field), field);
   field.id = `main-${name}`;
   label.htmlFor = field.id;
   field.setAttribute("aria-label", `${entry.label}, ${name}`); // the label contains the words that are seen, and the name in the scene
-  const { element, follow, show } = parameter.items.length ? choiceSentence(changes, parameter) : slider(changes, entry, field, now, text);
+  const { element, follow, show } = parameter.items.length
+    ? choiceSentence(changes, parameter)
+    : slider(changes, entry, { field, write, now, unit: text });
   row.classList.toggle("choice-parameter", parameter.items.length > 0);
   row.append(element, refusal());
   return { name, row, follow, refresh: () => {
@@ -110,7 +111,7 @@ function choiceSentence(changes, { name, items }) {
  * Return the slider of a parameter, and two functions that set it: `follow` to the value at the present time, `show` to the value after a
  * change.
  */
-function slider(changes, entry, field, now, unit) {
+function slider(changes, entry, { field, write, now, unit }) {
   const { name } = entry;
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
   const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
@@ -131,7 +132,7 @@ function slider(changes, entry, field, now, unit) {
   /** Show the value at the present time; a field in which the reader types, or whose text is refused, stays. */
   const follow = () => {
     const value = changes.valueAt(name, now().time);
-    if (document.activeElement !== field && field.checkValidity()) field.value = valueText(value, changes.parameters.get(name).unit);
+    if (document.activeElement !== field && field.checkValidity()) write(value);
     if (name in changes.inputSteps ? !isDragged : document.activeElement !== element) element.value = String(STEPS * toPosition(value));
     element.style.setProperty("--done", `${100 * Math.min(Math.max(toPosition(value), 0), 1)}%`);
     element.setAttribute("aria-valuetext", `${numberText(value)} ${unit()}`);
