@@ -4,7 +4,7 @@
 
 import pytest
 
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, until
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -60,6 +60,18 @@ def test_the_forces_in_joints_are_within_the_list_of_impacts(show, size):
     assert page.locator("#impacts th").count() == 8
     assert not page.evaluate(IS_CUT_OFF, "impacts")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewport):
+    """The list of impacts is at the lower edge of a wide screen, whatever is above."""
+    page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
+    until(page, "document.querySelectorAll('#outputs-over-time dt').length > 0")
+    cards = page.locator("aside > section:not(#list)").evaluate_all(
+        "cards => cards.map((card) => [card.getAttribute('aria-labelledby'), card.getBoundingClientRect().top])"
+    )
+    assert [name for name, _ in cards] == ["contact-title", "inputs-title", "outputs-title", "energy-title"]
+    assert cards == sorted(cards, key=lambda card: card[1])
 
 
 @pytest.mark.parametrize("kind", ["inputs", "outputs", "pins"])
