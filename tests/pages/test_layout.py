@@ -184,3 +184,12 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
     assert column.evaluate("one => one.scrollTop") == 0
     row, pins = (page.locator(name).first.bounding_box() for name in ("#impacts tbody tr", "#pins"))
     assert row["y"] + row["height"] < pins["y"]
+
+
+@pytest.mark.parametrize(("model", "viewport"), [("hopper", DESK), ("four_link_box", PHONE)])
+def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model, viewport):
+    page = show(model, viewport=viewport)
+    for key in ("Shift+ArrowRight", *["ArrowLeft"] * 6):
+        page.keyboard.press(key)
+        assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
+    assert " is next: " in page.inner_text("#caption")

@@ -114,13 +114,14 @@ export class ImpactList {
 }
 
 /**
- * Return words for a contact at a time [s]. The force comes first, because a narrow screen cuts the end. The result is "" for a contact
- * that is not in the list of impacts.
+ * Return words for a contact at a time [s]. The force comes first, because a narrow screen cuts the end; for the same reason the speed is
+ * left out before the impact. The result is "" for a contact that is not in the list of impacts.
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
   const { number, onset, wall, peak } = contact;
-  const next = onset > time ? " is next" : "";
+  const isNext = onset > time;
   const force = peak === null ? "" : `${peakText(contact)}, `;
-  return `Impact ${number} of ${impacts.length}${next}: ${force}${approachText(contact)}, ${contact.what} at ${wall}`;
+  const speed = isNext ? "" : `${approachText(contact)}, `;
+  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${force}${speed}${contact.what} at ${wall}`;
 }
