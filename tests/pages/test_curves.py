@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, ROWS, packed_module, page_contents, until, until_told
+from tests.pages.in_pages import DESK, PHONE, ROWS, packed_module, page_contents, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -129,6 +129,20 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
     page.keyboard.press("Escape")
     page.reload()
     until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
+
+
+IN_SIGHT = function_of("curves", "inSight")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_chosen_outputs_are_in_sight_when_the_dialog_closes(show, viewport):
+    page = show(viewport=viewport)
+    page.get_by_role("button", name="Chart…").click()
+    field = page.get_by_role("textbox", name="Names, with * for any text")
+    field.fill("energy.total")
+    field.press("Enter")
+    page.keyboard.press("Escape")
+    until(page, f"({IN_SIGHT})()")
 
 
 def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):

@@ -183,10 +183,12 @@ def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
     page.get_by_role("button", name="F(δ)").click()
     assert page.locator(".loop-now").is_visible()
     assert page.locator("#force .now").is_hidden()
+    assert "penetration" in page.inner_text("#contact-quantity")
     line = page.evaluate(function_of("explore_page", "lineOfForces"))
     assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
     page.get_by_role("button", name="F(δ)").click()
     assert page.locator("#force .now").is_visible()
+    assert "penetration" not in page.inner_text("#contact-quantity")
 
 
 def test_many_runs_leave_the_memory_as_it_was(show):

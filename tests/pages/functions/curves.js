@@ -40,3 +40,10 @@ export const motionInPage = async ({ module, file, kit, curves }) => {
     gap: Math.max(...outputs.time.slice(1).map((later, k) => later - outputs.time[k])), names: outputs.curves.map(({ name }) => name),
     most: outputs.curves.map(({ values }) => values.reduce((a, b) => Math.max(a, b))) };
 };
+
+/** Return whether the chart of outputs lies in the window, where nothing covers it. */
+export const inSight = () => {
+  const box = document.querySelector("#outputs-over-time canvas")?.getBoundingClientRect();
+  return Boolean(box) && [box.top + 1, box.bottom - 1].every((y) =>
+    document.elementFromPoint(box.left + box.width / 2, y)?.closest("#outputs-over-time"));
+};

@@ -146,7 +146,8 @@ export class ForceChart extends Chart {
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
-    this.quantity.textContent = unitsOf(contact).force === "N" ? "Contact force" : "Moment of the stop";
+    const quantity = unitsOf(contact).force === "N" ? "Contact force" : "Moment of the stop";
+    this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");
     const text = `${contactTitle(contact)}, ${length}${legend}`;

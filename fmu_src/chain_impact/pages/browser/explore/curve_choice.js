@@ -43,6 +43,8 @@ function namesIn(text, columns) {
 export class CurveChoice {
   names = [];
 
+  isNew = false; // whether the reader has chosen outputs that have not been brought into view
+
   #listener = () => {};
 
   constructor(changes) {
@@ -58,6 +60,7 @@ export class CurveChoice {
     });
     this.search.addEventListener("input", () => this.#filter());
     this.search.addEventListener("keydown", (event) => event.key === "Enter" && event.preventDefault());
+    this.dialog.addEventListener("close", () => this.bringIntoView());
     changes.onOpen(() => {
       this.names = this.names.filter((name) => this.#columns.some((column) => column.name === name));
     });
@@ -115,9 +118,18 @@ export class CurveChoice {
     this.names = namesIn(text, this.#columns);
   }
 
+  /** Scroll to the charts of outputs that are newly chosen, once they are drawn and the dialog is closed. */
+  bringIntoView() {
+    const charts = find("outputs-over-time").closest("section");
+    if (!this.isNew || this.dialog.open || charts.hidden) return;
+    this.isNew = false;
+    charts.scrollIntoView({ block: "nearest" });
+  }
+
   #choose(text) {
     try {
       this.take(text);
+      this.isNew = this.names.length > 0;
       this.#listener();
       this.#refresh();
     } catch (error) {

@@ -55,6 +55,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
   if (parts) {
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
+    choice.bringIntoView();
   } else if (player.recording) {
     player.drawSoon();
   }
