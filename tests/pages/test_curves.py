@@ -228,6 +228,14 @@ def test_a_group_of_outputs_is_chosen_at_once(show):
     until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in (0, 1, 3, 4))}'")
 
 
+def test_outputs_are_found_by_their_meaning_which_stands_beside_their_names(show):
+    page = show()
+    page.get_by_role("button", name="Chart…").click()
+    page.get_by_role("searchbox", name="Search the outputs").fill("y acceleration")
+    groups = page.locator(".curve-group:visible summary")
+    assert groups.all_inner_texts() == ["point[*].\u200bay y of the acceleration"]
+
+
 def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
     page = show(hash_="#curves=point[*].y,link[1].angle")
     lines = page.locator("#outputs-over-time dt").evaluate_all(

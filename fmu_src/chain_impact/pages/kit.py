@@ -10,6 +10,7 @@ from which the page computes the index (compilation/affine.py). shared.py has th
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, is_dataclass
 from functools import cache, partial
@@ -32,13 +33,14 @@ from chain_impact.scene.rules import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signals import driven_alone, family
 from chain_impact.variables.indices import PEAKS, WORD, layout_of, word_index
-from chain_impact.variables.kind import MOTION, Block, Kind, filled
+from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNTS_OF, OWNER_KINDS, RECORD, Owner
 from chain_impact.variables.parameters import EXPERIMENT, PARAMETERS
 from chain_impact.variables.signal_filling import input_at
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
+from chain_impact.variables.words import GENERAL, LOSSES
 
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
@@ -188,8 +190,10 @@ def _input_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, A
 
 
 def _output_row(kind: Kind) -> dict[str, Any]:
+    words = defaultdict(str, GENERAL, n=LETTERS.get(kind.owner_kind, "i"), axis=kind.axis, losses=LOSSES)
     return _name_and_condition(kind) | {
         "unit": kind.unit,
+        "text": kind.text.format_map(words).rstrip(": "),
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
         "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("load", "peak"),

@@ -5,6 +5,7 @@ import { breakable, readable, unitText } from "../base/format.js";
 import { proposed } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 import { shownIn } from "../scene/angles.js";
+import { inputText } from "../scene/words.js";
 
 /** Return the columns whose names match a text, in which `*` stands for any text. */
 function like(text, columns) {
@@ -76,13 +77,13 @@ export class CurveChoice {
   }
 
   open() {
-    this.rows = this.#columns.map(({ name, unit }) => {
+    this.rows = this.#columns.map(({ name, unit, text = inputText(name) }) => {
       const box = make("input", { type: "checkbox" });
       box.setAttribute("aria-label", name);
       box.addEventListener("change", () =>
         this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
       const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: shownIn({ unit }).text })];
-      return { name, box, row: make("label", {}, box, ...words) };
+      return { name, text, box, row: make("label", { title: text }, box, ...words) };
     });
     const groups = [...new Set(this.rows.map(({ name }) => groupOf(name)))];
     this.groups = groups.map((group) => this.#group(group, this.rows.filter(({ name }) => groupOf(name) === group)));
@@ -99,7 +100,9 @@ export class CurveChoice {
   #group(group, members) {
     const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
     if (members.length === 1) return { part: rows, members };
-    const list = make("details", {}, make("summary", { textContent: breakable(group) }), rows);
+    const texts = [...new Set(members.map(({ text }) => text))];
+    const meaning = texts.length === 1 ? make("small", { textContent: texts[0].replace(/[,:;].*/, "") }) : "";
+    const list = make("details", {}, make("summary", { title: texts.join("; ") }, `${breakable(group)} `, meaning), rows);
     const all = make("button", { type: "button", textContent: "All" });
     const shown = () => members.filter(({ row }) => !row.hidden).map(({ name }) => name);
     const areChosen = () => shown().every((name) => this.names.includes(name));
@@ -149,8 +152,8 @@ export class CurveChoice {
 
   #filter() {
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    this.rows.forEach(({ name, row }) => {
-      row.hidden = !words.every((word) => name.toLowerCase().includes(word));
+    this.rows.forEach(({ name, text, row }) => {
+      row.hidden = !words.every((word) => `${name} ${text}`.toLowerCase().includes(word));
     });
     this.groups.forEach(({ part, list, members, showState }) => {
       part.hidden = members.every(({ row }) => row.hidden);

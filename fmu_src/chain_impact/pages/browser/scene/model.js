@@ -109,7 +109,8 @@ export function describe(kit, file, command) {
     return { name, unit, word: wordIndex(kit.driven[order], known, row), integer: false, ownerName: owner.name };
   });
   const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, known, row.owner.at) }));
-  const columns = [...driven, ...outputs.map(({ name, unit, word, integer, isPeakLoad }) => ({ name, unit, word, integer, isPeakLoad }))];
+  const columns = [...driven, ...outputs.map(({ name, unit, text, word, integer, isPeakLoad }) =>
+    ({ name, unit, text, word, integer, isPeakLoad }))];
   const named = new Set(structure.driven.map(({ input }) => input));
   return {
     name: file.name,
