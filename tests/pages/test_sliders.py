@@ -13,6 +13,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import DESK, PHONE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -68,6 +69,16 @@ def test_a_field_has_all_digits_while_it_has_the_focus(show):
     field.press("Enter")
     field.blur()
     assert page.locator("#reset-all").is_hidden()
+
+
+IN_SIGHT = function_of("sliders", "rowsInSight")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_list_of_all_parameters_comes_into_sight_when_it_opens(show, viewport):
+    page = show(viewport=viewport)
+    page.locator("summary").get_by_text("All parameters").click()
+    until(page, f"({IN_SIGHT})() > 4")
 
 
 def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):

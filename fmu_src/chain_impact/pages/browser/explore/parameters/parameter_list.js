@@ -26,7 +26,10 @@ export function showParameterList(details, changes) {
     refresh();
     filter();
   };
-  details.addEventListener("toggle", fill);
+  details.addEventListener("toggle", () => {
+    fill();
+    if (details.open) details.firstElementChild.scrollIntoView(); // the list is below the fold
+  });
   search.addEventListener("input", filter);
   changes.onOpen(() => {
     rows = undefined;
