@@ -74,6 +74,12 @@ def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewpo
     assert cards == sorted(cards, key=lambda card: card[1])
 
 
+def test_the_help_needs_no_scrolling_on_a_desk(show):
+    page = show(viewport=DESK)
+    page.keyboard.press("?")
+    assert page.evaluate("(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight)(document.getElementById('help'))")
+
+
 @pytest.mark.parametrize("kind", ["inputs", "outputs", "pins"])
 def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
     hash_ = {
