@@ -18,7 +18,7 @@ export const MAIN_PARAMETERS = [
   { name: "stop.stiffness", label: "Stiffness of stops", logarithmic: true, decades: 3 },
   { name: "stop.restitution", label: "Restitution of stops", ends: [0, 1] },
   { name: "gravity.y", label: "Gravity, y", ends: [-20, 20] },
-  { name: "solver.tolerance", label: "Tolerance", logarithmic: true, ends: [-12, -3] },
+  { name: "solver.tolerance", label: "Solver tolerance", logarithmic: true, ends: [-12, -3] },
   { name: "simulation.stop_time", label: "Stop time", spread: 3 },
 ];
 const STEPS = 400; // number of positions of a slider
