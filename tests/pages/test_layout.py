@@ -4,7 +4,8 @@
 
 import pytest
 
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, until
+from chain_impact import simulate
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, until
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -68,7 +69,7 @@ def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewpo
     page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
     until(page, "document.querySelectorAll('#outputs-over-time dt').length > 0")
     cards = page.locator("aside > section:not(#list)").evaluate_all(
-        "cards => cards.map((card) => [card.getAttribute('aria-labelledby'), card.getBoundingClientRect().top])"
+        "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
     )
     assert [name for name, _ in cards] == ["contact-title", "inputs-title", "outputs-title", "energy-title"]
     assert cards == sorted(cards, key=lambda card: card[1])
@@ -77,7 +78,9 @@ def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewpo
 def test_the_help_needs_no_scrolling_on_a_desk(show):
     page = show(viewport=DESK)
     page.keyboard.press("?")
-    assert page.evaluate("(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight)(document.getElementById('help'))")
+    assert page.evaluate(
+        "(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight)(document.getElementById('help'))"
+    )
 
 
 @pytest.mark.parametrize("kind", ["inputs", "outputs", "pins"])
@@ -195,7 +198,8 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
 @pytest.mark.parametrize(("model", "viewport"), [("hopper", DESK), ("four_link_box", PHONE)])
 def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model, viewport):
     page = show(model, viewport=viewport)
-    for key in ("Shift+ArrowRight", *["ArrowLeft"] * 6):
-        page.keyboard.press(key)
-        assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
-    assert " is next: " in page.inner_text("#caption")
+    for onset in simulate(model).impacts["onset"][:5]:
+        for ahead, words in ((1e-3, " is next: "), (-1e-4, " m/s, ")):
+            go_to(page, onset - ahead)
+            assert words in page.inner_text("#caption").replace("\u202f", " ")
+            assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")

@@ -41,7 +41,7 @@ class Link:
         "", "box: a rectangle, with a point at each corner and its inertia", None, choices=("box",)
     )
     height: float | None = quantity(
-        "m", "height of the box, across the link", None, above=0.0, label="Box height"
+        "m", "height of the box, across the link", None, above=0.0, label="Height"
     )
     center_of_mass: float = quantity(
         "m",
