@@ -228,7 +228,7 @@ def test_a_group_of_outputs_is_chosen_at_once(show):
     until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in (0, 1, 3, 4))}'")
 
 
-def test_outputs_are_found_by_their_meaning_which_stands_beside_their_names(show):
+def test_outputs_are_found_by_the_meaning_beside_their_names(show):
     page = show()
     page.get_by_role("button", name="Chart…").click()
     page.get_by_role("searchbox", name="Search the outputs").fill("y acceleration")

@@ -38,8 +38,8 @@ export function presentUnit(changes, name, values = changes.values) {
 }
 
 /**
- * Return a field for a number or a choice, with two functions: `write` writes a value into it, and `refresh` the present value. Only while a
- * field has the focus, it shows all digits of its value.
+ * Return a field for a number or a choice, with two functions: `write` writes a value into it, and `refresh` the present value. A field
+ * shows all digits of its value only while it has the focus.
  */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
