@@ -219,7 +219,7 @@ def apply_pending_inputs(d):
     """Use the given inputs and laws from now on, and choose held contacts and modes again.
 
     Returns:
-        A status. A fault is a law that is invalid, or would become rigid while a point touches a wall: then
+        A status. After the fault that a law is invalid, or would become rigid while a point touches a wall,
         the old laws stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values;
         all of these are in use.
     """

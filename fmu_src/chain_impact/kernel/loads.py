@@ -281,8 +281,8 @@ def search_peaks(d, time):
 def rises_between(left, top, right, highest):
     """Return whether a quantity with three equidistant samples may exceed ``highest`` between them.
 
-    The samples are ``left``, ``top`` and ``right``. If the parabola through them has a maximum between the
-    outer ones, it must exceed NEAR_PEAK times ``highest``.
+    The result is true if the parabola through the samples ``left``, ``top`` and ``right`` has a maximum
+    between the outer samples that exceeds NEAR_PEAK times ``highest``.
     """
     bend = 2.0 * top - left - right
     # the parabola through the samples has no maximum between the outer samples

@@ -31,7 +31,9 @@ C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
 # GROUP_BITS: the number of bits of 2/π in each of the groups in DIGITS. GROUPS: the number of groups that the
 # reduction of one large angle takes; more groups would not change its result.
 GROUP_BITS, GROUPS = 24, 6
-LAST_DIGIT = 971  # exponent e of the largest double m 2^e, with an integer m of 53 bits
+# Exponent e of the largest double m 2^e, with an integer m of 53 bits. It determines how many bits of 2/π are
+# stored.
+LAST_DIGIT = 971
 
 
 def _digit_groups():

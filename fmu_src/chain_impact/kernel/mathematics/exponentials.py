@@ -36,7 +36,7 @@ HALF_RANGE_HIGH, HALF_RANGE_LOW = in_two_doubles(HALF_RANGE * LN_2, PLACES)
 OVERFLOW, UNDERFLOW = 710.0, -746.0  # e^x is infinite above OVERFLOW, and 0 below UNDERFLOW
 # |x| below which x + x²/2 is e^x − 1 to about eleven digits, enough for one step of Newton's method
 NEARLY_LINEAR = 1e-5
-# from this x on, the 1 in e^x − 1 is less than a hundredth of the last digit of e^x, and is left out
+# from this x on, 1 is at most a thirtieth of the last digit of e^x, so the rounded e^x minus 1 is accurate
 STEEP = 40.0
 
 
