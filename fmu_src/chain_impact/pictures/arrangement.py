@@ -44,34 +44,42 @@ LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0
 
 
 def is_over_time(recording: Recording, name: str) -> bool:
-    """Return whether a panel has an axis of time."""
+    """Return whether the panel ``name`` has an axis of time: all but a motion in the plane."""
     return name != "motion" or line_of_motion(recording) is not None
 
 
 def broadness(recording: Recording) -> float:
-    """Return the ratio of width to height of the motion with its walls; a flat motion is higher."""
+    """Return the ratio of width to height of the motion with its walls, but at most BROADEST_FLAT.
+
+    A flatter motion is drawn with a larger scale along y.
+    """
     width, height = np.ptp(view_of(recording).corners, axis=0)
     return float(min(width / height, BROADEST_FLAT))
 
 
 def motion_share(ratio: float, width: float) -> float:
-    """Return the width of the panel of motion beside other panels, relative to the figure's [inches]."""
+    """Return the width of the panel of motion beside other panels, relative to the width of the figure.
+
+    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
+    """
     height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
     # a panel of this width has the shape of the motion and its walls
     return height * min(max(ratio, SLIM), BROAD)
 
 
 def is_beside(ratio: float, width: float) -> bool:
-    """Return whether the motion is beside the panels over time, in a figure of some width [inches]."""
+    """Return whether the motion stands beside the panels over time, in a figure of a ``width`` [inches].
+
+    ``ratio`` is the motion's width over its height.
+    """
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
-    """Return the heights of the panels over time and of the axis of colours.
+    """Return the heights of the panels over time, and at last of the axis that shows the colours of time.
 
-    They are relative to the height of the panel of energies.
-
-    Only a motion in the plane has colours.
+    They are relative to the height of the panel of energies. This axis exists only if other panels are shown
+    with a motion in the plane. ``shown`` has the names of the panels.
     """
     timed = [name for name in shown if is_over_time(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}
@@ -105,7 +113,7 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
 
 
 def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
-    """Return the axes of the panels, and of the axis of colours below the panels over time, by name."""
+    """Return the axes of a figure: name of a panel → axes; "time" is the axis of colours below the panels."""
     timed = [name for name in shown if is_over_time(recording, name)]
     width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
     ratio = broadness(recording) if has_motion else 1.0
@@ -129,9 +137,9 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 
 
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
-    """Return axes with a common axis of time in the last cells of a grid, in the order of ``names``.
+    """Return new axes with a common axis of time, in the last cells of a grid, in the order of ``names``.
 
-    The axes "time" are made first, so that all other axes come later in the figure.
+    The axes "time" are made first, so that all other axes come later among the figure's axes.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key="time".__ne__):

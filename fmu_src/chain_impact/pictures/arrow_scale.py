@@ -16,7 +16,7 @@ from matplotlib.ticker import EngFormatter
 from chain_impact.pictures.scale_bar import placed_below
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
-SHORTEST_ARROW = 0.02  # the shortest arrow, relative to the smaller side of the view
+SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the smaller side of the view
 # FIRST_MARK: the least distance of a mark from the left end of the ruler; MARK_GAP: the least distance of two
 # marks; both relative to the length of the ruler
 FIRST_MARK, MARK_GAP = 0.1, 0.3
@@ -38,7 +38,7 @@ class ArrowScale:
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
     def shows(self, force: float) -> bool:
-        """Return whether the arrow of a force [N] is longer than SHORTEST_ARROW times the side."""
+        """Return whether the arrow of a force [N] is longer than the shortest arrow of all forces."""
         return self.length(force) > SHORTEST_ARROW * self.side
 
     def marks(self) -> list[tuple[float, str]]:

@@ -1,4 +1,4 @@
-"""Curves that a reader can distinguish: dashes where curves merge, bands for grey curves or oscillations."""
+"""Curves that a reader can distinguish: dashes where curves coincide, bands for grey curves, oscillations."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.style import GREY
 
-MOST_GREY = 2  # up to this number of grey curves are drawn as curves; more grey curves are drawn as a band
+MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 SOFT = 0.45  # the opacity of a band, from 0 to 1
 # A curve is fast if it turns at least twice, which is a period, within BIN [points] in more than FAST_PART of
 # the width of the axes. Turns count from LEAST_TURN on, relative to the range of all curves in the axes.
 BIN, FAST_PART, LEAST_TURN = 4.0, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the height of the panel
 SAME = 0.005
-# MERGED: the largest usual distance of two lines that merge, relative to the range of all lines; PIECES: the
-# number of points of a line at which this distance is measured; DASH: the length of a dash, in line widths
+# MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
+# this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
+# in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
 BAND_EDGE, STRIPE = 1.2, 0.7  # [points] the width of the edges of an oscillation's range, and of its stripes
 FAST = "stripes: range of a fast oscillation"
@@ -29,17 +30,25 @@ STRIPED = (0.0, (0.25, 0.35))
 def fill_band(
     axes: Axes, along: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
 ) -> None:
-    """Fill the area between the least and the largest of some curves, with gaps where values are missing."""
+    """Fill the area between the least and the largest of some curves in grey.
+
+    The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis.
+    """
     known = np.ma.masked_invalid(curves)
     ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
     axes.fill_between(along, *ends, color=GREY, alpha=SOFT, linewidth=0.0, label=label)
 
 
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
-    """Draw curves, each with its properties in matplotlib's names, and a fast oscillation as its range.
+    """Draw curves; a curve that oscillates fast is drawn as the range of its values.
 
-    The range has stripes between its least and its largest values; stripes of several curves are side by
-    side, so that no colour covers another. An entry of the legend explains the stripes.
+    The range has vertical stripes between two lines, its least and its largest values. Stripes of several
+    curves are side by side, so that no colour covers another; an entry of the legend explains them.
+
+    Args:
+        axes: the axes to draw into.
+        along: the positions on the horizontal axis, shape (T,).
+        curves: values, shape (T,), and properties with matplotlib's names, for each curve.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -62,14 +71,14 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:
-    """Return, for each curve, the number of earlier curves that it would hide because they look the same.
+    """Return, for each curve, the number of earlier curves that it would hide, as they nearly coincide.
 
-    A curve that would hide others is dashed, so that they are seen through its gaps.
+    The caller draws such a curve with dashes, so that the earlier ones are seen through the gaps.
 
     Args:
         curves: the curves, each of shape (T,).
-        same: the largest distance of curves that look the same, relative to the range of all curves.
-        share: the least part of the rows in which such curves look the same.
+        same: the largest distance at which two curves coincide, relative to the range of all curves.
+        share: the part of the rows in which two such curves must coincide.
     """
     every = [curve[np.isfinite(curve)] for curve in curves]
     whole = np.concatenate(every) if every else np.zeros(0)
@@ -81,12 +90,10 @@ def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) 
 
 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
-    """Return dashes, as a style of matplotlib, for each line that merges with an earlier one.
+    """Return for each line its dashes, as a style of matplotlib, if it merges with an earlier one, or None.
 
-    For any other line the result is None.
-
-    The first of some lines that merge is without dashes, below the others. The dashes of the other lines
-    follow each other along the line, with a gap through which the first line is seen.
+    Lines merge if they nearly coincide. The first of such lines has no dashes and lies below the others. The
+    dashes of the others follow each other along the line, with a gap through which the first line is seen.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -109,14 +116,17 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
 
 
 def _evenly(line: np.ndarray) -> np.ndarray:
-    """Return PIECES points at equal distances along a line of shape (2, S), as shape (2, PIECES)."""
+    """Return PIECES points at equal distances along a line of shape (2, S), as an array (2, PIECES)."""
     way = np.concatenate([[0.0], np.hypot(*np.diff(line)).cumsum()])
     at = np.linspace(0.0, way[-1], PIECES)
     return np.array([np.interp(at, way, part) for part in line])
 
 
 def _apart(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the usual distance of two lines: the larger median of the distances from one to the other."""
+    """Return the usual distance of two lines: the median distance of a point of one from the other line.
+
+    Of both medians, one for the points of each line, the larger is returned.
+    """
     distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
     return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))
 
@@ -124,7 +134,8 @@ def _apart(first: np.ndarray, second: np.ndarray) -> float:
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
     """Return whether a curve turns so often that, drawn as a line, it would look like an area.
 
-    A turn counts if the value changes by at least ``least`` until the next turn. The result is False for a
+    The axis is divided into ``bins`` equal parts; more than FAST_PART of them must have two turns or more. A
+    turn counts if the value changes by at least ``least`` until the next turn. The result is False for a
     curve with missing values, or with at most ``bins`` rows.
     """
     if not np.isfinite(values).all() or len(along) <= bins:
@@ -137,9 +148,10 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
 
 
 def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Divide an axis into ``bins`` equal parts; return their middles, and their least and largest values.
+    """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
 
-    The values of a part include those of its neighbours, so that the edges do not follow the oscillation.
+    The axis is divided into ``bins`` equal parts; parts without rows are left out. The values of a part
+    include the values of both neighbours, so that the edges do not follow the oscillation.
     """
     edges = np.linspace(along[0], along[-1], bins + 1)
     starts = np.searchsorted(along, edges)

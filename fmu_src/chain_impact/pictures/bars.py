@@ -28,7 +28,8 @@ WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the position of the heading of the texts, in rows above the first bar
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# blocks with the same label have one scale if the ratio of their longest bars is at most this number
+# Blocks with the same label have one scale if the longest bar of any block is at most so many times as long
+# as the longest bar of another.
 ONE_SCALE = 10.0
 
 
@@ -87,12 +88,12 @@ def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[B
 
 
 def have_one_scale(longest: Sequence[float]) -> bool:
-    """Return whether blocks have one scale, for the length of the longest bar of each."""
+    """Return whether blocks of bars can have one scale; ``longest``: the longest bar's length in each."""
     return max(longest) <= ONE_SCALE * min(longest)
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of the axis of each block; blocks whose bars can be compared have the same ends."""
+    """Return the ends of the axis of each block; all blocks have the same ends if they can have one scale."""
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]
@@ -101,9 +102,10 @@ def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
 
 
 def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool) -> None:
-    """Draw a block into axes from one end to the other, with the texts in a column at the right.
+    """Draw a block of bars into axes, with the texts in a column at the right.
 
-    ``small``: whether the names are small, and the ticks few.
+    ``ends``: the least and the largest value of the axis. ``small``: whether the figure is narrow, so that
+    the names must be small, and the ticks few.
     """
     rows = range(len(block.names))
     colours = block.colours or [BLUE if value > 0.0 else VERMILLION for value in block.values]

@@ -44,7 +44,7 @@ def body_look(colour: Any) -> dict[str, Any]:
 
 
 def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
-    """Draw the line of a slider with its stops; return the drawn objects (artists of matplotlib)."""
+    """Draw the line of a slider with its stops, and return the drawn lines; nothing without a slider."""
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0])

@@ -38,13 +38,13 @@ from chain_impact.scene.unit_text import in_brackets
 NO_CHANGE = 1e-12
 # the largest number of parameters with curves of their own: the parameters with the largest effects
 LARGEST_EFFECTS = 4
-STEEP = 30.0  # the axis is logarithmic if the largest change is more than this number times the median change
+STEEP = 30.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
 Looks = list[dict[str, Any]]
 
 
 @styled()
 def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
-    """Draw, for each parameter, the changes of outputs and of the speeds of impacts on an empty figure.
+    """Draw the changes of outputs and of the speeds of impacts by each parameter on an empty figure.
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
@@ -96,7 +96,7 @@ def short_contacts(recording: Recording) -> np.ndarray:
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
-    """Return whether each row is inside one of some impacts, shape (T,)."""
+    """Return whether each row of the recording is inside one of ``impacts``, shape (T,)."""
     rows = np.zeros(len(recording.time), bool)
     for impact in impacts:
         rows |= (recording.time >= impact["onset"]) & (recording.time <= impact["end"])
@@ -106,7 +106,7 @@ def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
 def relative_changes(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
 ) -> np.ndarray:
-    """Return, for each row and parameter, the largest change of any output, shape (T, P).
+    """Return the largest |change| of any of ``outputs`` for each row and parameter, shape (T, P).
 
     A change is relative to the range of its output. The result is 0 within impacts.
     """
@@ -118,9 +118,10 @@ def relative_changes(
 
 
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
-    """Return the look of each parameter: colours for those with the largest effects, grey for others.
+    """Return the properties of each parameter's curves, with matplotlib's names.
 
-    A parameter without effect is always grey.
+    The LARGEST_EFFECTS parameters with the largest changes have colours, others are grey; a parameter without
+    effect is always grey. ``relative`` is the result of ``relative_changes``.
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
@@ -144,7 +145,11 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
 def draw_changes(
     axes: Axes, recording: Recording, sensitivities: Sensitivities, output: str, looks: Looks
 ) -> None:
-    """Draw the changes of an output for each parameter, with gaps in short impacts and where unknown."""
+    """Draw the changes of an output over time, a curve for each parameter.
+
+    The curves have gaps in impacts that are too short to be seen, and where the derivative is unknown. Many
+    grey curves are a band.
+    """
     changes = sensitivities.changes(output)
     changes[short_contacts(recording)] = np.nan
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
@@ -158,7 +163,7 @@ def draw_changes(
 
 
 def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, looks: Looks) -> None:
-    """Draw the changes of each impact's speed for each parameter: dots, or diamonds at stops of joints."""
+    """Draw the change of each impact's speed by each parameter: as a dot, or a diamond at stops of joints."""
     changes, stopped = sensitivities.impact_changes("impact_speed"), recording.at_stops
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": IMPACT_DOT, "clip_on": False}
@@ -174,9 +179,10 @@ def draw_speeds(axes: Axes, recording: Recording, sensitivities: Sensitivities, 
 
 
 def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
-    """Set the scale of the axis: logarithmic on both sides of 0 if some changes are very large, else linear.
+    """Set the scale of the vertical axis for some changes, and draw a line at 0.
 
-    Changes below ``least`` are round-off and do not count.
+    The scale is logarithmic on both sides of 0 if some changes are very large (STEEP), else linear. If all
+    changes are at most ``least``, which is round-off, the axis goes from −1 to 1.
     """
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     sizes = np.abs(changes[np.isfinite(changes) & (changes != 0.0)])
@@ -196,7 +202,7 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time in which all derivatives are unknown, from its first row to the end."""
+    """Shade the time from the first row in which all derivatives are unknown to the end."""
     unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if unknown.any():
         start, end = recording.time[unknown.argmax()], recording.time[-1]

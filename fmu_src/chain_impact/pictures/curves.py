@@ -34,10 +34,10 @@ AROUND_PANELS = 1.1  # [inch] the space above and below all panels
 WIDEST = 28
 # a unit gets a prefix if the largest value in the panel is less than SMALL_VALUE or at least LARGE_VALUE
 SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
-# table: unit that only one quantity has → this quantity
+# table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
-# the part of the text's colour in the colour of the line at the end of an impact; the rest is the ground's
-# colour
+# the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
+# the ground
 END_LINE = 0.5
 # the largest number of outputs, of those that are always 0, that are named at the foot of the picture
 MOST_NAMED = 4
@@ -52,10 +52,10 @@ def curves_size(curves: Curves) -> tuple[float, float]:
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
-    """Return the names of the outputs, one list for each panel.
+    """Return the names of the outputs in each panel.
 
-    A panel has one unit. A unit with more curves than colours has one panel for each quantity, the last part
-    of a name, unless the picture would have too many panels.
+    A panel has one unit. A unit with more curves than colours has one panel for each quantity, which is the
+    last part of a name, unless the picture would have too many panels.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -115,7 +115,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
-    """Return words for the impact in view; "" in a view of the whole run."""
+    """Return words for the impact around which the curves are drawn; "" for curves of the whole run."""
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
@@ -123,7 +123,7 @@ def in_view(recording: Recording, curves: Curves) -> str:
 
 
 def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
-    """Draw each panel into the given axes.
+    """Draw each panel into one of the axes that a user gives.
 
     Raises:
         ValueError: when the numbers of axes and panels differ, or there are too many curves.
@@ -145,9 +145,9 @@ def draw_all(
     *,
     beside: bool = True,
 ) -> None:
-    """Draw the panels into the axes of a grid.
+    """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
-    ``beside``: whether legends may stand beside the axes.
+    ``panels``: the names of the outputs in each panel. ``beside``: whether legends may stand beside the axes.
     """
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
@@ -203,10 +203,10 @@ def draw_all(
 
 
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
-    """Return, for each curve of a panel, the index of its colour and dashes, from 0.
+    """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
 
-    Quantities of one owner, such as a point, have the same index in all panels, if a panel has one curve for
-    each owner. ``places`` maps an owner to its index in earlier panels; the function adds the owners of this
+    Quantities of one owner, such as a point, have the same index in all panels, if a panel has only one curve
+    of each owner. ``places``: owner → its index in earlier panels; the function adds the owners of this
     panel.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
@@ -221,33 +221,36 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def whole_name(name: str) -> str:
-    """Return the name of the only curve of a panel; a long name has its quantity in a second line."""
+    """Return the label of a panel with one curve: its name; a long name has the quantity in a second line."""
     quantity = shared_part([name])
     return name if len(name) <= LONGEST else f"{name.removesuffix(f'.{quantity}')}\n{quantity}"
 
 
 def look_of_energy(name: str) -> dict[str, Any]:
-    """Return the properties of the curve of an energy of the chain; empty for other outputs."""
+    """Return the properties of an output's curve if it is an energy of the chain; empty for other outputs."""
     owner, _, _, energy = name_parts(name)
     return energy_look(energy) if owner == "energy" and energy in ENERGIES else {}
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
-    """Return the outputs that are not drawn, because they are 0 at all times.
+    """Return the outputs that are left out of their panels, because they are 0 at all times.
 
-    In a panel such outputs are left out only if there are two or more of them, and another curve is drawn.
+    A panel leaves such outputs out only if there are two or more of them, and another curve is drawn.
     """
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
-    """Return the outputs of a panel that have curves; others are always 0."""
+    """Return the outputs of a panel that have curves: all but those that ``always_zero`` describes."""
     moving = [name for name in names if curves.values[name].any()]
     return moving if moving and len(moving) < len(names) - 1 else list(names)
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
-    """Draw a dotted line at the end of an impact, if it is known; arguments are as in ``mark_impacts``."""
+    """Draw a dotted line at the end of an impact, if this is known; ``number`` is the impact's, from 1.
+
+    ``start`` and ``factor`` are as in ``mark_impacts``.
+    """
     end = recording.impacts["end"][number - 1]
     if np.isfinite(end):
         look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
@@ -255,14 +258,20 @@ def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
-    """Return a factor, and the unit of an axis into which it converts values: kN for large forces."""
+    """Return the factor from ``unit`` to the unit of an axis for some curves, and this unit: kN for 5000 N.
+
+    Only units of forces, moments and impulses get a prefix, for small and large values.
+    """
     largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     is_usual = SMALL_VALUE <= largest < LARGE_VALUE or largest == 0.0 or unit not in LOAD_UNITS
     return (1.0, unit) if is_usual else prefixed(largest, unit)
 
 
 def short_name(name: str, names: Sequence[str]) -> str:
-    """Return a name without a last part that all names of the panel share: the axis label has this part."""
+    """Return a name for the legend, without the last part if the panel's other names have the same.
+
+    The label of the axis tells this part.
+    """
     shared = shared_part(names) if len(names) > 1 else ""
     return name.removesuffix(f".{shared}")
 

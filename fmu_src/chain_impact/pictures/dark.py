@@ -34,7 +34,7 @@ MIXTURES = 41
 NEAR_WHITE = 0.999  # the largest luminance that is required of a mixture of a colour with white
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
-UMBER, PLUM = "#6b4c00", "#5c1a6e"
+UMBER, PLUM = "#6b4c00", "#5c1a6e"  # colours of curves on white; they are too dark for a dark ground
 ORANGE, SKY = "#e69f00", "#56b4e9"  # colours of curves on a dark ground; on white they are too pale for lines
 # table: colour that is too dark for a dark ground → its replacement; mixed with white, several of these
 # colours would look alike
@@ -106,7 +106,7 @@ class Ground(NamedTuple):
         return colour if isinstance(colour, str) and colour == "none" else self.suited(colour)
 
     def _suit_mapped(self, artist: Collection | AxesImage) -> None:
-        """Change the colours of an artist that may have a colour map."""
+        """Give a collection or an image the colours for this ground, or its colour map if it has one."""
         if artist.get_array() is not None:
             artist.set_cmap(self._suited_map(artist))
         elif isinstance(artist, Collection):
@@ -115,7 +115,7 @@ class Ground(NamedTuple):
             artist.set_edgecolor(self._suited_each(colours[1]))
 
     def _suited_each(self, colours: Any) -> Colour | list[Colour]:
-        """Return the colours for a collection.
+        """Return the colours that replace the colours of a collection.
 
         A single colour is returned without a list, because matplotlib then accepts any number of opacities.
         """
@@ -123,9 +123,9 @@ class Ground(NamedTuple):
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
-        """Return the colour map for an artist.
+        """Return the colour map that replaces the map of an artist.
 
-        The map TIME gets new colours; any other map gets a new colour for missing values.
+        The map TIME gets new colours; any other map gets only a new colour for missing values.
         """
         own = artist.get_cmap()
         if own.name == TIME:
@@ -134,7 +134,10 @@ class Ground(NamedTuple):
 
 
 def luminance(colour: Any) -> float:
-    """Return the relative luminance of a colour, from 0 to 1 (as WCAG 2.1, with a simple power law)."""
+    """Return the relative luminance of a colour, from 0 for black to 1 for white.
+
+    The definition is that of WCAG 2.1, but with a simple power law.
+    """
     # the luminance is L = 0.2126 R^γ + 0.7152 G^γ + 0.0722 B^γ for the colour R, G, B
     return float(np.array(to_rgba(colour)[:3]) ** GAMMA @ [0.2126, 0.7152, 0.0722])
 
@@ -145,14 +148,14 @@ def is_dark(ground: Any) -> bool:
 
 
 def least_luminance(ground: Any, ratio: float) -> float:
-    """Return the least luminance, at most 1, with a given contrast ratio to a dark ground."""
+    """Return the least luminance of a colour with a contrast ``ratio`` to a dark ground, but at most 1."""
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour with a luminance of at least LEAST_LUMINANCE, and of at least ``least``.
+    """Return a colour mixed with as little white as gives it the luminance LEAST_LUMINANCE and ``least``.
 
-    The returned colour has the same hue, except for the colours in REPLACED.
+    The result has the hue of the colour; colours in REPLACED are first replaced by others.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))

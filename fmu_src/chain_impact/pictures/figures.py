@@ -58,14 +58,14 @@ Fill = Callable[[Figure], None]
 
 
 class NoRoomError(ValueError):
-    """Raised for a figure without room for its contents.
+    """Raised when a figure has no room for its contents.
 
     Attributes:
-        least: a sufficient height [inches]; None if there is none.
+        least: a sufficient height for this width [inches]; None if only a wider figure is sufficient.
     """
 
     def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
-        """Store the sufficient height; the message has the refused size [inches] and the required size."""
+        """Make the message from the refused size [inches] and words for the required one; store ``least``."""
         super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
         self.least = least
 
@@ -79,7 +79,7 @@ def draw_figure(
     """Draw a figure into a file, or return the figure.
 
     Args:
-        fill: function that draws the figure.
+        fill: function that draws the contents on an empty figure.
         path: the file; its suffix png, svg or pdf determines the kind. None returns the figure.
         size: width and height [inches]; the height may be None, for a height that the contents need.
             If ``size`` is None, it is ``usual``, and the room is not checked.
@@ -110,7 +110,7 @@ def draw_figure(
 
 
 def check_alone(path: object, size: object) -> None:
-    """Refuse a file or a size if axes are given.
+    """Refuse a file or a size; the caller draws into axes of a user, who has determined both.
 
     Raises:
         ValueError: when a file or a size is given.
@@ -192,7 +192,7 @@ def least_figure(
 
 
 def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
-    """Draw on a figure; return whether axes have some height and texts are complete and do not overlap.
+    """Draw on a figure; return whether its axes are high enough, and texts complete and without overlaps.
 
     ``mean`` is the least mean height of axes with a label [inches].
     """
@@ -201,9 +201,10 @@ def has_room(fill: Fill, figure: Figure, mean: float = 0.0) -> bool:
 
 @styled()
 def lacking_height(fill: Fill, figure: Figure, mean: float) -> float:
-    """Draw on a figure; return the height that its axes lack [inches], inf if this is unknown.
+    """Draw on a figure; return the additional height that it needs for its axes [inches].
 
-    The result is at most 0 if the figure has room; ``mean`` is as in ``has_room``.
+    The result is at most 0 if the figure has room. It is inf if the axes are high enough but texts are cut
+    off or overlap, or if there is no room for axes at all. ``mean`` is as in ``has_room``.
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
@@ -235,7 +236,7 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
 
 
 def numbers_in_view(axis: Axis) -> list[Text]:
-    """Return the numbers at an axis; matplotlib keeps more of them, beyond the ends of the axis."""
+    """Return the visible numbers at an axis; matplotlib keeps further ones beyond the ends of the axis."""
     along = int(isinstance(axis, YAxis))
     low, high = sorted(axis.get_view_interval())
     slack = LIMIT_ROUND_OFF * (high - low)
@@ -265,7 +266,10 @@ def settle(figure: Figure, scaled: Axes | None = None) -> None:
 
 
 def meet(first: Bbox, second: Bbox) -> bool:
-    """Return whether two successive numbers of an axis overlap, or are so close that they read as one."""
+    """Return whether two successive numbers of an x axis overlap, or are so close that they read as one.
+
+    ``first`` is the rectangle of the number at the left, ``second`` the one at its right.
+    """
     return bool(first.x1 + TICK_SPACE * first.height > second.x0)
 
 
@@ -291,7 +295,10 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def thin_ticks(axes: Axes) -> None:
-    """Give axes fewer numbers along x while these would overlap; at last, only the end ticks have numbers."""
+    """Give axes fewer numbers along x if these overlap; if fewer still overlap, number only the end ticks.
+
+    Axes whose ticks are set by hand do not change.
+    """
     if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not numbers_meet(axes.xaxis):
         return
     axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
@@ -309,5 +316,5 @@ def numbers_meet(axis: Axis) -> bool:
 
 
 def labels_of(figure: Figure) -> list[str]:
-    """Return the labels of all axes."""
+    """Return the labels of all horizontal and vertical axes of a figure."""
     return [axis.label.get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]

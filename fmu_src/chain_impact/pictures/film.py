@@ -75,9 +75,9 @@ def write_film(
 
 
 def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -> float:
-    """Return simulated seconds per second on the screen, outside of slow motion.
+    """Return the speed of a film: simulated seconds per second on the screen, outside of slow motion.
 
-    A SceneWarning tells if this is too fast to show a sine that drives an input.
+    A SceneWarning is given if this is too fast to show a sine that drives an input.
 
     Args:
         recording: the recording to show.
@@ -102,7 +102,15 @@ def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -
 def draw_frames(
     recording: Recording, times: np.ndarray, rates: np.ndarray, size: tuple[int, int], progress: Progress
 ) -> Iterator[np.ndarray]:
-    """Draw a recording at some times; yield red, green, blue of each pixel, shape (height, width, 3)."""
+    """Draw the frames of a film, and yield each as red, green, blue of its pixels, shape (height, width, 3).
+
+    Args:
+        recording: the recording to show.
+        times: the time of the recording that each frame shows [s].
+        rates: simulated seconds per second on the screen, at each frame.
+        size: width and height [pixels].
+        progress: called with the finished fraction, 0 to 1.
+    """
     ground = Ground.of_style()
     with matplotlib.style.context(["default", FILM_STYLE]):
         dpi = resolution(size)
@@ -121,6 +129,9 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """Return the pixels per inch of a film: fewer pixels for a small film, so that all texts have room."""
+    """Return the pixels per inch of a film; a small film has fewer, so that all texts have room.
+
+    ``size``: width and height of the film [pixels].
+    """
     density = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
     return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI

@@ -60,9 +60,10 @@ CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
-# half of the length of the bar that marks sticking, relative to the smaller side of the view
+# half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
+# the view
 HALF_BAR = 0.035
-SCALE = 0.055  # the height of the rulers below the axes, relative to the height of the figure
+SCALE = 0.055  # the position of the rulers, above the foot of the figure, relative to the figure's height
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
 
@@ -72,7 +73,14 @@ class Film:
     def __init__(
         self, figure: Figure, recording: Recording, times: np.ndarray, ground: Ground | None = None
     ) -> None:
-        """Draw the parts that do not move; ``ground`` has the colours of a dark style."""
+        """Draw the parts that do not move.
+
+        Args:
+            figure: an empty figure.
+            recording: the recording to show.
+            times: the time of the recording that each of the F frames shows [s], shape (F,).
+            ground: the colours of the style in use, if it is dark.
+        """
         self.recording, self.times, self.ground = recording, times, ground
         self.points = np.stack(
             [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
@@ -141,11 +149,14 @@ class Film:
             figure.set_facecolor(self.ground.ground)
 
     def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
-        """Return vectors at the times of the frames, shape (F, 2), from vectors at the rows, shape (T, 2)."""
+        """Return vectors at the times of the frames, shape (F, 2).
+
+        ``vectors`` has them at the rows of the recording, shape (T, 2).
+        """
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
     def _draw_key(self, figure: Figure, right: float) -> None:
-        """Draw the legend of the two kinds of arrows."""
+        """Draw the legend of both kinds of arrows; ``right`` is its right end, relative to the figure."""
         arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
         kinds = {"wall forces": FORCE, "joint forces": LOAD}
         position: dict[str, Any] = {
@@ -183,7 +194,10 @@ class Film:
         return [*draw_room(self.scene, self.view, walls), *pin]
 
     def _moved_room(self, frame: int) -> list[Artist]:
-        """Return the artists of walls and base in a frame if walls or the base move; else an empty list."""
+        """Draw walls and base anew for a frame, if walls or the base move, and return their artists.
+
+        The result is empty if nothing of these moves.
+        """
         if not self.room_moves:
             return []
         for artist in self.room:
@@ -273,7 +287,10 @@ class Film:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _forces(self, frame: int) -> Iterator[Artist]:
-        """Yield arrows of forces, marks of stop moments and of sticking, and texts with their numbers."""
+        """Draw and yield the forces in a frame.
+
+        These are arrows of forces, marks of moments at stops and of sticking contacts, and their numbers.
+        """
         for artist in self.moving:
             artist.remove()
         self.moving.clear()
@@ -307,7 +324,10 @@ class Film:
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
-        """Add the arrows of joint forces that are large enough to be seen, and the largest force as text."""
+        """Add the arrows of the forces in joints in a frame, and the number of the largest force.
+
+        A force whose arrow would be as short as the shortest one is left out.
+        """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
@@ -320,9 +340,13 @@ class Film:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
     def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
-        """Add the arrow of the whole force on a point from its normal and its tangential part, ``force`` [N].
+        """Add the arrow of the contact force on a point; if the contact sticks, also a bar along the wall.
 
-        If the contact sticks, a bar along the wall is added.
+        Args:
+            point: position of the point [m].
+            wall: name of the wall.
+            force: the normal and the tangential part of the force [N].
+            sticks: whether the contact sticks.
         """
         plane = self.plane[wall]
         normal = np.array(plane.normal)
@@ -336,9 +360,14 @@ class Film:
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
     ) -> None:
-        """Add the arrow of a force of ``whole`` [N] from a point.
+        """Add the arrow of a force.
 
-        ``with_size``: whether the force is also added as a text.
+        Args:
+            foot: the start of the arrow [m].
+            direction: unit vector of the force.
+            whole: the size of the force [N].
+            colour: the colour of the arrow.
+            with_size: whether the size is also written at the arrow's head.
         """
         head = foot + self.scale.length(whole) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}

@@ -12,8 +12,8 @@ from matplotlib.colors import to_rgb
 from chain_impact.extras import require
 
 SHADES = 6  # number of shades of each colour in a gif, between the colour and the ground
-# A shade is left out if its red, green and blue each differ by at most this number from those of the ground,
-# because Pillow would take the shade for the ground.
+# A shade is left out if its red, green and blue, from 0 to 1, each differ by at most this number from those
+# of the ground, because Pillow would take the shade for the ground.
 NEAR = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its end before it starts again
 GIF_END = b";"  # the last byte of a gif
@@ -23,9 +23,14 @@ QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
 def write_gif(
     pictures: Iterable[np.ndarray], path: Path, rate: int, colours: Iterable[Any], ground: Any = "white"
 ) -> None:
-    """Write pictures as a gif with a few common colours, and shades between these colours and the ground.
+    """Write pictures as a gif; parts that do not change between pictures need no space in the file.
 
-    Parts that do not change need no space in the file.
+    Args:
+        pictures: red, green, blue of each pixel of each picture, shape (height, width, 3).
+        path: the file.
+        rate: pictures per second.
+        colours: the colours that the gif has, with shades between them and the ground.
+        ground: the colour of the ground.
     """
     from PIL import Image
     from PIL.GifImagePlugin import getdata, getheader
@@ -67,7 +72,10 @@ def _changes(frames: Iterator[Any], rate: int) -> Iterator[tuple[Any, tuple[int,
 
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, rate: int, size: tuple[int, int]) -> None:
-    """Write pictures as H.264, which all browsers and slide programs can play."""
+    """Write pictures as an mp4 with H.264, which all browsers and slide programs can play.
+
+    ``pictures`` and ``rate`` are as in ``write_gif``; ``size``: width and height [pixels], even numbers.
+    """
     av = require("av", "video")
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
         stream = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})

@@ -19,11 +19,11 @@ from chain_impact.pictures.labels import directions
 # [points] the distances from the head of an arrow to its number, in the order in which they are tried
 DISTANCES = (5.0, 12.0, 20.0, 30.0)
 NUMBER_MARGIN = 3.0  # [points] the least space between a number and other drawn things
-SAMPLE = 3.0  # [points] the distance of the points of a line that a number must not cover
+SAMPLE = 3.0  # [points] the distance between the points of a drawn line that a number must not cover
 
 
 class Number(NamedTuple):
-    """A number to write.
+    """A number that is to be written at the head of an arrow.
 
     Attributes:
         size: the force [N] or moment [N·m]; large numbers are written first.
@@ -91,7 +91,11 @@ def write_numbers(
 
 
 def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
-    """Return whether a box is within the room and covers no dot, body or other box; all are in pixels."""
+    """Return whether a box for a number is within ``room`` and covers nothing; all are in pixels.
+
+    It must cover none of ``dots``, shape (D, 2), its middle must be outside of all ``bodies``, and it must
+    not overlap the boxes ``taken``.
+    """
     (low, high), (least, most) = box.get_points(), room.get_points()
     if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):
         return False
@@ -107,7 +111,10 @@ def middle_of(box: Bbox) -> tuple[float, float]:
 
 
 def sampled(line: np.ndarray, step: float) -> np.ndarray:
-    """Return points on a line at equal distances along it, at most ``step``, shape (S, 2)."""
+    """Return points at equal distances along a line, shape (S, 2); the distance is at most ``step``.
+
+    ``line`` has the corners of the line, shape (P, 2).
+    """
     passed = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
     places = np.linspace(0.0, passed[-1], 2 + int(passed[-1] / step))
     return np.stack([np.interp(places, passed, along) for along in line.T], axis=-1)

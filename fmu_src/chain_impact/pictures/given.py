@@ -14,15 +14,16 @@ from chain_impact.pictures.figures import break_labels
 from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
-TIMES = 3  # the number of times that axes are made smaller: each time, the texts may need other space
-# axes are made smaller at most to this part of their width or height; then texts stay cut off
+TIMES = 3  # how often axes are made smaller: the new size can change the space that texts need
+# Axes are made smaller at most to this part of their width or height; if this is not enough, texts stay cut
+# off.
 LEAST_PART = 0.2
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 
 @contextmanager
 def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
-    """Draw into a user's axes in this context; on a dark ground, the colours are changed at the end."""
+    """Draw into axes of a user in a ``with`` block, in their style; on a dark ground, colours then change."""
     grounds = {
         panel: Ground(panel.get_facecolor(), panel.xaxis.label.get_color())
         for panel in axes
@@ -40,7 +41,7 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:
-    """Make axes smaller whose legends and labels are cut off by the edge of the figure, or by other axes.
+    """Make axes smaller if their legends and labels reach beyond the figure's edge or into other axes.
 
     A figure with a layout engine moves its axes itself when it is drawn; for such a figure, only legends and
     labels change.
@@ -61,7 +62,7 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
 
 
 def _fit(axes: Axes, figure: Figure) -> None:
-    """Make axes smaller if they or their texts extend beyond their room."""
+    """Make axes smaller if they or their texts extend beyond their room in a figure (``_room``)."""
     box, room = axes.get_tightbbox(), _room(axes, figure)
     if box is None:
         return

@@ -32,14 +32,15 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import prefixed, speed_unit
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
-PEAK = 0.95  # the peak counts as reached when the force is at least this part of the largest force
+PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
 # the least time for which a long contact is shown, relative to the time until the peak force
 AFTER_PEAK = 4.0
 # If a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown.
 MUCH_LONGER = 2.0
 SHOWN_BEFORE = 0.03  # the shown time before the onset, relative to the whole shown time
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
-LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height of a panel over time
+# on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
+LOOP = 1.6
 
 
 @styled()
@@ -104,7 +105,7 @@ def shown_time(impact: np.void, course: Course) -> float:
 
 
 def duration_text(impact: np.void, course: Course) -> str:
-    """Return words for the duration of a contact."""
+    """Return words for the duration of a contact, also if it lasts to the end of the run."""
     lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
     text = force_text(lasting, "s") if lasting > 0.0 else "0 s"
     return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
@@ -113,7 +114,8 @@ def duration_text(impact: np.void, course: Course) -> str:
 def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
     """Draw force over penetration; the area inside the loop is the energy that the contact dissipates.
 
-    The loop of a contact that lasts is open, with a dot at its end.
+    The loop of a contact that lasts to the end of the run is open, with a dot at its end. ``at_stop``:
+    whether the impact is at a stop of a joint, so that the force is a moment.
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, prefixed_force_unit = prefixed(force.max(initial=0.0), force_unit)
@@ -133,7 +135,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
 
 
 def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
-    """Draw force over penetration into axes that a user gives."""
+    """Draw force over penetration into axes that a user gives; arguments as for ``draw_loop``."""
     with drawn_into([axes]):
         draw_loop(axes, impact, course, at_stop=at_stop)
         fit_into_figure([axes])
@@ -146,7 +148,10 @@ def say_impulse(axes: Axes) -> None:
 
 
 def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
-    """Return name, values, unit and colour of each curve over time."""
+    """Return name, values, unit and colour of each curve over time: force, penetration and speed.
+
+    ``at_stop``: whether the impact is at a stop of a joint, so that the quantities are those of the angle.
+    """
     force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
     return (
         (*force, VERMILLION),
@@ -156,7 +161,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the line with restitution, duration, lost energy, speed, force and impulse of an impact."""
+    """Return the text below the title: restitution, duration, lost energy, speed, force and impulse."""
     parts = [
         restitution_text(impact),
         duration_text(impact, course),

@@ -24,11 +24,11 @@ from chain_impact.recording.text import speed_unit
 
 # the largest number of points with a mark of their own, so that the legend has room
 MOST_OWN_MARKS = 5
-# impacts have equal distances if there are more than REGULAR of them, and the largest and the smallest
-# distance differ at most by EQUAL, relative to the mean distance
+# impacts have equal distances in time if there are more than REGULAR of them, and the largest and the
+# smallest distance differ at most by EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
-NUMBERED = 60  # the largest number of impacts that get numbers
-# the height of the panel of impact speeds, relative to the largest speed; the excess is room for numbers
+NUMBERED = 60  # the largest number of marks of impacts to which numbers are written
+# the upper end of the axis of impact speeds, relative to the largest speed; the excess is room for numbers
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and the increase of a mark for each mark that covers it
 IMPACT_DOT, COVERED_RIM = 4.5, 3.0
@@ -101,9 +101,10 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 
 
 def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
-    """Draw contacts from their starts to their ends [s] as lines in a row below axes.
+    """Draw the contacts of a point, from their starts to their ends [s], as lines in a row below axes.
 
-    ``lane`` is the number of the row, from 0 at the axes. The ``mark`` of the point is at the first start.
+    ``lane`` is the number of the row, from 0 at the axes; ``mark`` has the properties of the point's mark,
+    which stands at the first start.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -120,9 +121,9 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
-    """Return the ends of the contacts, shape (I,) [s].
+    """Return the ends of the contacts of the recording's I impacts, shape (I,) [s].
 
-    The end of a contact that lasts is the end of the recording. An unknown end is replaced by the onset.
+    A contact that lasts ends with the recording. An unknown end is replaced by the onset.
     """
     impacts = recording.impacts
     ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
@@ -130,9 +131,9 @@ def contact_ends(recording: Recording) -> np.ndarray:
 
 
 def stop_scale(recording: Recording) -> float:
-    """Return the height [m/s] of 1 rad/s in the picture of impact speeds.
+    """Return the factor from speeds at stops [rad/s] to heights in the panel, whose axis has m/s.
 
-    With this scale the fastest impacts at walls and at stops have the same height.
+    With this factor the fastest impacts at walls and at stops have the same height.
     """
     speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
     at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
@@ -140,16 +141,13 @@ def stop_scale(recording: Recording) -> float:
 
 
 def heights(recording: Recording) -> np.ndarray:
-    """Return the heights of the impacts in the picture of speeds, in units of the left axis, shape (I,)."""
+    """Return the height of each impact's mark in the panel, in the unit of its left axis, shape (I,)."""
     scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
     return np.asarray(recording.impacts["impact_speed"] * scales)
 
 
 def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
-    """Return a table of the marks of impacts.
-
-    It maps rounded time and height to the rows of the impacts, from 0, with this mark.
-    """
+    """Return the impacts whose marks nearly coincide: rounded (time, height) → rows in ``impacts``."""
     times, tops = recording.impacts["onset"], heights(recording)
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
@@ -160,11 +158,10 @@ def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
 
 
 def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the sizes of the marks of impacts, shape (I,) [points].
+    """Return the size of each impact's mark, shape (I,) [points].
 
-    A covered mark is larger, so that it is seen as a rim.
-
-    ``groups`` are the impacts with each look, in the order of drawing.
+    A mark that later marks of other groups cover is larger, so that it is seen as a rim. ``groups`` has the
+    rows of the impacts in each group, in the order of drawing.
     """
     sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
@@ -177,10 +174,10 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
 
 
 def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.ndarray]]:
-    """Return groups of impacts: name, look of the mark in matplotlib's names, and indices of the impacts.
+    """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
     The points, and the joints at their stops, with the fastest impacts have a group each; all others share a
-    grey group.
+    grey group. The mark is given by properties with matplotlib's names.
     """
     impacts = recording.impacts
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
@@ -198,9 +195,9 @@ def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.nda
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts at their speeds, the fastest impact first.
+    """Write the numbers of the impacts at their marks, where ``ink`` is free, the fastest impact first.
 
-    Impacts with a common mark share a label. Of impacts at equal distances in time only every k-th is
+    Impacts whose marks coincide share a label. Of impacts at equal distances in time only every k-th is
     numbered, in order of time, if the numbers of all have no room.
 
     Returns words for the impacts without a number; "" if there are none.
@@ -223,10 +220,9 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:
-    """Return the number k if only every k-th impact gets a number.
+    """Return the number k if only every k-th impact gets a number; 1 if all get one.
 
-    The number is larger than 1 if the impacts have equal distances in time that are too short for the
-    numbers.
+    It is larger than 1 only if the impacts have equal distances in time that are too short for all numbers.
     """
     onsets = recording.impacts["onset"]
     gaps = np.diff(onsets)

@@ -28,7 +28,7 @@ FAR = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
 # steps away from the best direction, to both sides
 DIRECTIONS = 16
 TURNS = (0, *(sign * part for part in range(1, DIRECTIONS // 2) for sign in (1, -1)), DIRECTIONS // 2)
-COVERED = 0.6  # the largest part of a leader's length that may cover other drawn things
+COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
 # STRONG: a pixel is strong if its red, green or blue is below this number. CROSSED: [points] limits, tried in
 # this order, of the length of a leader on strong pixels; the first OWN [points] of a leader, where the mark
 # of its position is, do not count.
@@ -40,7 +40,7 @@ OWN_LINE = 4.5
 CROSSING = 2
 LABEL_RIM = 2.0  # [points] the width of the white outline of a label that stands on pale drawn lines
 BEYOND = 64.0  # [points] how far a label with leaders allowed may be beyond the right edge of its axes
-PAD = 1.0  # [points] width of the free border around a label
+PAD = 1.0  # [points] the width of the border around a label that must be free, too
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
@@ -65,9 +65,9 @@ class Label(NamedTuple):
 
 
 class Ink:
-    """The drawn pixels of a figure.
+    """The pixels of a figure that are drawn on, and those that labels and leaders have taken.
 
-    Areas with the colour of a ground are free, so labels may stand there.
+    Pixels with the colour of a ground are free, so labels may stand there.
     """
 
     def __init__(self, figure: Figure) -> None:
@@ -82,8 +82,8 @@ class Ink:
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = counted(self._strong)
-        # strong pixels with their neighbours: so a leader cannot pass through the white rim between a mark
-        # and a link
+        # strong pixels and their neighbours; with the neighbours, a leader cannot pass through the white rim
+        # between a mark and a link
         self._near_strong = widened(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
@@ -110,7 +110,7 @@ class Ink:
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
     def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
-        """Return whether a line between two positions [pixels] passes strong pixels.
+        """Return whether the straight line from ``position`` to ``end`` [pixels] passes strong pixels.
 
         The first ``own`` pixels of the line do not count.
         """
@@ -127,14 +127,15 @@ class Ink:
         *,
         on_pale: bool = False,
     ) -> bool:
-        """Mark a box, given by two corners in pixels, as used if it is free; return whether it was free.
+        """Take a box for a label if it is free; return whether it was free.
 
-        With ``on_pale`` a box without strong pixels and labels is free, too.
+        ``low`` and ``high`` are the lower left and upper right corner of the box in pixels. A box is free if
+        it has no label and no drawn pixel; with ``on_pale`` only strong pixels count as drawn.
 
-        The leader, a straight line from ``position`` to the box, must pass no other label or leader, and may
-        cover drawn pixels with at most the part COVERED; it is marked, too. At most ``crossed`` of its pixels
-        may be at strong pixels; its first ``own`` pixels do not count. Without ``position`` there is no
-        leader.
+        With ``position`` the label has a leader, the straight line from there to the middle of the box, which
+        is taken, too. It must cross no other leader and no label; at most the part COVERED of its pixels may
+        be drawn ones, and at most ``crossed`` of them at strong pixels. Its first ``own`` pixels do not count
+        for leaders and strong pixels.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -156,14 +157,17 @@ class Ink:
 
 
 def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
-    """Return rows and columns of the pixels of a line, and those without the first ``own`` pixels."""
+    """Return the pixels of a line as (rows, columns), and the same without the first ``own`` pixels.
+
+    ``position`` and ``end`` are the ends of the line, x and y in pixels.
+    """
     count = 2 + int(np.abs(end - position).max())
     line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
     return line, tuple(along[int(own) :] for along in line)
 
 
 def widened(pixels: np.ndarray) -> np.ndarray:
-    """Return the pixels that are at most CROSSING pixels from a true pixel, along x and along y."""
+    """Return whether each pixel is at most CROSSING pixels, along x and along y, from a true pixel."""
     wide = pixels.copy()
     for axis in (0, 1):
         here = wide.copy()
@@ -177,9 +181,10 @@ def widened(pixels: np.ndarray) -> np.ndarray:
 
 
 def counted(pixels: np.ndarray) -> np.ndarray:
-    """Return the number of true pixels below and to the left of each corner.
+    """Return the number of true pixels below and to the left of each corner of a pixel.
 
-    The numbers at the four corners of a box give the count in the box.
+    The result has one row and one column more than ``pixels``. The numbers at the four corners of a box give
+    the number of true pixels in the box.
     """
     counts = np.zeros(np.add(pixels.shape, 1), np.int32)
     pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
@@ -212,9 +217,9 @@ def place_labels(
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
     def written(order: Sequence[int], *, short: bool = False) -> list[int]:
-        """Write labels in this order, if wanted with their short texts only.
+        """Write labels in an order of their indices, with ``short`` only with their short texts.
 
-        Return the labels without room.
+        Return the indices of the labels without room.
         """
         small = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
@@ -251,7 +256,10 @@ def place_labels(
 
 
 def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
-    """Return the best position of a label: two corners of a box in pixels, shape (2, 2)."""
+    """Return the box of a label at its best position: lower left and upper right corner [pixels], (2, 2).
+
+    ``half``: half of the width and of the height of the label's text [pixels].
+    """
     figure = axes.get_figure(root=True)
     assert figure is not None
     middle = axes.transData.transform(label.position) + np.array(label.away) * (
@@ -312,7 +320,7 @@ def _place(
             is_inside &= ~((low < home[1]) & (home[0] < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
         free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
-        # the limit applies to leaders only: positions without a leader were tried with the first limit
+        # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
         if crossed:
             free &= np.isin(steps[tried[:, 0]], FAR)
         for step, turn in tried[free].tolist():
@@ -328,7 +336,7 @@ def _place(
 
 
 def folded(words: str) -> str:
-    """Return a text in two lines if it has several parts: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
+    """Return a label's text in two lines if it has parts: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
     if " + " in words:
         return words.replace(" + ", "\n+ ")
     parts = words.split(", ")
@@ -337,19 +345,19 @@ def folded(words: str) -> str:
 
 
 def directions(away: tuple[float, float]) -> np.ndarray:
-    """Return unit vectors in all directions, those nearest to ``away`` first, shape (DIRECTIONS, 2)."""
+    """Return DIRECTIONS unit vectors, those nearest to ``away`` first, shape (DIRECTIONS, 2)."""
     angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / DIRECTIONS * np.array(TURNS)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
 def _pixel(colour: Any) -> int:
-    """Return an opaque colour as one number, in the form of a pixel."""
+    """Return a colour as the number that an opaque pixel with this colour has in ``Ink``."""
     parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
     return int(np.array(parts, np.uint8).view(np.uint32)[0])
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Return whole numbers as text, in order, with successive numbers as a range: "3, 7–9"."""
+    """Return whole numbers as text in ascending order, with many successive ones as a range: "3, 7–9"."""
     runs: list[list[int]] = []
     for number in sorted(set(numbers)):
         if runs and number == runs[-1][-1] + 1:
@@ -363,9 +371,9 @@ def listed(numbers: Iterable[int]) -> str:
 
 
 def listed_or_counted(numbers: Sequence[int], count: int) -> str:
-    """Return some of ``count`` numbers as text, or how many they are if the text would be long.
+    """Return numbers of impacts as text, such as "3, 7–9".
 
-    For example "3, 7–9" or "31 of 81".
+    If the text would be long, it has only their number and ``count``, the number of all impacts: "31 of 81".
     """
     text = listed(numbers)
     return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of {count}"

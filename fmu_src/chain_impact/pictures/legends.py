@@ -16,13 +16,16 @@ from chain_impact.pictures.style import LEFT, foot_of, is_narrow, reserve
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
 ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
 BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-# the space between two entries of a legend, and between two rows, relative to the font size
+# the space between two entries in a row of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
 MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
 
 
 def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
-    """Put a legend above axes; ``fit_legends`` later breaks it into rows."""
+    """Put a legend with one row above axes; ``fit_legends`` later breaks it into rows that fit.
+
+    ``handles`` are the artists that get an entry; by default all artists of the axes with a label.
+    """
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
     _put(axes, [(handle, str(handle.get_label())) for handle in handles])
@@ -36,9 +39,9 @@ def legend_beside(axes: Axes) -> Any:
 
 
 def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
-    """Put a legend for all axes at the foot of the figure, above other texts there.
+    """Put a legend for all axes at the foot of the figure, above other texts there, in few rows.
 
-    It has as few rows as fit.
+    ``handles`` are the artists that get an entry, ``options`` keywords of matplotlib's ``legend``.
     """
     low, room = foot_of(figure), (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
     legend = figure.legend(
@@ -55,8 +58,8 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
-    In a narrow figure, a legend does not repeat entries of a legend below; without entries it is removed.
-    Returns whether a legend has changed.
+    In a narrow figure, a legend does not repeat entries of a legend below it; a legend without entries is
+    removed. ``wanted`` are the axes, by default all. Returns whether the size of a legend has changed.
     """
     is_changed = False
     labels_below: set[str] = set()
@@ -82,14 +85,17 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
 
 
 def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
-    """Put a legend with one row above axes if there are entries."""
+    """Put a legend with one row above axes; ``entries`` has the artist and the label of each entry.
+
+    Without entries there is no legend.
+    """
     if entries:
         handles, labels = zip(*entries, strict=True)
         axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE_AXES).set_gid(MARK)
 
 
 def _fill_rows(legend: Any, room: float) -> None:
-    """Arrange the entries of a legend in rows that fit into a width [pixels], of similar lengths.
+    """Arrange the entries of a legend in rows of similar lengths that fit into ``room``, a width [pixels].
 
     A row has no columns: with columns, one long entry would leave gaps in all rows.
     """
@@ -113,7 +119,10 @@ def _fill_rows(legend: Any, room: float) -> None:
 
 
 def _entries(box: Any) -> list[Any]:
-    """Return the boxes of the entries of a legend, in order; each has a handle and a text."""
+    """Return the boxes of the entries of a legend in order, from a box that contains them at any depth.
+
+    The box of an entry has a handle and a text.
+    """
     parts = box.get_children()
     if not all(isinstance(part, PackerBase) for part in parts):
         return [box]
@@ -121,9 +130,10 @@ def _entries(box: Any) -> list[Any]:
 
 
 def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]:
-    """Return rows of the indices of entries.
+    """Return the entries of a legend in rows, as indices; a row has as many entries as fit.
 
-    Each row has as many entries as fit into a width [pixels].
+    ``widths``: the width of each entry, ``space``: the space between two, ``room``: the width of a row; all
+    are in pixels.
     """
     rows: list[list[int]] = []
     filled = np.inf

@@ -55,7 +55,11 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
 
 
 def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], parts: str) -> list[str]:
-    """Return lines, each with as many pieces as fit into a width [pixels]."""
+    """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].
+
+    ``width`` returns the width of some words [pixels]; ``parts`` is the text between two parts, which does
+    not count at the end of a line.
+    """
     space = width("n n") - width("nn")
     lines: list[str] = []
     filled = math.inf  # the width [pixels] of the last line and a space; infinite as long as no line exists

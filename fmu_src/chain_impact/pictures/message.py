@@ -1,4 +1,4 @@
-"""The headline of the picture of a recording, and the text with the recording's conditions."""
+"""The headline of a recording's picture, and below it the text with the results and conditions of the run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ SHORT_TIME = 0.1  # [s] a time below this is written in a unit with a prefix, su
 
 
 def time_unit(span: float) -> tuple[float, str]:
-    """Return a factor, and the unit into which it converts seconds: ms for a time shorter than SHORT_TIME."""
+    """Return the unit for a time span [s], after the factor from seconds to it: (1000, "ms") for 0.05 s.
+
+    From SHORT_TIME on, the unit is s.
+    """
     return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
 
 
@@ -41,7 +44,7 @@ def message(recording: Recording, *, short: bool = False) -> str:
 
 
 def dissipated(recording: Recording) -> str:
-    """Return words for the lost energy, "50.3 J dissipated"; "" if no energy is lost."""
+    """Return words for the energy that the run lost, "50.3 J dissipated"; "" if none is lost or known."""
     lost = recording.energies.get("dissipated", np.zeros(1))[-1]
     least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
     return f"{lost:.3g} J dissipated" if lost > least else ""
@@ -53,10 +56,10 @@ def hit(recording: Recording, impact: np.void) -> str:
 
 
 def write_head(figure: Figure, recording: Recording, title: str, *first: str) -> None:
-    """Write a headline and, below it, the conditions of the recording.
+    """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is the title, or the message if the title is "". ``first`` are texts that come before the
-    conditions. A narrow figure has a short message; then the conditions give the lost energy.
+    The headline is the title, or ``message`` if the title is "". ``first`` are texts that come before the
+    results. In a narrow figure the message is short, and the lost energy stands among the results.
     """
     short = is_narrow(figure)
     losses = [dissipated(recording)] if short and not title else []
@@ -66,10 +69,10 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
 
 
 def peaks(recording: Recording) -> list[str]:
-    """Return words for the largest peak force and its impact: "peak force 12.6 kN (impact 1)".
+    """Return texts with the largest force and its impact: "peak force 12.6 kN (impact 1)".
 
-    Impacts at stops of joints have a moment, and a text of their own. If impacts have no force, as under an
-    impulsive law, the text tells the largest impulse.
+    Impacts at stops of joints have a moment, and a text of their own. If some impacts have an impulse but no
+    force, as under an impulsive law, the text tells the largest impulse. Without impacts there is no text.
     """
     impacts, texts = recording.impacts, []
     for is_stop, of_force in ((False, "force"), (True, "moment")):
@@ -77,7 +80,7 @@ def peaks(recording: Recording) -> list[str]:
             np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
             for quantity in ("peak_force", "impulse")
         )
-        # a rod that rests after bounces without a force has one, which would be no measure of the bounces
+        # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
         is_impulsive = bool(((forces == 0.0) & (impulses > 0.0)).any())
         values, quantity = (impulses, "impulse") if is_impulsive else (forces, "peak_force")
         if values.max(initial=0.0) > 0.0:
@@ -96,10 +99,10 @@ def has_contact(recording: Recording) -> bool:
 
 
 def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
-    """Return the known conditions of the recording in one text.
+    """Return the known conditions of a run in one text: links, joints, contacts, friction and solver.
 
-    The texts ``first`` come before the conditions. The text has the law of contacts and its values if
-    something ``touches``.
+    The texts ``first`` come before them. The law of contacts and its values are told only if something
+    ``touches`` a wall or a stop.
     """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.points.shape[1] - 1, "link")]
@@ -130,7 +133,7 @@ def of_contacts(recording: Recording) -> list[str]:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
-        # an impulsive law has no stiffness to name
+        # an impulsive law uses no stiffness
         if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
@@ -138,10 +141,10 @@ def of_contacts(recording: Recording) -> list[str]:
 
 
 def friction(name: str, value: Any) -> str:
-    """Return words for a parameter if it is a coefficient of dry friction: "0.3", "static 0.4 at y_min".
+    """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min".
 
-    The result is "" for other parameters, and for a coefficient of 0 unless it is the sliding friction of one
-    wall.
+    ``name`` and ``value`` are those of any parameter; the result is "" if it is not such a coefficient, and
+    for a coefficient of 0 unless it is the sliding friction of one wall.
     """
     owner, _, wall, quantity = name_parts(name)
     is_coefficient = owner in ("contact", "wall") and quantity in ("friction", "static_friction")

@@ -33,23 +33,23 @@ from chain_impact.recording.stick_slip import JOINT
 from chain_impact.recording.text import prefixed
 from chain_impact.recording.view import ball_of
 
-# the largest number of strong poses between start and end; these show the fastest impacts
+# the largest number of poses between start and end that are drawn strongly; they show the fastest impacts
 MOST_STRONG_POSES = 6
-CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
-FAINT_POSES = 80  # the largest number of faint poses, of evenly spaced rows
+CANDIDATES = 60  # strong poses are chosen among the poses at so many of the fastest impacts
+FAINT_POSES = 80  # the largest number of faint poses, from rows of the recording at equal distances
 # A pose is left out if it is nearer than this to another pose, relative to the size of the motion:
 # FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
 FAINT_APART, STRONG_APART = 0.01, 0.1
-PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
+PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
 MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
-# the largest number of points whose paths are clear; with more points the paths are fainter
+# up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
 # COVERED_WITHIN: the largest distance of the points at the end from their starts with which the chain counts
 # as covered, relative to the size of the motion
 RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
-BALL_LINE = 0.3  # the width of the line of a ball, relative to the width of the line of a link
-SHORT_LENGTH = 0.1  # [m] numbers of a flat motion that are smaller have a unit with a prefix
+BALL_LINE = 0.3  # the width of the line from a ball's centre to its mark, relative to the line of a link
+SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at the same wall share a ring, relative to the larger side of the view
@@ -65,7 +65,7 @@ MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
 
 
 def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
-    """Draw walls, faint poses, paths of points, and strong poses at start, end and impacts.
+    """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 
     ``shape`` is the height of the axes divided by their width, if known; the view fills axes of this shape.
     ``band`` is as for ``view_of``.
@@ -91,7 +91,8 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     for row, name in ((0, "start"), (-1, f"end{rests}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
-        # a wider copy of the chain behind the chain, which the legend also shows
+        # The chain at the end would cover the chain at the start, so that this gets a wider copy behind it,
+        # which is seen as a rim.
         if row == 0 and is_covered(recording):
             rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)
@@ -116,7 +117,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
 
 
 def is_covered(recording: Recording) -> bool:
-    """Return whether the chain at the end would cover the chain at the start."""
+    """Return whether the chain at the end would cover the chain at the start (COVERED_WITHIN)."""
     ways = recording.points[-1] - recording.points[0]
     return bool(np.hypot(*ways.T).max() < COVERED_WITHIN * seen_size(recording))
 
@@ -139,7 +140,7 @@ def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
 
 
 def colour_of_time(recording: Recording) -> Any:
-    """Return a function from a time to its colour; the colours change over the time that is shown."""
+    """Return a function: time [s] → its colour, from the first colour at the start of the shown time on."""
     shown = shown_time(recording)
     norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
     return lambda time: TIME_COLOURS(norm(time))
@@ -161,10 +162,10 @@ def strong_times(recording: Recording) -> list[float]:
 
 
 def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
-    """Return the indices of poses, shape (P, N+1, 2) [m], that are apart from each earlier pose that is kept.
+    """Return the indices of the poses that are kept because they differ from all earlier ones that are kept.
 
-    Two poses are apart if the mean distance of their points is at least ``least`` [m]. The first ``always``
-    poses are kept.
+    ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
+    mean distance of their points is at least ``least`` [m]. The first ``always`` poses are kept in any case.
     """
     kept: list[int] = []
     for k, pose in enumerate(poses):
@@ -180,7 +181,7 @@ def by_speed(recording: Recording) -> np.ndarray:
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
-    """Draw the chain in evenly spaced rows of the recording, without poses that look alike."""
+    """Draw the chain faintly in rows of the recording at equal distances, without poses that look alike."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
     poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
@@ -188,7 +189,10 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
 
 
 def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the paths of the points; the path of the tip, or of a ball, has the colours of time."""
+    """Draw the paths of the points; the path of the tip, or of a ball, has the colours of time.
+
+    ``shade`` is the function from a time to its colour.
+    """
     *others, tip = recording.points.transpose(1, 0, 2)
     ball, name = ball_of(recording), "tip"
     if ball is not None:
@@ -234,11 +238,11 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 
 
 def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
-    """Draw the largest force in each joint as an arrow, at the position of the joint at that time.
+    """Draw the largest force in each joint as an arrow, where the joint was at that time.
 
-    The length shows ``joint[i].peak_force``, which includes times between rows, or else the largest force in
-    a row. Direction and position come from the row with the largest force. All arrows are shorter if an arrow
-    would otherwise leave the view.
+    The length shows ``joint[i].peak_force``, which includes times between rows or, if this is not known, the
+    largest force in a row. Direction and position come from the row with the largest force. All arrows become
+    shorter if an arrow would leave the view, but not shorter than SHORTEST_LOAD allows.
     """
     arrows = []
     for joint, force in recording.loads.items():
@@ -268,9 +272,10 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
-    """Return the largest factor, at most 1, with which all ``places + factor · ways`` are in a view.
+    """Return the largest factor, at most 1, on the lengths of arrows with which all of them end in a view.
 
-    ``places`` and ``ways`` have the shape (A, 2); ``corners`` are the lower left and upper right of the view.
+    ``places`` has the feet of the arrows, ``ways`` the vectors from there to their heads, shape (A, 2);
+    ``corners`` are the lower left and the upper right corner of the view.
     """
     room = np.where(ways > 0.0, corners[1], corners[0]) - places
     parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
@@ -278,9 +283,10 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
 
 
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts beside their rings, beyond the walls, the fastest impacts first.
+    """Write the numbers of the impacts beyond the walls, beside their rings, where ``ink`` is free.
 
-    Returns the numbers that have no room, or their count, as text; "" if all have room.
+    The fastest impacts come first. Returns the numbers without room as text, or how many they are; "" if all
+    have room.
     """
     hits_at, labels = rings(axes, recording), []
     for spot, hits in hits_at.items():
@@ -294,9 +300,9 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
 
 
 def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
-    """Return numbers as text with at most ``most`` numbers and ranges: "1–81".
+    """Return numbers of impacts as text with at most ``most`` numbers and ranges: "1–81".
 
-    If more would be needed, only the first ``kept`` numbers are named: "7, 10 + 4 more".
+    If more would be needed, only the first ``kept`` of the numbers are named: "7, 10 + 4 more".
     """
     whole = listed(numbers)
     if whole.count(",") < most:
@@ -307,10 +313,10 @@ def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
 def _label_place(
     recording: Recording, impact: np.void, spot: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the position of an impact's label, and the direction from the impact to it: into the wall.
+    """Return a position, and the unit vector from there to the label of an impact: into the wall.
 
-    For a stop of a joint, the direction is across the link. For a stop of a slider, the label is beyond the
-    mark of the stop.
+    The position is ``spot``, the place of the impact's ring. For a stop of a joint, the direction is across
+    the link. For a stop of a slider, it is along the stop, and the position is at the end of the stop's mark.
     """
     if recording.is_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
@@ -325,9 +331,9 @@ def _label_place(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return the rings of impacts: the position of each ring, and the rows of its impacts, the fastest first.
+    """Return the rings of impacts: position of a ring → rows of its impacts in ``impacts``, fastest first.
 
-    Impacts at the same wall or stop share a position if they are close to each other.
+    Impacts at the same wall or stop share a ring if they are closer than RING_DISTANCE.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}

@@ -15,18 +15,22 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
-FAINT_MARKS = 8  # the number of faint ground marks of a moving base, in evenly spaced rows
-TRACE_GAP = 0.04  # the distance of the trace from the end of a wall, relative to the wall's visible length
+FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows at equal distances
+TRACE_GAP = 0.04  # the distance of the traced point from the end of a wall, relative to its visible length
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
-    """Draw walls and a base that move: at start, end and ``times`` in the colours of time, else faintly."""
+    """Draw walls and a base that move, with a trace of a point of each in the colours of time.
+
+    Walls are drawn at start, end and ``times`` [s] in the colours of time, the base at start and end; both
+    are drawn faintly in between. ``shade`` is the function from a time to its colour.
+    """
     (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
-        """Return the visible part of the wall ``name`` at each of some times.
+        """Return the visible part of the wall ``name`` at each of some times: its two ends, or no point.
 
-        The visible part bounds the free region inside the view; it is given by its two ends, or empty.
+        A part is visible if it bounds the room of the chain inside the view.
         """
         rooms = (recording.walls_at(time) for time in times)
         return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
@@ -47,7 +51,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 
 
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the ground mark of a moving base, and the trace of the base."""
+    """Draw the ground mark of a moving base at start and end, faintly in between, and the base's trace."""
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
     rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
@@ -58,10 +62,10 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the path of a point on a wall, shape (T, 2) [m]; empty if the wall is not visible.
+    """Return the path of a point on a moving wall, shape (T, 2) [m]; empty if the wall is not visible.
 
-    The point is near the end of the wall that is farther from the chain. ``lines`` are visible parts of the
-    wall.
+    The point is near the end of the wall's visible part that is farther from the chain. ``lines`` are the
+    visible parts at start and end.
     """
     wall, moved = recording.walls[name], recording.moved_walls[name]
     line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))

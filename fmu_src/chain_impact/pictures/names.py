@@ -13,19 +13,19 @@ KEPT = 7  # the number of characters that are kept at each end of a shortened na
 
 
 def short_names(recording: Recording, text: str) -> str:
-    """Return a text in which long names of points are shortened: "left_fo…phere_0"."""
+    """Return a text in which long names of points, in brackets, are shortened: "(left_fo…phere_0)"."""
     for name in recording.point_names.values():
         text = text.replace(f"({name})", f"({short(name)})")
     return text
 
 
 def short(name: str) -> str:
-    """Return a name without its middle if it is long."""
+    """Return a name; a name longer than LONGEST_NAME has "…" in place of its middle."""
     return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
 
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
-    """Return words for an impact without the number of a point that has a name: "heel hits y_min"."""
+    """Return words for an impact; a point with a name is named without its number: "heel hits y_min"."""
     toucher, point = recording.toucher(impact), int(impact["point"])
     at_wall = toucher == point_label(point, recording.point_names)
     name = recording.point_names.get(point, "") if at_wall else ""
@@ -33,7 +33,10 @@ def brief_hit(recording: Recording, impact: np.void) -> str:
 
 
 def full_names(recording: Recording) -> str:
-    """Return, as text, numbers and long names of the points with impacts at walls or dry friction."""
+    """Return a text with the numbers and names of points whose names are shortened in the panels.
+
+    These are the points with impacts at walls or phases of dry friction, as far as their names are long.
+    """
     shown = {*recording.impacts["point"][~recording.at_stops].tolist()}
     shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
     names = recording.point_names

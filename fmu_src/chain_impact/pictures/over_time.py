@@ -38,14 +38,14 @@ from chain_impact.pictures.style import (
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-# an energy is dashed if its curve differs from an earlier one by at most ALIKE, relative to the range of all
-# energies, in at least the part MOSTLY of all rows
+# The curve of an energy is dashed if it differs from an earlier curve by at most ALIKE, relative to the range
+# of all energies, in at least the part MOSTLY of all rows.
 ALIKE, MOSTLY = 0.03, 0.8
-# The zero of the potential energy is moved if the range of all energies is then smaller than this, relative
-# to the range with the usual zero.
+# The zero of the potential energy is moved if the range of all energies then becomes smaller than this,
+# relative to the range with the usual zero.
 CLOSER = 0.8
 ENERGY_PARTS = {"friction": BROWN}
-"""Energy that is a part of another energy → colour; friction loss is a part of the dissipated energy."""
+"""Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
 ENERGIES = {
     "kinetic": GREEN,
     "potential": OCHRE,
@@ -55,17 +55,17 @@ ENERGIES = {
     "supplied": PURPLE,
     **ENERGY_PARTS,
 }
-"""Energy → colour, in all pictures."""
+"""Name of an energy → its colour in all pictures."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of all energies
 VISIBLE_ELASTIC = 0.01
-# energies whose values all are less than this, relative to the range of all energies, look like one line: if
-# the total and two others do, they are a band
+# Energies whose values are all less than this, relative to the largest value of any energy, look like one
+# line at 0; if more than MOST_GREY do, they are drawn as a band.
 TINY = 0.05
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
 PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
 MOST_ROWS = 8  # the largest number of contacts and joints whose phases of dry friction are drawn
-# sliding that takes up to this part of the run's duration is too short to be explained in a legend
+# sliding that lasts at most this part of the run's duration is too short to be explained in a legend
 SHORT = 0.002
 # the least duration of a contact, relative to the run's duration, that is drawn as a thick line
 SEEN_CONTACT = 0.01
@@ -73,7 +73,7 @@ TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to t
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
-    """Draw the colours that the motion has at each time, above the label of the axis of time."""
+    """Draw a bar with the colour that the panel of motion has for each time, above the label of the axis."""
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.set_axes_locator(_slim)
@@ -86,14 +86,17 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 
 def _slim(axes: Any, _: Any) -> Bbox:
-    """Return the place of axes, which keep their upper edge and have the height CLOCK_HEIGHT."""
+    """Return the place of the bar's axes: they keep their upper edge, and get the height CLOCK_HEIGHT."""
     figure, place = axes.get_figure(root=True), axes.get_position(original=True)
     assert figure is not None
     return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
 
 
 def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
-    """Give axes of time their label, with words on a rest or else the ``note``, and their limits."""
+    """Give axes the label and the limits of the shown time.
+
+    The label also has words on a rest that is shaded or cut; without a rest it has the ``note``.
+    """
     shown = shown_time(recording)
     margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
     axes.set(
@@ -103,7 +106,7 @@ def label_time(axes: Axes, recording: Recording, note: str = "") -> None:
 
 
 def name_time(axes: Axes, end: float) -> str:
-    """Return the name of an axis of time until ``end`` [s], with the unit of its numbers."""
+    """Return the name of a time axis up to ``end`` [s], with its unit, and give its numbers this unit."""
     factor, unit = time_unit(end)
     scale_numbers(axes.xaxis, factor)
     return f"time [{unit}]"
@@ -125,10 +128,10 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]]]:
-    """Return the energies to draw, with their looks.
+    """Return the energies to draw: values over time, shape (T,), and properties with matplotlib's names.
 
-    The total is wide and behind the others. Other curves are dashed if they would hide an earlier one, or are
-    in ENERGY_PARTS.
+    The curve of the total is wide and behind the others. Other curves are dashed if they would hide an
+    earlier one, or are in ENERGY_PARTS.
     """
     zero, shown = np.zeros(len(recording.time)), dict[str, np.ndarray]()
     for name in ENERGIES:
@@ -148,7 +151,10 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
 
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
-    """Return the indices of curves that would look like one line at 0, if there are more than MOST_GREY."""
+    """Return the indices of the curves of energies that would look like one line at 0 (TINY).
+
+    The list is empty if these are at most MOST_GREY. Energies in ENERGY_PARTS do not count.
+    """
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
     is_part = [look["label"] in ENERGY_PARTS for _, look in curves]
     tiny = [k for k, size in enumerate(sizes) if size < TINY * max(sizes) and not is_part[k]]
@@ -156,11 +162,10 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
 
 
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
-    """Return energies for a picture, and the number [J] that is added to potential and total energy.
+    """Return energies for a picture, and the number [J] that is added to potential and total energy in it.
 
     The zero of the potential energy is arbitrary. If a gap between its curve and the others would take much
-    of the axis, its least value is drawn near 0. The added number has two digits; it is 0 without a large
-    gap.
+    of the axis, the number moves its least value near 0; it has two significant digits. Otherwise it is 0.
     """
     potential = energies.get("potential", np.zeros(1))
     least = float(potential.min())
@@ -182,14 +187,14 @@ def range_of(energies: dict[str, np.ndarray]) -> float:
 
 
 def offset_text(offset: float) -> str:
-    """Return as text the number [J] that is added to an energy: "+ 22 J"."""
+    """Return the number ``offset`` [J], which is added to an energy, as text: "+ 22 J"."""
     return f"{'+' if offset > 0.0 else '−'} {abs(offset):.10g} J"
 
 
 def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
-    """Return the properties of the curve of an energy, with matplotlib's names.
+    """Return the properties of the curve of the energy ``name``, with matplotlib's names.
 
-    ``offset`` is the number from ``without_gap``; the labels of potential and total energy tell it.
+    ``offset`` is the number [J] from ``without_gap``, which the labels of potential and total energy tell.
     """
     is_total, label = name == "total", name
     if offset and name in ("potential", "total"):
@@ -203,7 +208,7 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Shade the times in which nothing moves, and give the axes enough numbers."""
+    """Shade the times in which nothing moves, and give both axes enough numbers."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 
@@ -228,7 +233,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
     handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
-    # a contact slides for an instant before it sticks, which is too short to be seen
+    # a contact slides for an instant before it sticks; phases that cannot be seen get no entry in the legend
     long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))
@@ -244,7 +249,10 @@ def phase_lengths(recording: Recording) -> np.ndarray:
 
 
 def rubbing_places(recording: Recording) -> list[str]:
-    """Return words for the places with dry friction, those with the largest sum of durations first."""
+    """Return words for each contact, joint or slider with phases of dry friction.
+
+    Those with the largest sum of durations come first.
+    """
     total: dict[str, float] = {}
     for phase, length in zip(recording.stick_slip, phase_lengths(recording), strict=True):
         location = element_label(phase, recording.wall_names, recording.point_names)
@@ -253,9 +261,10 @@ def rubbing_places(recording: Recording) -> list[str]:
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
-    """Draw a line at each impact.
+    """Draw a vertical line at the onset of each impact.
 
-    ``start`` is the time [s] at 0 of the axis; the axis shows ``factor`` times the seconds after it.
+    ``start`` is the time [s] at the position 0 of the axis; ``factor`` is the factor from seconds to the unit
+    of the axis.
     """
     onsets = factor * (recording.impacts["onset"] - start)
     axes.vlines(
@@ -264,6 +273,6 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
 
 
 def impact_lines(recording: Recording, start: float, end: float) -> str:
-    """Return words that explain the lines of ``mark_impacts``; "" without an impact between two times [s]."""
+    """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" if there are none."""
     onsets = recording.impacts["onset"]
     return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""

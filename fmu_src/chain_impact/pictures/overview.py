@@ -1,4 +1,4 @@
-"""The figure on a recording: the motion with its impacts, the energy, and the impacts over time."""
+"""The usual picture of a recording: the motion with its impacts, and energy and impacts over time."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from chain_impact.pictures.straight import draw_along_line, line_of_motion
 from chain_impact.pictures.style import broken, is_narrow, styled, write_foot
 from chain_impact.recording.recording import Recording
 
-BESIDE_LEGEND = 1.1  # the width that a legend beside the motion takes, relative to its own width
-# NUMBER: [points] the visible width of the area outside of a wall, in which numbers of impacts stand;
-# MOST_BAND: the largest width, relative to the size of the motion
+BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend
+# NUMBER: [points] the width of the visible area beyond a wall, in which numbers of impacts stand; MOST_BAND:
+# the largest width of this area, relative to the size of the motion
 NUMBER, MOST_BAND = 26.0, 0.25
 
 
@@ -43,9 +43,10 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into a motion in the plane.
+    """Write the numbers of impacts into the panel of a motion in the plane.
 
-    If the motion is drawn over time, only the panel of speeds has numbers.
+    Returns the numbers without room as text. If the motion is drawn over time, only the panel of speeds has
+    numbers.
     """
     return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
 
@@ -64,7 +65,7 @@ The functions return the numbers without room, as text.
 """
 # LISTED_HEIGHT: the largest height of texts at the foot that name impacts, relative to the figure's height
 LISTED_HEIGHT = 0.25
-# the largest number of times that the panels are arranged again because the text at the foot takes room
+# how often, at most, the panels are arranged again because the text at the foot takes room from them
 FEET = 3
 PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
@@ -74,8 +75,8 @@ PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw panels of PANELS on an empty figure; by default all panels for which the recording has data.
 
-    The motion is to the left of the panels over time, or above them; then, in a narrow figure, the legend of
-    a slim motion is beside it. The title "" stands for the summary of the run, None for no title.
+    The motion is to the left of the panels over time, or above them. Above them in a narrow figure, a slim
+    motion has its legend beside it. The title "" stands for the summary of the run, None for no title.
 
     Raises:
         ValueError: when a panel does not exist.
@@ -121,15 +122,13 @@ def number_and_list(
 ) -> None:
     """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
 
-    ``motion`` are the axes of a motion with equal scales along x and y.
-
-    The text takes room from the panels, in which fewer numbers may then have room; so the text is written
-    again.
+    This text takes room from the panels, in which fewer numbers may then have room; so all are written again.
+    ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion with equal scales along x and
+    y, if there is one.
     """
     engine, foot = figure.get_layout_engine(), None
     room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    # without a layout engine all artists stay at their positions, also the labels that are now put between
-    # them
+    # without a layout engine all artists stay at their positions while labels are put between them
     figure.set_layout_engine("none")
     missing = number_all(figure, panel_axes, recording)
     for _ in range(FEET if missing else 0):
@@ -164,7 +163,7 @@ def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
-    """Draw some panels into given axes: one axes, or one for each panel.
+    """Draw some panels into axes that a user gives: one axes, or one for each panel.
 
     Raises:
         ValueError: when a panel does not exist, or the numbers of axes and panels differ.
@@ -186,7 +185,13 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
 
 
 def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
-    """Return the panels to draw, in the order of PANELS."""
+    """Return the names of the panels to draw, in the order of PANELS.
+
+    They are ``panels`` or, if this is empty, all panels for which the recording has data.
+
+    Raises:
+        ValueError: when a panel does not exist.
+    """
     for name in panels:
         if name not in PANELS:
             raise ValueError(

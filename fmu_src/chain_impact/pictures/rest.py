@@ -10,8 +10,9 @@ from chain_impact.pictures.style import SHADE, faint
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
-CUT_REST = 0.4  # a rest at the start or the end is cut if it takes at least this part of the whole time
-# the duration of a cut rest that is shown before and after the motion, relative to the time with motion
+CUT_REST = 0.4  # rests at start and end are cut if they take together at least this part of the whole time
+# how long a cut rest is shown before the motion (BEFORE) and after it (AFTER), relative to the time with
+# motion
 BEFORE, AFTER = 0.1, 0.25
 
 
@@ -22,7 +23,8 @@ class Shown(NamedTuple):
         start: the start of the axis [s].
         end: the end of the axis [s].
         rests: start and end [s] of each rest.
-        note: words on the rest for the label of the axis; "" without a rest.
+        note: words on the rests, and on the time that is cut off, for the label of the axis; "" without a
+            rest.
     """
 
     start: float
@@ -50,6 +52,6 @@ def shown_time(recording: Recording) -> Shown:
 
 
 def shade_rests(axes: Axes, shown: Shown) -> None:
-    """Shade the rests on an axis of time."""
+    """Shade the time of each rest in axes over time [s]."""
     for low, high in shown.rests:
         axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)

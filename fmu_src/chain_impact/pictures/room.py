@@ -21,7 +21,8 @@ from chain_impact.scene.half_planes import HalfPlane
 # wall; both relative to the size of the motion. √2 BAND must be less than NEAR of recording/view.py: then a
 # wall that is left out because it is farther away than NEAR is also outside of the margins.
 VIEW_MARGIN, BAND = 0.04, 0.14
-# a moving wall that is farther from the motion than this, relative to the size of the motion, is not in view
+# a position of a moving wall that is farther from the motion than this, relative to the size of the motion,
+# is not in view
 FARTHEST = 1.0
 # FLATTEST: a motion whose height, relative to its width, is less than this has a scale of its own along y;
 # FLAT_MARGIN: the margin above and below it, relative to its height
@@ -33,15 +34,15 @@ STRAIGHT = 0.99
 # a corner of the view lies on a wall if its distance from the wall, relative to the size of the view, is at
 # most this number
 ON_WALL = 1e-9
-# the left, right, lowest and highest point of a disc, relative to its centre and in units of its radius
+# the left, right, lowest and highest point of a disc: x and y relative to its centre, in units of its radius
 DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
 
 class View(NamedTuple):
-    """The part of the room in view.
+    """The part of the plane that a picture of a motion shows.
 
     Attributes:
-        corners: lower left and upper right, shape (2, 2) [m].
+        corners: lower left and upper right corner, shape (2, 2) [m].
         walls: the names of the walls in view.
     """
 
@@ -59,12 +60,15 @@ def is_flat(recording: Recording) -> bool:
 
 
 def seen_size(recording: Recording) -> float:
-    """Return the size of a motion [m] relative to which poses look apart: the height of a flat motion."""
+    """Return the size of a motion [m] by which distances between poses are judged.
+
+    It is the height of a flat motion, which is drawn enlarged, and else the size of the motion.
+    """
     return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
 
 
 def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
-    """Return the view: the motion, with a margin, and the walls near it.
+    """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
     A wall that is always far from the motion is left out. A wall that comes near is in view at each of its
     positions that is not very far. ``shape`` is the wanted height of the view divided by its width; the view
@@ -99,7 +103,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     met = dict(near)
     for at, wall in everywhere.items():
         normal = np.array(wall.normal)
-        # the distance [m] by which the view reaches beyond the wall
+        # [m] how far the view reaches beyond the wall; negative if the wall is outside of the view
         beyond = -wall.clearance(*np.where(normal > 0.0, *view))
         if at not in near and beyond > 0.0:
             met[at] = wall
@@ -115,7 +119,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
 
 
 def drawn_places(recording: Recording) -> np.ndarray:
-    """Return the positions of all points, and of the things drawn around them, shape (T, M, 2) [m]."""
+    """Return the positions of all points and of the outlines around them in each row, (T, M, 2) [m]."""
     places, points = places_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
@@ -160,17 +164,17 @@ def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
 
 
 def moves(places: np.ndarray) -> bool:
-    """Return whether positions over time, shape (T, …), change."""
+    """Return whether ``places``, positions over time of shape (T, …), change."""
     return bool((places != places[0]).any())
 
 
 def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
-    """Return the corners of the free part of a view, shape (C, 2) [m]."""
+    """Return the corners of the part of a view on the free side of all ``walls``, shape (C, 2) [m]."""
     return np.reshape(free_room(walls, view), (-1, 2))
 
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
-    """Draw the ground mark of a pinned base from the lines of ``pin_mark``; return the artists."""
+    """Draw the ground mark of a pinned base from ``lines``, a result of ``pin_mark``; return its artists."""
     line_style: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if not lines:
         return []

@@ -13,7 +13,7 @@ from matplotlib.transforms import blended_transform_factory
 
 LONGEST_BAR = 1 / 6  # the largest length of the bar, relative to the width of the view
 FACTORS = (5, 2, 1)  # a round length is one of these numbers times a power of ten
-LENGTH_EXCESS = 1e-12  # the relative excess of a length over a round length that counts as round-off
+LENGTH_EXCESS = 1e-12  # a round length may exceed the largest allowed one by this part, which is round-off
 SMALL_LENGTH = 0.01  # [m] the length of a bar below which its number is in millimetres
 
 
@@ -25,9 +25,9 @@ def round_length(most: float) -> float:
 
 
 def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
-    """Return the figure of axes, the transform for a ruler's lines below the axes, and the look of texts.
+    """Return what a ruler below axes needs: the figure, the transform of its lines, the look of its texts.
 
-    The transform takes x in the data of axes and y relative to the height of the figure.
+    The transform takes x in the data coordinates of the axes, and y relative to the height of the figure.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -37,8 +37,9 @@ def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
 
 
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
-    """Draw the bar that ends at the right edge of axes, outside of them, with its length; return the artists.
+    """Draw a bar of a round length, with this length as text, below axes; return the artists.
 
+    The bar ends at the right edge of the axes.
     ``height`` is the position of the bar, relative to the height of the figure.
     """
     figure, place, text_look = placed_below(axes, colour)

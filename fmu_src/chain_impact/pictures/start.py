@@ -44,7 +44,7 @@ SIGNS = (
 
 @contextmanager
 def repeatable() -> Iterator[None]:
-    """Let equal scenes give equal pictures, whatever the settings of matplotlib are."""
+    """Let equal scenes give equal pictures in a ``with`` block, whatever matplotlib's settings are."""
     own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(own):
         yield
@@ -52,7 +52,7 @@ def repeatable() -> Iterator[None]:
 
 @repeatable()
 def drawing(scene: Scene) -> str:
-    """Return the drawing of the chain with points, angles, walls and positive directions, as SVG."""
+    """Return a drawing of the chain at its start as SVG: points, angles, walls and positive directions."""
     axes, joints, unit = _chain(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
@@ -84,7 +84,7 @@ def drawing(scene: Scene) -> str:
 
 @repeatable()
 def icon(scene: Scene) -> bytes:
-    """Return the picture of the chain at its start and the walls, as PNG."""
+    """Return a small picture of the chain at its start with the walls, as PNG."""
     axes, *_ = _chain(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
     stream = io.BytesIO()
     axes.figure.savefig(stream, format="png", dpi=100, metadata={"Software": None})
@@ -94,11 +94,12 @@ def icon(scene: Scene) -> bytes:
 def _chain(
     scene: Scene, size: tuple[float, float], border: float, **style: float
 ) -> tuple[Any, np.ndarray, float]:
-    """Draw the chain at its start, and the walls.
-
-    Returns the axes, the positions of the points 0…N [m], and the size of a typographic point [m].
+    """Draw the chain at its start, and the walls, into a new figure.
 
     The view contains the chain and, of each wall, the point that is nearest to the middle of the chain.
+    ``size``: width and height of the figure [inches]; ``border``: the width that stays free [inches].
+
+    Returns the axes, the positions of the points 0…N [m], and the size of a typographic point [m].
     """
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])
@@ -124,12 +125,12 @@ def _chain(
 
 
 def _foot(plane: HalfPlane, point: np.ndarray) -> np.ndarray:
-    """Return the point of a wall that is nearest to a given point."""
+    """Return the point of a wall that is nearest to ``point`` [m]."""
     return np.asarray(point - plane.clearance(*point) * np.array(plane.normal))
 
 
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
-    """Draw the line and the name of a wall, and an arrow with a letter for the normal and for the tangent.
+    """Draw the line and the name of a wall, and arrows with ``letters`` along its normal and along its line.
 
     The arrows are away from the middle of the wall, where the chain may be.
     """
@@ -147,7 +148,11 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
 
 
 def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: float) -> None:
-    """Draw the angle of a link from the x axis, at the link's joint, within -180° to 180°."""
+    """Draw the arc of a link's angle from the x axis, at the link's joint, within −180° to 180°.
+
+    ``joint``: position of the joint [m]; ``text``: the name of the angle; ``unit``: the size of a typographic
+    point [m].
+    """
     x, y = joint
     turned = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
@@ -164,7 +169,7 @@ def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float
 
 
 def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **given: Any) -> None:
-    """Draw a text next to a point; the offset is in typographic points."""
+    """Draw a text next to a point [m]; ``offset`` is its distance from there in typographic points."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
     axes.annotate(text, (point[0], point[1]), (x, y), annotation_clip=False, **(style | given))

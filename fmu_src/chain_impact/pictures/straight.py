@@ -16,12 +16,12 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 
 BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of the path
-# the margin beyond the ball, and the visible width of the area outside of a wall, relative to the range of
-# the ball and the walls
+# BALL_MARGIN: the margin at both ends of the axis of positions; WALL_BAND: the visible width of the area
+# beyond a wall; both relative to the range of the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14
 BALL_OPACITY = 0.25  # the opacity, from 0 to 1, of the disc of the ball around its centre
 # SMALLEST_RING: [points] the least size of the mark of an impact; RING_PART: the size of the mark if there
-# are many impacts, relative to the width of the axes divided by their number
+# are many impacts, relative to the width of the axes divided by the number of impacts
 SMALLEST_RING, RING_PART = 3.0, 0.7
 
 
@@ -42,7 +42,10 @@ def line_of_motion(recording: Recording) -> int | None:
 
 
 def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
-    """Draw the place of a ball along the axis ``along`` over time, with walls and impacts."""
+    """Draw the position of a ball over time, with walls and impacts, for a ball that moves along one axis.
+
+    ``along`` is the axis of the motion: 0 for x and 1 for y.
+    """
     ball = ball_of(recording)
     assert ball is not None
     time, place, radius = recording.time, recording.points[:, ball, along], recording.touching[ball]
@@ -71,7 +74,10 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
 
 
 def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray]) -> None:
-    """Draw a ring at each impact: at its onset, on the surface of its wall."""
+    """Draw a ring at each impact: at its onset, on the surface of its wall.
+
+    ``surfaces`` is a result of ``wall_surfaces``.
+    """
     hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
     spots = [(onset, np.interp(onset, recording.time, at)) for onset, at in hits if at is not None]
     if spots:
@@ -84,15 +90,15 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
 
 
 def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
-    """Return the position of each wall's surface along an axis over time, by the wall's name, shape (T,) [m].
+    """Return where each wall meets the line of a ball: name of the wall → coordinate, shape (T,) [m].
 
-    The walls are across the axis. The surface of an inclined wall is taken beside the ball.
+    ``along`` is the axis along which the ball moves, and so the axis of this coordinate: 0 for x, 1 for y.
     """
     ball, still, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
     for name in view_of(recording).walls:
         wall = recording.walls[name]
         offset = wall.offset + recording.moved_walls.get(name, still)
-        # the surface lies where n·p = offset, with the ball's coordinate across the axis
+        # the surface has the points p with n·p = offset; p has the ball's coordinate across the axis
         beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
         surfaces[name] = (offset - beside) / wall.normal[along]
     return surfaces

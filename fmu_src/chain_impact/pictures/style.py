@@ -39,7 +39,7 @@ GREY, PALE, INK = "0.72", "0.9", "0.25"
 OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground: beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
-"""The colours of areas on which labels may stand."""
+"""The colours of areas on which labels may stand: the ground inside and beyond walls."""
 # Parts of the text's colour in a mixture with the ground. SHADE: for a time in which nothing moves; LINE: for
 # the line at an impact.
 SHADE, LINE = 0.05, 0.1
@@ -61,13 +61,13 @@ STYLE: Any = {
     "legend.borderaxespad": 0.2,
     "xtick.labelsize": "small",
     "ytick.labelsize": "small",
-    "pdf.fonttype": 42,  # type 42 stands for TrueType fonts, because many journals refuse Type 3 fonts
+    "pdf.fonttype": 42,  # 42 means TrueType fonts; many journals refuse Type 3 fonts, matplotlib's default
     "ps.fonttype": 42,
     "svg.fonttype": "none",  # with "none", text stays text, and does not become outlines
     # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
     "text.hinting": "none",
 }
-"""Settings of matplotlib for every picture, unless a user or a style sheet has changed these settings."""
+"""Settings of matplotlib for every picture; a setting that a user or a style sheet has changed stays."""
 COLOURS: Any = {
     name: "white" if name.endswith("facecolor") else "black"
     for name in (
@@ -100,7 +100,8 @@ COUNT_STEPS = (1, 2, 5, 10)
 def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     """Draw in the style of all pictures; the function is a context manager and a decorator.
 
-    A user's axes are drawn without ``colours``, so that they keep the colours of their own style.
+    ``colours`` are settings that replace the user's in any case. Axes of a user are drawn without them, and
+    so keep the colours of their own style.
     """
     kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
     with mpl.rc_context(kept | colours):
@@ -118,7 +119,7 @@ class StyledFigure(Figure):
 
         Args:
             free_height: whether the contents determine the height of the figure.
-            options: those of a matplotlib figure.
+            options: keywords of a matplotlib figure.
         """
         self.free_height = free_height
         with styled():
@@ -148,7 +149,7 @@ class StyledFigure(Figure):
 
 
 def suit_figure(figure: Figure) -> None:
-    """Change the colours of a figure for a white ground to those for the style in use, if it is dark."""
+    """Change the colours of a figure, which are for a white ground, if the style in use is dark."""
     ground = Ground.of_style()
     if ground is None:
         return
@@ -159,14 +160,17 @@ def suit_figure(figure: Figure) -> None:
 
 
 def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
-    """Return a mixture of the axes' colour and a fraction of the text colour; it suits dark styles, too."""
+    """Return a mixture of the colour of the text, with the part ``fraction``, and of the axes' ground.
+
+    It suits dark styles, too.
+    """
     ground, text = (np.array(to_rgb(colour)) for colour in (axes.get_facecolor(), mpl.rcParams["text.color"]))
     red, green, blue = (ground + fraction * (text - ground)).tolist()
     return red, green, blue
 
 
 def is_full(axes: Axes) -> bool:
-    """Return whether axes belong to a figure of full width."""
+    """Return whether axes belong to a figure of at least the usual width."""
     figure = axes.get_figure(root=True)
     return figure is None or figure.get_figwidth() >= FULL
 
@@ -177,7 +181,7 @@ def is_narrow(figure: Figure) -> bool:
 
 
 def give_ticks(*axes: Axes) -> None:
-    """Give each axis at least LEAST_TICKS numbers, unless its ticks are set by hand."""
+    """Give each linear axis of some axes at least LEAST_TICKS numbers, unless its ticks are set by hand."""
     for panel in axes:
         for axis in (panel.xaxis, panel.yaxis):
             if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), AutoLocator):
@@ -185,16 +189,16 @@ def give_ticks(*axes: Axes) -> None:
 
 
 def scale_numbers(axis: Axis, factor: float) -> None:
-    """Write ``factor`` times their value at the ticks of an axis, whose label has the unit for that."""
+    """Write the values at the ticks of an axis times ``factor``; the axis label has the unit for this."""
     if factor != 1.0:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
 
 def headline(figure: Figure, message: str, conditions: str = "") -> None:
-    """Write a message above the picture and, in a smaller font below it, the conditions.
+    """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
     Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
-    the conditions are at the foot. A figure that is too low has no conditions.
+    the conditions are at the foot. A figure that is too low for the conditions does not have them.
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
@@ -217,7 +221,10 @@ def headline(figure: Figure, message: str, conditions: str = "") -> None:
 
 
 def broken(figure: Figure, text: str, more: int = 1) -> str:
-    """Return a small text in lines that fit between the margins; ``more`` is as in ``in_lines``."""
+    """Return a text in lines that fit between the margins of a figure in a small font.
+
+    ``more`` is as in ``in_lines``.
+    """
     probe = figure.text(0.0, 0.0, text, fontsize="small")
     in_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
     probe.remove()
@@ -227,8 +234,8 @@ def broken(figure: Figure, text: str, more: int = 1) -> str:
 def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
     """Write a text at the foot of a figure, above other texts there.
 
-    Return the text, or None if it has no room. All texts at the foot take at most the part ``most`` of the
-    figure's height, by default FREE_FOOT or MOST_FOOT.
+    Return the text's artist, or None if the text has no room and is left out. All texts at the foot take at
+    most the part ``most`` of the figure's height, by default FREE_FOOT or MOST_FOOT.
     """
     if most is None:
         most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
@@ -252,7 +259,7 @@ def foot_of(figure: Figure) -> float:
 
 
 def reserve(figure: Figure, top: float, bottom: float) -> None:
-    """Keep a part of the figure's height free of axes, at the top and at the bottom."""
+    """Keep the parts ``top`` and ``bottom`` of a figure's height free of axes, at its top and bottom."""
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
@@ -273,7 +280,10 @@ def words_of(figure: Figure) -> dict[str, str]:
 
 
 def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
-    """Return a figure that ``fill`` has drawn on, with the resolution of files."""
+    """Return a new figure that ``fill`` has drawn on, with the resolution of files.
+
+    ``size``: width and height [inches].
+    """
     figure = StyledFigure(figsize=size, dpi=DPI)
     fill(figure)
     return figure
@@ -293,7 +303,7 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
 
 
 def force_text(value: float, unit: str) -> str:
-    """Return a positive force or moment as text, with a prefix and three digits: 12.3 kN."""
+    """Return a positive quantity, such as a force, as text with a prefix and three digits: 12.3 kN."""
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 

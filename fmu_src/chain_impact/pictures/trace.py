@@ -6,12 +6,12 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 
-PIECE = 0.004  # the approximate length of a piece of the curve, relative to the smaller side of the view
-MOST_PARTS = 32  # the largest number of pieces between two rows
+PIECE = 0.004  # the approximate length of a straight piece of the curve, relative to the view's smaller side
+MOST_PARTS = 32  # the largest number of straight pieces between two rows
 
 
 def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the path of the tip.
+    """Return the path of the tip as points of a smooth curve.
 
     The path has the position in each row. If the tip is at distant places in two successive rows, it also has
     points of a smooth curve between them, except across an impact.
@@ -55,10 +55,10 @@ def _speeds(recording: Recording) -> np.ndarray:
 
 
 def _broken(recording: Recording) -> np.ndarray:
-    """Return, for each pair of successive rows, whether the path between them is straight, shape (T − 1,).
+    """Return, for each pair of successive rows, whether the path between them stays straight, shape (T − 1,).
 
-    The velocity jumps at an impact. If velocities are computed from positions, those of the rows beside the
-    impact are wrong, too.
+    It does across an impact, at which the velocity jumps. If velocities are computed from positions, those
+    of the rows beside the impact are wrong, too, so the path is straight there as well.
     """
     at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
