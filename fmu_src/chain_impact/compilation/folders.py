@@ -52,7 +52,11 @@ def trusted(base: Path) -> bool:
 
 @functools.cache
 def writable(base: Path) -> Path:
-    """Return the cache's folder after making it, if it does not exist."""
+    """Return the cache's folder after making it, if it does not exist.
+
+    Raises:
+        BuildError: when nothing can be stored in the folder, or other users can write there.
+    """
     with explained(base):
         with suppress(FileExistsError):
             base.mkdir(mode=0o700, parents=True)

@@ -325,7 +325,13 @@ class Recording:
         return self.sides_at(float(time))[self.wall_names[row["wall"]]]
 
     def save_impacts(self, path: Path | str) -> None:
-        """Write the list of impacts, with the names of walls; the file's suffix says CSV, JSON or Parquet."""
+        """Write the list of impacts, with the names of walls; the file's suffix says CSV, JSON or Parquet.
+
+        Raises:
+            ValueError: when the file has another suffix.
+            MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
+            OSError: when the file cannot be written.
+        """
         save_impacts(Path(path), self.impacts, self.wall_names)
 
     def save_csv(self, path: Path | str, output: str | Iterable[str] | None = None) -> None:

@@ -62,7 +62,13 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
 
 def element_label(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) -> str:
-    """Return the words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider"."""
+    """Return the words for the place of a phase: "point 5 (heel) at y_min", "joint 3" or "the slider".
+
+    Args:
+        phase: the phase of dry friction.
+        walls: the names of all walls, by their numbers.
+        names: the names of points, by their numbers.
+    """
     if phase["wall"] == JOINT:
         return f"joint {phase['point']}" if phase["point"] > 0 else "the slider"
     return f"{point_label(phase['point'], names)} at {walls[phase['wall']]}"

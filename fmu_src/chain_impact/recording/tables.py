@@ -113,6 +113,11 @@ def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
     """Write a list of impacts to a file, with all digits of the numbers.
 
     CSV and Parquet have one impact in a row; JSON has an object for each impact.
+
+    Raises:
+        ValueError: when the file ends in none of the SUFFIXES.
+        MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
+        OSError: when the file cannot be written.
     """
     suffix, columns = path.suffix.lower(), impact_columns(impacts, walls)
     if suffix not in SUFFIXES:

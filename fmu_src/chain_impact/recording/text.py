@@ -25,7 +25,13 @@ def few(names: Sequence[str], shown: int) -> str:
 
 
 def toucher_name(number: int, stop: str, names: Mapping[int, str]) -> str:
-    """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider"."""
+    """Return words for what touches in an impact: "point 2", "point 5 (heel)", "joint 2" or "slider".
+
+    Args:
+        number: the number of the point, or of the joint.
+        stop: the name of the stop among the walls; "" for an impact at a wall.
+        names: the names of points, by their numbers.
+    """
     if stop in SLIDER_STOPS:
         return "slider"
     return f"joint {number}" if stop else point_label(number, names)

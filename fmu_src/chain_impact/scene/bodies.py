@@ -192,6 +192,11 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
     """Return the line of a slider; None if the chain has no slider or nothing tells the line's direction.
 
     That is the case if ``values`` has no ``slider.angle`` and ``positions`` is None.
+
+    Args:
+        points: the positions of all points, of which the first is the base, shape (T, P, 2) [m].
+        positions: the outputs ``slider.position``, shape (T,) [m]; None if they are not known.
+        values: name of a parameter → value.
     """
     bases = points[:, 0]
     if "slider.angle" in values:

@@ -137,6 +137,10 @@ def extended(rule: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str,
     """Return the metadata `rule` of a key, completed with what the values of other keys decide.
 
     The name of a user's law becomes a choice of a key, and the unit of a key may depend on another key.
+
+    Args:
+        rule: the metadata.
+        tables: key → value or table, as far as they have been read.
     """
     if unit_by := rule.get("unit_by"):
         return {**rule, "unit": unit_by(tables)}

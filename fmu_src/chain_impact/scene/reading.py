@@ -121,6 +121,9 @@ def names_matching(
 
     If no name matches, the error ends with the text that the function ``hint`` returns for ``name``. If this
     text is None, the error ends with the most similar name.
+
+    Raises:
+        UnknownNameError: when no name matches.
     """
     is_text = isinstance(name, str)
     matched = find_names(name, names) if is_text else []

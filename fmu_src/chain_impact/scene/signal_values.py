@@ -41,6 +41,13 @@ def write_signal(d: Any, j: int, signal: Signal, driven: str, stop: float) -> No
 
     All fields of the row must be 0, except its ``order`` and ``first``, the first of its knots, which the
     caller has set.
+
+    Args:
+        d: the parts ``signal`` and ``knot`` of the record.
+        j: the row.
+        signal: the signal.
+        driven: the input that the row drives.
+        stop: the end of the run [s].
     """
     fields = d["signal"]
     first, order = int(fields["first"][j]), int(fields["order"][j])
@@ -166,6 +173,15 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     The velocity of the spline is 0 at the first row if the table begins after t = 0, and at the last row if
     the table ends before the run. The acceleration does not jump within the table. The interval before the
     last row has two polynomials, any other interval one.
+
+    Args:
+        at: the times of the rows, increasing, shape (T,) [s], T ≥ 2.
+        values: the positions, shape (T,) [m].
+        stop: the end of the run [s].
+
+    Returns:
+        The start times of the T polynomials and the end of the last one, shape (T + 1,) [s]; and the
+        coefficients of t⁰ … t³ of each polynomial, shape (T, 4), where t is the time since its start [s].
     """
     from scipy.interpolate import CubicSpline
 

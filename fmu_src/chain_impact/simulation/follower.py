@@ -124,6 +124,9 @@ class Follower:
         """Return pieces of the functions between two times [s].
 
         Neighbours that one polynomial fits are joined.
+
+        Raises:
+            NotSmoothError: when a function cannot be approximated.
         """
         pieces: list[Piece] = []
         dropped = 0
@@ -139,6 +142,9 @@ class Follower:
         """Return pieces of all signals: of the functions, and of the ``held`` signals, from samples.
 
         ``columns`` are the indices of the functions among all signals.
+
+        Raises:
+            NotSmoothError: when a function cannot be approximated.
         """
         fits, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):

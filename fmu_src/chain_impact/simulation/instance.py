@@ -34,7 +34,14 @@ CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000
 
 
 class SimulationError(RuntimeError):
-    """Raised when the solver cannot continue."""
+    """Raised when the solver cannot continue.
+
+    Attributes:
+        status: the code, see ``chain_impact.kernel.status``.
+        time: the time at which the solver stopped [s].
+        part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
+        result: the ``Result`` up to this time; None if the scene cannot start, and for a ``Chain``.
+    """
 
     def __init__(self, status: int, time: float, result: Result | None, part: str = "") -> None:
         """Make the message from the status, the time and the part."""
@@ -73,7 +80,13 @@ class Rows(Protocol):
 
 
 class WordRows:
-    """An output buffer with numbers of the record, one row for each communication point."""
+    """An output buffer with numbers of the record, one row for each communication point.
+
+    Attributes:
+        numbers: shape (T, W); rows that are not filled have arbitrary values.
+        spans: the indices of the numbers in the record, see ``spans_of``.
+        of_state: whether all numbers are outputs of ``STATE_OUTPUTS`` in kernel/record/instance.py.
+    """
 
     def __init__(self, count: int, words: Sequence[int] | np.ndarray, *, of_state: bool = False) -> None:
         """Make a buffer for ``count`` rows."""
@@ -132,7 +145,11 @@ class Instance:
         course: InputCourse | None = None,
         varied: Sequence[Variable] | None = None,
     ) -> None:
-        """Load or compile the kernel; set the instance to its start, with the first values of the inputs."""
+        """Load or compile the kernel; set the instance to its start, with the first values of the inputs.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
         self.prepared = prepared_scene(source)
         varied = self.prepared.varied if varied is None else varied
         self._use(self.prepared.new_instance(varied))

@@ -56,7 +56,14 @@ class Motion:
 
 @dataclass(frozen=True)
 class Channel:
-    """One prescribed motion, of the base, a wall or a belt, and the names of the inputs that give it."""
+    """One prescribed motion, of the base, a wall or a belt, and the names of the inputs that give it.
+
+    Attributes:
+        position: name of the input for the position; "" for a belt, which has no position.
+        velocity: name of the input for the velocity.
+        acceleration: name of the input for the acceleration; "" for a belt.
+        start: position at the start if no input gives it [m].
+    """
 
     position: str
     velocity: str
@@ -206,7 +213,11 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
 def refuse_jumps(
     source: str, motions: Sequence[Motion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
 ) -> None:
-    """Refuse a motion of base or wall whose position or velocity jumps; the speed of a belt may jump."""
+    """Refuse a motion of base or wall whose position or velocity jumps; the speed of a belt may jump.
+
+    Raises:
+        SceneError: when a motion jumps.
+    """
     for order, what in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
             time = pieces.start[jumps(pieces, columns, order)[:, k]][0]

@@ -22,6 +22,10 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
 
     If such a knot came later, the run would begin with the accelerations before it; if it came earlier, it
     would not.
+
+    Args:
+        record: an initialized record.
+        driven: the inputs that signals drive, in the order of the record.
     """
     d = signals_view(record["signal"].copy(), record["knot"].copy())
     found = []

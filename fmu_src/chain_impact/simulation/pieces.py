@@ -15,7 +15,11 @@ VALUE_ROUND_OFF = 4e-15  # [1] error of a function's values, relative to its lar
 
 @dataclass(frozen=True)
 class Piece:
-    """M polynomials of x, which is −1 at ``start`` and 1 at ``end`` [s]."""
+    """M polynomials of x, which is −1 at ``start`` and 1 at ``end`` [s].
+
+    Attributes:
+        powers: coefficients of x⁰ … x^DEGREE, shape (DEGREE + 1, M).
+    """
 
     start: float
     end: float

@@ -57,6 +57,9 @@ def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     """Return the scene with some values set by name, as ``scene.with_values`` does.
 
     A value that is a text is read as in TOML, so that "2" becomes a number.
+
+    Raises:
+        SceneError: when a name is unknown or a value is out of range.
     """
     return scene.with_values({name: value_of(value) for name, value in settings.items()})
 

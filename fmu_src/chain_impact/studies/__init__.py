@@ -1,1 +1,1 @@
-"""Studies with many runs of a scene: sweeps, fits, comparisons of contact laws, animations, accuracy."""
+"""Studies that run a scene many times: sweeps, fits, comparisons of laws, animations, accuracy."""

@@ -1,4 +1,4 @@
-"""An estimate of the errors of positions and onsets, from a second run at a tighter tolerance."""
+"""An estimate of a run's errors of positions and onsets, from a second run at a tighter tolerance."""
 
 from __future__ import annotations
 
@@ -11,23 +11,27 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.names import point_label
 
 TIGHTER = 0.1
-"""The tolerance of the second run, relative to the tolerance of the first run. With a larger ratio, the error
-of the second run is not small compared with the error of the first run, and the difference of both is not an
-estimate of the error."""
+"""The solver's tolerance in the second run, divided by its tolerance in the first run.
+
+Closer to 1, the second run would have errors of a similar size as the first run, so the difference of the two
+runs would not be an estimate of the first run's error.
+"""
 
 
 @dataclass(frozen=True)
 class Differences:
-    """The largest differences between two runs, up to their first different impact.
+    """The largest differences between two runs, up to the first impact in which the runs differ.
 
     Attributes:
-        impacts: the number of compared impacts: those before the first different impact.
-        onset: the largest difference of onsets [s]; 0 if no impacts are compared.
-        position: the largest distance between the positions of a point in both runs at the same time [m].
-        point: the name of the point with the largest distance.
-        time: the time of the largest distance [s].
-        end: the end of the comparison [s].
-        parted: whether the comparison ends at the first different impact; if not, it ends with the runs.
+        impacts: the number of compared impacts: from the first one, as long as both runs have the same
+            impacts.
+        onset: the largest difference between the onsets of a compared impact in the two runs [s]; 0 without
+            one.
+        position: the largest distance between the positions of a point in the two runs at the same time [m].
+        point: the name of the point that has this largest distance.
+        time: the time at which the point has it [s].
+        end: the time up to which the runs are compared [s].
+        parted: whether the comparison ends early, at the first impact in which the runs differ.
     """
 
     impacts: int
@@ -42,8 +46,8 @@ class Differences:
 def differences(run: Recording, tighter: Recording) -> Differences:
     """Return the differences between a run and a run at a tighter tolerance, in rows and impacts.
 
-    After the first different impact the runs are two different motions, whose difference does not measure an
-    error.
+    The comparison ends at the first impact in which the runs differ: from there on, they are two different
+    motions, whose distance is not an error of the solver.
     """
     rows = min(len(run.time), len(tighter.time))
     end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
@@ -54,7 +58,7 @@ def differences(run: Recording, tighter: Recording) -> Differences:
     if parted:
         end = min(later)
     apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
-    # only rows at equal times, until the end of the comparison, are compared
+    # only rows that have the same time in the two runs, and are not after the end of the comparison, count
     apart[~together | (run.time[:rows] > end)] = 0.0
     row, point = np.unravel_index(apart.argmax(), apart.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)

@@ -1,4 +1,4 @@
-"""An animation of a scene, simulated with dense rows near impacts so that each impact can be shown slowly."""
+"""An animation of a scene, which is simulated with dense rows near impacts to show each impact slowly."""
 
 from __future__ import annotations
 
@@ -99,7 +99,8 @@ def record_slowly(
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
-    # an impact that is too weak for slow motion also gets dense rows, so that the rows have its peak force
+    # an impact that is too weak for slow motion also gets dense rows; otherwise the rows could miss its peak
+    # force
     lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
     others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
     course = input_course(

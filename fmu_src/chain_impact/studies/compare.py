@@ -1,4 +1,4 @@
-"""Every contact law, or some laws, on the same scene, side by side."""
+"""The comparison of contact laws: the same scene is simulated with each law."""
 
 from __future__ import annotations
 
@@ -46,19 +46,22 @@ if TYPE_CHECKING:
 
 
 STIFFER = (10.0, 100.0)
-"""If other forces than contact forces act in the first impact, the restitution that this impact can reach is
-also computed at the scene's stiffness times each of these factors."""
+"""Factors on the scene's stiffness K, for an impact that is not free.
+
+In an impact that is not free, other forces than those of the contact act. The comparison then also computes
+which restitution such an impact reaches at K times each factor.
+"""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Comparison(LawRuns):
-    """The results of all contact laws, or of some laws, on one scene.
+    """The results of one scene with each of several contact laws.
 
-    The text of a comparison is a table with a line for each law, and advice.
+    The text of a comparison is a table with a line for each law, and advice on the law to use.
 
     Attributes:
         scene: the scene.
-        reference: id of the law to which the impacts of all other laws are compared.
+        reference: id of the law with whose impacts the impacts of every other law are compared.
         runs: one run for each law, in the order of the registry; a user's own law comes last.
         reached: the restitutions that the first impact reaches without losses and with the exact law, at the
             scene's stiffness; if other forces than contact forces act in the impact, at larger stiffnesses,
@@ -89,17 +92,17 @@ class Comparison(LawRuns):
         size: Size | None = None,
         ax: Any = None,
     ) -> Any:
-        """Draw the loops of all laws, force over penetration in the first impact, and the energy over time.
+        """Draw force over penetration of each law in the first impact, a loop, and the energy over time.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
-            size: width and height [inches]; with the height None, the contents determine the height.
-                In a picture narrower than 6 inches the loops are above the energy.
+            size: width and height [inches]; with the height None, the contents determine the height. In a
+                picture narrower than 6 inches the loops are above the energy.
             ax: axes of matplotlib for the loops; these axes are returned.
 
         Raises:
-            ValueError: when the picture is too small, or axes are given with a file or a size.
+            ValueError: when the picture is too small, or axes are given together with a file or a size.
             OSError: when the file cannot be written.
         """
         from chain_impact.studies.compare_plot import plot_comparison
@@ -107,7 +110,7 @@ class Comparison(LawRuns):
         return plot_comparison(self, path, size, ax)
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as CSV with all digits; missing values are empty."""
+        """Write the table as CSV, with all digits of each number; the cell of a missing value is empty."""
         with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(LAW_COLUMNS)
@@ -129,8 +132,10 @@ LAW_COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "steps": lambda run: run.steps if run.result else None,
     "note": lambda run: run.note,
 }
-"""Column of the CSV → function that returns its value for a run; the columns from "restitution" to "energy
-lost" describe the first impact."""
+"""Name of a column of the CSV → function that gives the column's value for the run of a law.
+
+The columns from "restitution" to "energy lost" describe the first impact.
+"""
 
 
 def _cell(value: object) -> object:
@@ -143,18 +148,19 @@ def compare(
     *,
     laws: Sequence[str] | None = None,
 ) -> Comparison:
-    """Simulate a scene with each law of the registry and with the scene's own law, or with some laws.
+    """Simulate a scene with every law of the registry and the scene's own law, or with the given laws.
 
-    A law that needs another exponent than the scene has runs with this exponent, and with the stiffness that
-    would give the first impact the same penetration without losses. A law that does not allow the scene's
-    restitution, or fails, is listed with the reason. Stops with their own law keep this law; then only the
-    law of the walls changes, and the first impact at a wall is compared.
+    A law that needs another exponent than the scene has runs with the exponent that it needs, and with the
+    stiffness that would give the first impact the same penetration without losses. A law that does not allow
+    the scene's restitution, or whose run fails, is listed with the reason. Stops with their own law
+    (``stops.model``) keep this law in every run: only the law of the walls changes, and the first impact at a
+    wall is compared.
 
     Args:
         scene: a scene, or an argument of ``load_scene``; each law replaces the scene's contact model.
         progress: called with the finished fraction, 0 to 1, if given.
-        laws: ids of the laws; all laws by default. The scene's contact model is added if all these laws need
-            another exponent than the scene has.
+        laws: ids of the laws; all laws by default. If every given law needs another exponent than the scene
+            has, the scene's contact model is compared, too.
 
     Raises:
         UnknownNameError: when a law does not exist.

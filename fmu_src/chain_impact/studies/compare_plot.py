@@ -1,7 +1,7 @@
-"""The picture of a comparison of contact laws: the first impact, and energy over time.
+"""The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
 
 At most six laws have a colour and a name: the reference, the scene's own law, the law without losses, the law
-that differs most, and other common laws. The other laws are grey.
+whose restitution differs most from the reference, and other common laws. All further laws are grey.
 """
 
 from __future__ import annotations
@@ -43,8 +43,9 @@ from chain_impact.studies.law_change import LOSSLESS, compared_impact
 from chain_impact.studies.law_runs import LawRuns
 from chain_impact.variables.impact_units import unit_at
 
-SIZE = (10.0, 4.8)  # [inch] default size of the figure
-REFERENCE_LAYER = 3  # matplotlib's order of drawing (zorder) for the line of the reference law
+SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
+# matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
+REFERENCE_LAYER = 3
 IMPULSE: dict[str, Any] = {
     "xycoords": ("data", "axes fraction"),
     "xytext": (2.0, 0.0),
@@ -54,16 +55,21 @@ IMPULSE: dict[str, Any] = {
     "fontsize": "x-small",
     "color": INK,
 }
-"""The keywords of matplotlib's ``annotate`` for the name of an impulsive law beside its line."""
-BAND_POINTS = 400  # number of penetrations at which both edges of the grey band of loops are computed
+"""Where and how the word "impulse", with the law's name, is written along the line of a law of impulses."""
+# number of penetrations at which the lower and upper edge of the grey band of loops are computed
+BAND_POINTS = 400
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
 )
-"""The looks of the laws with a colour, except the reference law; their lines lie above its wider line."""
-COLOURED_LAWS = 1 + len(LINES)  # largest number of laws with a colour; the reference law is one of these
+"""Colours and dashes of the laws with a colour, except the reference law.
+
+These lines lie over the line of the reference law, which is wider and so remains visible at both edges.
+"""
+# largest number of laws with a colour: the reference law, and one law for each entry of LINES
+COLOURED_LAWS = 1 + len(LINES)
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Laws that many programs and papers use; they get the colours that are left."""
+"""Ids of laws that many programs and papers use; these laws get the colours that are left."""
 
 Looks = dict[str, dict[str, Any]]
 
@@ -124,7 +130,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
-    is_told = bool(banded(comparison, looks))  # a grey band is explained by the legend
+    # whether the legend names the laws in the grey band; this text then does not repeat their number
+    is_told = bool(banded(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
     limits = "" if comparison.is_free else "not free"
     if limits and math.isfinite(most := comparison.reached[0].lossless):
@@ -135,9 +142,10 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
-    The law that differs most has the restitution in the first impact that is farthest from the restitution
-    with the reference law, among the laws with losses. The law without losses ignores the prescribed
-    restitution, so it has a colour and a reason of its own.
+    The reason of the law without losses is "no losses". Among all other laws, the reason "differs most"
+    belongs to the law whose restitution in the first impact is farthest from that of the reference law. The
+    law without losses does not count there, because it ignores the prescribed restitution and so would
+    usually be the farthest.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -199,10 +207,10 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw force over penetration in the first impact; an impulse is a line at penetration 0.
+    """Draw force over penetration in the first impact; a law of impulses is a line at penetration 0.
 
-    More than MOST_GREY laws without a colour are drawn together as a band. A narrow figure has no room for
-    the name of an impulse without a colour, and does not draw it.
+    If more than MOST_GREY laws have no colour, their loops are drawn together as one grey band. A narrow
+    figure has no room for the name of a law of impulses without a colour, and so does not draw this law.
     """
     figure = axes.get_figure(root=True)
     small = figure is not None and is_narrow(figure)
@@ -269,7 +277,7 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
 
 
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
-    """Draw the total energy over time; more than MOST_GREY laws without a colour share a band."""
+    """Draw the total energy over time; the laws of ``banded`` share one grey band."""
     band = banded(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
@@ -295,7 +303,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
     """Draw a line for each law; ``lines``: law → points of the line, shape (2, S).
 
-    Where coloured lines coincide they are dashed, so that each of them is seen.
+    Where lines with colours lie on each other, they get alternating dashes, so that each of them is seen.
     """
     order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
     coloured = [law for law in order if looks[law]["color"] != GREY]
@@ -307,9 +315,10 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
 
 
 def legend_handles(axes: Axes, looks: Looks) -> list[Any]:
-    """Return the entries of the legend: the laws with a colour, and the band of the other laws, if any.
+    """Return the entries of the legend: the laws with a colour and, if there is one, the grey band.
 
-    An entry shows the line of its law as ``looks`` has it, without the dashes where lines coincide.
+    An entry shows its line undashed even if ``draw_lines`` has given the line dashes because it lies on
+    others.
     """
     styles = {look["label"]: look for look in looks.values() if look["color"] != GREY}
     drawn = [styles[label] for line in axes.lines if (label := line.get_label()) in styles]

@@ -1,4 +1,4 @@
-"""A comparison of contact laws as text: a table, and a sentence on the laws that realise the restitution."""
+"""A comparison of contact laws as text: a table, and advice on the laws that realise the restitution."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from chain_impact.studies.law_change import EXACT_LAW, compared_impact
 from chain_impact.studies.law_runs import LawRun, LawRuns
 from chain_impact.variables.impact_units import unit_at
 
-# A law realises the prescribed restitution e if the restitution of the first impact differs from e by at most
-# this part of e.
+# A law realises the prescribed restitution e if its restitution differs from e by at most REALISED_WITHIN ×
+# e.
 REALISED_WITHIN = 0.05
-NAMED_LAWS = 3  # the largest number of laws that the advice names
+# the largest number of laws whose names the advice lists; of more laws it gives only the number
+NAMED_LAWS = 3
 DASH = "–"
 
 
@@ -81,7 +82,7 @@ def formatted(value: float, form: str) -> str:
 
 
 def legend(comparison: LawRuns) -> str:
-    """Return sentences on the meaning of the columns, and on stops that keep their own law in all runs."""
+    """Return sentences on the columns' meaning and, if it is so, that stops keep their own law."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
@@ -110,7 +111,7 @@ def advice(comparison: LawRuns) -> str:
 
 
 def _few(laws: Sequence[str]) -> str:
-    """Return the names of laws or, if there are more than NAMED_LAWS, only their number."""
+    """Return the names of some laws, or only their number if there are more than NAMED_LAWS."""
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 

@@ -1,4 +1,4 @@
-"""Another contact law for a scene: its exponent, and the stiffness for the same elastic penetration."""
+"""Another contact law for a scene: its exponent, and the stiffness that keeps the elastic penetration."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from chain_impact.scene.scene import Scene, with_values
 from chain_impact.scene.tables import Contact
 
 EXACT_LAW = "zhang_sharf"
-"""The law with which the other laws are compared, if it allows the scene's restitution."""
+"""The exact law: it gives every free impact the prescribed restitution. It is the reference of comparisons,
+if it allows the scene's restitution."""
 LOSSLESS = "hertz"
-"""The law without losses; with it a free impact (only contact forces act) has the restitution 1."""
+"""The law without losses; in a free impact (no other forces than those of the contact) its restitution is
+1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
@@ -34,9 +36,10 @@ def keeps_exponents(law: str, scene: Scene) -> bool:
 
 
 def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
-    """Yield path, exponent and stiffness of each table with a stiffness for the law of `contact`.
+    """Yield path, exponent n and stiffness K of each table with a stiffness that ``contact.model`` uses.
 
-    These are `contact`, the walls with their own stiffness, and `stops` if they have no law of their own.
+    These are ``contact``, the tables of walls with their own stiffness, and ``stops`` unless stops have their
+    own law.
     """
     contact, stops = scene.contact, scene.stops
     if point_wall_pairs(scene) or not scene.chain.stops:
@@ -49,9 +52,10 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
 
 
 def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Return the index of the first row of ``impacts`` for which the law of `contact` acts, or None.
+    """Return the index in ``Result.impacts`` of the first impact that obeys ``contact.model``.
 
-    This law does not act at stops with their own law. ``impacts`` is ``Result.impacts``.
+    Impacts at stops that have their own law (``stops.model``) do not obey it. Returns None if no impact obeys
+    it.
     """
     differs = scene.stops.model is not None
     return next((k for k, row in enumerate(impacts) if not (differs and at_stop(scene, row["wall"]))), None)
@@ -65,9 +69,10 @@ def compared_impact(scene: Scene) -> str:
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     """Return the changes that give a scene another law: path → value. Stops with their own law keep it.
 
-    If the law needs another exponent, stiffnesses change so that ``impact``, a row of ``Result.impacts``,
-    keeps its penetration without losses, δ: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and
-    stiffnesses do not change.
+    If the law needs another exponent than a table has, the table gets this exponent n, and the stiffness K
+    for which the elastic penetration δ in ``impact``, a row of ``Result.impacts`` with effective mass m and
+    impact speed v₀, stays the same: K δⁿ⁺¹/(n+1) = ½ m v₀². Without an impact, exponents and stiffnesses do
+    not change.
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
@@ -76,16 +81,17 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
-    # stops with their own law keep their exponent, even if it is only the default: the exponent of `contact`
+    # if stops with their own law have no exponent of their own, they use that of `contact`, which now
+    # changes; so they get their present exponent as their own
     if scene.stops.model and ("contact", "exponent") in changes:
         changes["stops", "exponent"] = scene.stops.exponent
     return changes
 
 
 def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness that gives an impact without losses the same penetration with another exponent.
+    """Return the stiffness with which an impact without losses is as deep at the exponent ``needed``.
 
-    ``stiffness`` and ``n`` are the present stiffness and exponent; ``needed`` is the other exponent.
+    ``stiffness`` is the present stiffness, at the exponent ``n``.
     """
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = lossless_depth(energy, stiffness, n)
@@ -93,7 +99,7 @@ def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) ->
 
 
 def stiffened(scene: Scene, factor: float) -> Scene:
-    """Return the scene with all stiffnesses for the law of `contact` multiplied by ``factor``."""
+    """Return the scene with each stiffness that ``contact.model`` uses multiplied by ``factor``."""
     changes: Changes = {(*path, "stiffness"): factor * stiffness for path, _, stiffness in _tables(scene)}
     return with_values(scene, changes)
 

@@ -1,4 +1,4 @@
-"""The results of each contact law, without the text and the picture of a comparison."""
+"""The results of contact laws that are compared, without the text and the picture of the comparison."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Contact
 from chain_impact.studies.law_change import contact_at, first_number
 
-# An impact is free if the differences between its restitutions and those expected of a free impact are less.
+# an impact is free if its restitutions without losses and with the exact law deviate by at most this from 1
+# and e
 FREE_TOLERANCE = 0.05
 
 
@@ -22,24 +23,24 @@ FREE_TOLERANCE = 0.05
 class LawRun:
     """The run of a scene with one contact law, and the values of the first impact.
 
-    The values of the first impact are NaN if there is no impact. If the impact has not ended, its force and
-    penetration are the largest so far, and the other values are NaN. If stops have their own law, the first
-    impact is the first impact at a wall.
+    The first impact is the first one at a wall if stops have their own law, else the first one of all. Its
+    values are NaN if there is none. If it has not ended at the end of the run, its force and penetration are
+    the largest so far, and its other values are NaN.
 
     Attributes:
         law: the id of the law.
         exponent: exponent n of the run.
         stiffness: stiffness K of the run [N/m^n].
-        restitution: realised restitution of the first impact.
-        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop of a joint the quantities
-            are those of the joint angle: the peak is a moment [N·m], the penetration is in rad.
+        restitution: the first impact's restitution.
+        peak_force: peak force of the first impact [N]; 0 for an impulse. At a stop of a joint, force and
+            penetration are those of the joint's angle: the peak is a moment [N·m], the penetration is in rad.
         max_penetration: largest penetration in the first impact [m].
         duration: duration of the first impact [s]; 0 for an impulse.
         energy_lost: energy that the whole chain dissipates from the onset to the end of the first impact [J].
         loop: penetration [m] and force [N] in the first impact, shape (2, S); empty for an impulse; None if
             the impact has not ended.
-        divergence: number, from 1, of the first impact whose point or wall differs from the reference law's
-            run; None if none differs.
+        divergence: number, from 1, of the first impact whose point or wall differs from that of the impact
+            with this number under the reference law; None if none differs.
         divergence_time: onset of the impact with the number ``divergence`` [s].
         note: the reason why the result is missing or incomplete, or a remark.
         result: the simulation, if there is one.
@@ -78,9 +79,9 @@ class Reached:
     """The restitutions that the first impact reaches at one stiffness; NaN if the impact has not ended.
 
     Attributes:
-        stiffness: stiffness K of the first impact [N/m^n].
-        lossless: restitution with a law without losses, about the largest possible one; 1 in a free impact.
-        exact: restitution with the law that realises the scene's restitution in a free impact.
+        stiffness: stiffness K of the contact [N/m^n].
+        lossless: restitution with the law without losses, about the largest possible one; 1 in a free impact.
+        exact: restitution with the exact law; the scene's restitution in a free impact.
     """
 
     stiffness: float
@@ -90,7 +91,7 @@ class Reached:
 
 @dataclass(frozen=True, eq=False)
 class LawRuns:
-    """The runs of some laws on one scene; ``Comparison`` (compare.py) describes the attributes."""
+    """The runs of one scene with several laws; ``Comparison`` (compare.py) describes the attributes."""
 
     __eq__ = same
     __hash__ = None  # type: ignore[assignment]
@@ -108,7 +109,7 @@ class LawRuns:
     def first_impact(self) -> np.void:
         """The first impact with the reference law, a row of ``Result.impacts``.
 
-        If stops have their own law, the first impact is the first impact at a wall.
+        It is the first impact at a wall if stops have their own law.
         """
         impact = first_of(self[self.reference].result)
         assert impact is not None  # ``compare`` refuses a scene without this impact

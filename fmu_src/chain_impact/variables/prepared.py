@@ -210,6 +210,9 @@ class PreparedScene:
         """Return where the record has the outputs with some names or patterns, in the order of ``wanted``.
 
         Each output counts once.
+
+        Raises:
+            UnknownNameError: when no output has a name, or matches a pattern.
         """
         by_names, kept = self._indices_by_names, self._indices_by_text
         if not isinstance(wanted, str):
@@ -242,6 +245,9 @@ class PreparedScene:
         """Return an instance with the parameters of the scene, before its initialization.
 
         It is an array with one record. Tangent instances, which derivatives need, follow in the same memory.
+
+        Args:
+            varied: the variables with respect to which there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
         memory = new_record(self.scene, self.structure, self.common)

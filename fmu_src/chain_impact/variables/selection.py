@@ -42,6 +42,9 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
     """Return the parameters and inputs whose names match ``names``, each once, for derivatives.
 
     ``*`` in a name stands for any text.
+
+    Raises:
+        UnknownNameError: when no variable with derivatives has such a name.
     """
     scene = prepared.scene
 
@@ -64,7 +67,11 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
 
 
 def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Variable]:
-    """Return the outputs with the names or patterns ``wanted``, each once, in this order."""
+    """Return the outputs with the names or patterns ``wanted``, each once, in this order.
+
+    Raises:
+        UnknownNameError: when no output has a name, or matches a pattern.
+    """
     if not wanted:
         return []
     outputs, hint = prepared.own_outputs, _hint_on_outputs(prepared)
@@ -72,7 +79,11 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
-    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``."""
+    """Return the entries of ``PreparedScene.columns`` for the names or patterns ``wanted``.
+
+    Raises:
+        UnknownNameError: when no column has a name, or matches a pattern.
+    """
     columns, hint = prepared.columns, series_hint(_hint_on_outputs(prepared))
     names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
     return {name: columns[name] for name in names}

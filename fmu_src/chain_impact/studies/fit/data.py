@@ -34,14 +34,14 @@ PERCENT = "%"
 
 @dataclass(frozen=True)
 class ImpactRow:
-    """The impact of the run that a row of measurements describes.
+    """The impact to which a row of measurements belongs.
 
     Attributes:
-        number: number in the order of onsets, from 1, among all impacts; if ``alike``, among the impacts of
-            the same point and wall.
+        number: number of the impact in the order of onsets, from 1: among all impacts of the run, or, if
+            ``alike``, among the impacts of the same point and wall.
         point: number of the point, or of the joint at a stop; None if the row does not give it.
         wall: index in ``scene.wall_names``; None if the row does not give it.
-        alike: whether ``number`` counts only impacts at the same point and wall.
+        alike: whether ``number`` counts only the impacts of the same point and wall.
         order: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
@@ -52,7 +52,10 @@ class ImpactRow:
     order: float
 
     def find(self, impacts: np.ndarray) -> int | None:
-        """Return the row of this impact in ``Result.impacts``; None if it is missing, or is elsewhere."""
+        """Return the index of this impact among a model's impacts, the rows of ``Result.impacts``.
+
+        Returns None if the model has no such impact, or its impact with the number has another point or wall.
+        """
         same = np.ones(len(impacts), bool)
         for name, value in ((POINT, self.point), (WALL, self.wall)):
             if value is not None:
@@ -66,17 +69,17 @@ class ImpactRow:
 
 @dataclass(frozen=True)
 class Measurements:
-    """The measurements of one run, as M single values.
+    """The measured values of one run, M numbers.
 
     Attributes:
-        source: the names of the files.
-        times: times of the measured outputs, shape (T,) [s].
-        outputs: names of the W measured outputs.
-        impacts: the measured impacts.
-        quantity: name of the output, or of the quantity of an impact, for each value, shape (M,).
+        source: the names of the files, for error messages.
+        times: the times at which outputs were measured, shape (T,) [s].
+        outputs, impacts: the names of the W measured outputs, and the measured impacts.
+        quantity: what each value measures: the name of an output, or of an impact's quantity, M names.
         value: the measured values, shape (M,).
         sigma: the standard deviation of each value, shape (M,); NaN if the fit must estimate it.
-        row, column: index into times and outputs, or into impacts and ``MEASURED_OF_IMPACT``, shape (M,).
+        row: for each value the index in ``times`` or, for an impact, in ``impacts``, shape (M,).
+        column: the index of ``quantity`` in ``outputs`` or ``MEASURED_OF_IMPACT``, shape (M,).
         of_impact: whether each value belongs to an impact, shape (M,).
         inputs: name of an input → its signal, times [s] and values.
     """
@@ -111,10 +114,10 @@ class Measurements:
         return order
 
     def end(self, stop_time: float) -> float:
-        """Return the time [s] up to which a model must run to have a value for every measurement.
+        """Return the time [s] up to which a model must run to have all measured outputs and impacts.
 
-        It is the last measured time, or the scene's ``stop_time`` if that is later and an impact has no
-        measured time; if there are measurements of impacts, it is LATE times this time.
+        An impact without a measured time may be anywhere before ``stop_time``, the scene's stop time [s].
+        With impacts, the result is LATE × the last time, because the model's impacts may be later.
         """
         last = float(np.nanmax(self.order, initial=0.0))
         if np.isnan(self.order).any():
@@ -182,7 +185,7 @@ def read_measurements(
 
 
 class _Book:
-    """A collector of the values in the tables of one run, which are read table by table."""
+    """A collector of measured values, to which the tables of one run are added one after the other."""
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
@@ -192,8 +195,7 @@ class _Book:
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}
-        # the collected values: column, value, standard deviation, time [s] of the output or index of the
-        # impact, and whether the value belongs to an impact
+        # for each value: column, value, σ, time [s] or index in ``_impacts``, whether it is an impact's value
         self._found: list[tuple[str, float, float, float, bool]] = []
 
     def read(self, table: Table, chosen: Set[str]) -> None:
@@ -361,7 +363,7 @@ class _Book:
         sigma = table.number(row, column)
         if math.isnan(sigma) and name in self._sigma:
             sigma = standard_deviation(name, self._sigma[name], value)
-        # the test avoids a comparison with NaN, which would end a host process that traps invalid operations
+        # isnan comes first, because a comparison with NaN ends a process that traps invalid operations
         if not math.isnan(sigma) and sigma <= 0.0:
             raise SceneError(f"{table.where(row, column)} = {sigma:g} must be > 0")
         return sigma

@@ -53,12 +53,15 @@ class Estimates:
 
     @property
     def used(self) -> np.ndarray:
-        """Whether each value was used in the fit, shape (M,)."""
+        """Whether each value was used in the fit, shape (M,).
+
+        A value the model does not have was left out.
+        """
         return np.asarray(np.isfinite(self.residuals))
 
     @property
     def chi_squared(self) -> float:
-        """The sum of the squares of the residuals in standard deviations, χ²."""
+        """χ²: the sum over the fitted values of (residual/σ)²."""
         return float(np.nansum((self.residuals / self.sigma) ** 2))
 
     @property

@@ -25,15 +25,15 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
-# An end of an interval of a logarithm beyond ± this number counts as ± infinity, because exp would overflow.
+# a logarithm of a value beyond ± LARGEST_LOGARITHM counts as ± infinity, because exp of it would overflow
 LARGEST_LOGARITHM = 700.0
-# a column with fewer values has only a rough estimate of its standard deviation; a remark says so
+# a σ estimated from fewer values than ROUGH_BELOW is so inaccurate that a remark says so
 ROUGH_BELOW = 10
-# If the data last longer than this number times the scene's stop time, their times are probably not in
-# seconds.
+# Data that last MOST_STOP_TIMES times the scene's stop time, or longer, are refused: their times are probably
+# in ms instead of s.
 MOST_STOP_TIMES = 100.0
 OF_FORCE = ("peak_force", "max_penetration")
-"""The quantities that an impact has only under a law with a force."""
+"""Quantities of an impact that exist only under a law of forces; an impulse has none of them."""
 
 
 def fit(
@@ -263,7 +263,10 @@ def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Seque
 def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[float, float]:
     """Return both ends of a parameter's interval as values of the parameter, within its bounds.
 
-    On the scale of the search, the interval goes from ``coordinate − half`` to ``coordinate + half``.
+    Args:
+        parameter: the parameter.
+        coordinate: the fitted value on the scale of the search.
+        half: half of the interval's width on the scale of the search.
     """
     ends = np.array([coordinate - half, coordinate + half])
     if parameter.logarithmic:

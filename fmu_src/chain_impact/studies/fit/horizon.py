@@ -1,8 +1,9 @@
-"""The search with a growing horizon: first only early data, at the end all data.
+"""The search with a growing horizon: first only early data are fitted, at the end all data.
 
-After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
-many minima; the sum over early data has one minimum. So each search uses the data up to a horizon, the time
-up to which the model already follows the data, and starts at the result of the search before.
+After some impacts the motion depends so strongly on the parameters that the sum of squares of all residuals
+has many local minima, while the sum over early data has only one. So a series of searches is made. Each
+search uses the data up to its horizon, the time up to which the model of the previous search already follows
+the data, and starts at the parameters that the previous search has found.
 """
 
 from __future__ import annotations
@@ -23,22 +24,24 @@ VALUES_PER_PARAMETER = 3
 # The model follows the data as long as each difference from a measured value is at most this part of the size
 # of the value's column: the first number in the first series of searches, the second in a second series.
 FAR = (0.01, 0.0025)
-# A second series follows if the first does not converge, or if the mean square of the residuals with all data
-# is at least WORSE times the smallest one with fewer data. If this smallest mean square is below
-# LEAST_SQUARE, it counts as LEAST_SQUARE, so that round-off causes no second series.
+# A second series of searches follows if the first one does not converge; or if the mean square of the
+# residuals with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of a
+# wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because below it there is only
+# round-off.
 WORSE, LEAST_SQUARE = 1.2, 1e-6
-MANY_VALUES = 20  # with fewer values, a mean square of residuals is too random to be compared
-GROWTH = 1.1  # the least factor between two successive horizons
-# A search ends when a step changes the sum of squares, relatively, by less than this: ROUGH_CHANGE in a
-# search with early data, FINE_CHANGE in a search with all data.
+# with fewer values the mean square of the residuals is too random to be compared with that of other horizons
+MANY_VALUES = 20
+GROWTH = 1.1  # each horizon is at least GROWTH × the horizon before
+# A search ends when a step changes the sum of squares by less than this, relative to the sum: ROUGH_CHANGE
+# while the horizon grows, FINE_CHANGE with all data.
 ROUGH_CHANGE, FINE_CHANGE = 1e-2, 1e-9
 ROUGH_STEPS, FINE_STEPS = 10, 100
-# the smallest estimated standard deviation of a column, relative to the column's size; smaller residuals are
-# errors of the solver, not noise of the measurement
+# the least standard deviation that may be estimated, relative to the size of its column: smaller residuals
+# are the solver's errors, not noise
 LEAST_SIGMA = 1e-8
-# Fewer degrees of freedom than this are round-off and count as 0. A larger limit is not needed: with few
-# degrees of freedom the estimated σ grows, so the column loses weight, determines fewer parameters, and gets
-# more degrees of freedom.
+# A column with fewer degrees of freedom than this has none; the rest is round-off. The limit can be so small
+# because a column with few degrees of freedom gets a large estimated σ; so it loses weight, determines fewer
+# parameters in the next round, and thereby gets more degrees of freedom.
 NO_FREEDOM = 1e-9
 # The search with all data is repeated with newly estimated standard deviations until none of these changes,
 # relatively, by more than SETTLED_SIGMA, but at most MOST_ROUNDS times.
@@ -52,8 +55,9 @@ class Found:
     Attributes:
         search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
-        horizons: the successive times [s] up to which data were used.
-        worse: mean square of the residuals with all data, divided by the smallest one with fewer data.
+        horizons: the horizon of each search: the time [s] up to which it used data.
+        worse: mean square of the residuals with all data, divided by the smallest mean square with fewer
+            data.
     """
 
     search: Search
@@ -175,9 +179,9 @@ def _estimated(problem: Problem) -> list[tuple[int, float]]:
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot be fitted, and data for which the model gives no value.
+    """Refuse data that cannot be fitted, and a model at the start without any measured quantity.
 
-    A column cannot be fitted if only some of its values have a σ, or if it has one value without σ.
+    A column cannot be fitted if only some of its values have a σ, or if it has a single value without σ.
     """
     for name in problem.estimated:
         mine = problem.group == problem.names.index(name)
@@ -213,17 +217,18 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """Return the next horizon [s]: the time up to which the model follows the data, or GROWTH × ``horizon``.
+    """Return the next horizon [s]: up to when the model follows the data, or later GROWTH × ``horizon``.
 
-    The later of both times is returned, and infinity if no data are later. From time 0, where neither is
-    later, the next time of the data is returned. The model follows the data as long as its outputs or, if no
-    outputs were measured, its times of impacts differ by at most ``far`` × size.
+    The horizon is infinite if all measured times are before it: then all data are used. The model follows the
+    data as long as its outputs (or, if none were measured, its onsets and ends of impacts) differ from the
+    data by at most ``far`` × the size of their column. From ``horizon`` 0, which GROWTH cannot make later,
+    the next horizon is at least the next measured time.
     """
     away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order
     last = float(np.nanmax(order))
     reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
     next_horizon = max(GROWTH * horizon, reached)
-    if next_horizon == horizon:  # time 0, which no factor makes later
+    if next_horizon == horizon:  # only at time 0, which no factor makes later
         next_horizon = float(np.min(order, initial=math.inf, where=order > horizon))
     return next_horizon if next_horizon < last else math.inf

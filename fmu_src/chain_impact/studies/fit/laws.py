@@ -19,15 +19,16 @@ FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
 
 def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
-    """Fit every contact law; return the best fit, with the ranking of all.
+    """Fit every contact law; return the fit of the best law, with the ranking of all laws.
 
-    The scene's own law is fitted first. Each other law starts from the result of the scene's law and, if this
-    fit fails or does not converge, again from ``scenes``. A law that needs another exponent starts with the
-    stiffness that gives the first impact the same penetration without losses.
+    The scene's own law is fitted first. Every other law starts at the parameters fitted with this law; if its
+    search fails or does not converge, it starts again at the values of ``scenes``. A law that needs another
+    exponent than the scene has starts with the stiffness that gives the first impact the same penetration
+    without losses.
 
     Args:
         fit: function that fits the scenes of all data sets.
-        scenes: the scenes with the start values.
+        scenes: the scenes of all data sets, with the start values.
         progress: called with the finished fraction, 0 to 1.
 
     Raises:
@@ -59,7 +60,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     ranked = tuple(_noted(law_fit, most) for law_fit in ranking)
     best = ranked[0].fit
     assert best is not None
-    # the report shows the start values of the user's scene; the other laws started from the result of `first`
+    # the report shows the user's start values; other laws started at the parameters of the fit `first`
     return replace(best, parameters=(first or best).parameters, ranking=ranked)
 
 

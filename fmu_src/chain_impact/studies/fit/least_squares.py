@@ -1,9 +1,9 @@
-"""Weighted least squares with SciPy, for values that may appear and disappear.
+"""Weighted least squares with SciPy, for a model in which values may appear and disappear.
 
-The results of a chain with impacts change with the parameters: an impact may disappear, or a derivative may
-not exist. So a search fits the values that exist at its start. It refuses a step to a model without one of
-these values or derivatives, and a step to derivatives so large, near a bound, that the sum of their squares
-overflows. SciPy then takes a shorter step.
+A chain's results may change with a small step of the parameters: an impact disappears, or a derivative does
+not exist. So a search fits the values that the model has at the start. It refuses a step to parameters for
+which one of these values or its derivatives is missing, or, near a bound, for which the derivatives are so
+large that the sum of their squares overflows; SciPy then tries a shorter step.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-SMALLEST_CHANGE = 1e-14  # a smaller relative step, or scaled gradient, is round-off, and ends the search
+# a step, relative to the parameters, or a gradient below this limit is round-off, and ends the search
+SMALLEST_CHANGE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,9 @@ class Search:
     """The result of a search for the least sum of squares.
 
     Attributes:
-        best: the model at the end of the search.
-        converged: whether no step within the bounds reduces the sum of squares much.
+        best: the model at the end.
+        converged: whether the search ended because no allowed step reduces the sum of squares notably, and
+            not because it had made too many steps.
         steps: the number of tried steps.
     """
 
@@ -47,15 +49,16 @@ def minimize(
     The trust-region method is that of Branch, Coleman & Li (1999).
 
     Args:
-        evaluate: function that returns the model at the coordinates of the parameters, shape (P,).
+        evaluate: function that returns the model at some coordinates of the parameters, shape (P,).
         first: the model at the start of the search.
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
-        enough: the search has converged when a step changes the sum of squares by less than this, relatively.
+        enough: the search has converged when a step changes the sum of squares by less than ``enough`` × the
+            sum.
         most: the largest number of tried steps; a search that needs more has not converged.
     """
     rows = first.usable
-    # parameters without effect are left out, because SciPy would take many steps along them
+    # a parameter on which no fitted value depends stays fixed; SciPy would take many steps along it
     moved = first.slopes[rows].any(axis=0)
     if not moved.any():
         return Search(first, False, 0)
@@ -82,7 +85,7 @@ def minimize(
     if not np.isfinite(residuals(first.coordinates[moved])).all():
         return Search(first, False, 0)
 
-    from scipy import optimize  # this import takes long
+    from scipy import optimize  # imported here, because the import takes long
 
     solution = optimize.least_squares(
         residuals,

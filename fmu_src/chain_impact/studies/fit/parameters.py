@@ -1,4 +1,4 @@
-"""The fitted parameters: their starts, their bounds, and the scale on which they are searched."""
+"""The parameters to fit: their start values, their bounds, and the scale on which each is searched."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-# A search on a logarithmic scale extends from the start value / WIDEST to the start value × WIDEST at most.
+# A search on a logarithmic scale stays between the start value / WIDEST and the start value × WIDEST.
 WIDEST = 1e8
 
 
@@ -26,13 +26,15 @@ WIDEST = 1e8
 class Parameter:
     """One free parameter, whose value the fit searches.
 
+    The search varies the coordinate of the value: its logarithm, if ``logarithmic``, else the value itself.
+
     Attributes:
         name: the name of the FMU's parameter or input.
         unit: the unit of the value.
         start: value in the scene; for an input, its value while nothing drives it.
         low, high: bounds of the value; infinite if there is no bound.
-        logarithmic: whether the search uses the logarithm, as for every parameter that must be > 0.
-        run: index of the data set to which the number belongs; None if all data sets share the number.
+        logarithmic: whether the coordinate is the logarithm, as for every parameter that must be > 0.
+        run: index of the data set to which the value belongs; None if all data sets share it.
     """
 
     name: str
@@ -45,15 +47,15 @@ class Parameter:
 
     @property
     def label(self) -> str:
-        """The name, with the number of the data set, counted from 1, if the parameter belongs to one."""
+        """The parameter's name and, if it belongs to one data set, the number of this data set, from 1."""
         return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lowest and the highest coordinate of the search.
+        """The lowest and the highest coordinate that the search may use.
 
-        They are the coordinates of the bounds; on a logarithmic scale, start / WIDEST and start × WIDEST
-        replace bounds that are farther away.
+        They are the coordinates of ``low`` and ``high``. On a logarithmic scale, a bound that is farther from
+        the start value than the factor WIDEST is replaced by start / WIDEST or start × WIDEST.
         """
         if not self.logarithmic:
             return self.low, self.high
@@ -69,7 +71,7 @@ class Parameter:
         return math.log(value) if value > 0.0 else -math.inf
 
     def value(self, coordinate: float) -> float:
-        """Return the value at a coordinate on the scale of the search."""
+        """Return the value that has a coordinate."""
         return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:

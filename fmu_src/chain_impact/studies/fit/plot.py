@@ -1,7 +1,7 @@
-"""The picture of a fit: each measured column with the model, and the residuals below.
+"""The picture of a fit: for each measured column a panel with data and model, and the residuals below.
 
-Outputs are drawn over time, with a line at each impact of the model; quantities of impacts are drawn over the
-impacts' numbers. The picture of a ranking of contact laws has a bar for each law instead.
+Outputs are drawn over time, with a vertical line at each impact of the model. Quantities of impacts are drawn
+over the number of the impact. If laws were ranked, the picture has a bar for each contact law instead.
 """
 
 from __future__ import annotations
@@ -46,18 +46,21 @@ from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
 
-MOST_FIT_PANELS = 8  # the largest number of measured columns that get a panel
+MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
-CURVE_POINTS = 1500  # number of points of the model's curve up to the end of its run
-PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel, in which the residuals are below the values
-BESIDE = 0.5  # free space at the ends of an axis of impact numbers, relative to the distance of two impacts
-DOT_OPACITY = 0.35  # the opacity of measured values over time; the model's curve lies on them
-# The largest number of dots for measured values over time. Of more values only every n-th is drawn, so that
-# dots do not merge.
+CURVE_POINTS = 1500  # number of times at which the model's curve is computed
+PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
+# free space beyond the first and the last number on an axis of impact numbers, where 1 is the distance of two
+# numbers
+BESIDE = 0.5
+# opacity of dots that are measured values over time; through them the model's curve remains visible
+DOT_OPACITY = 0.35
+# if more values than this were measured over time, only every n-th is drawn, so that the dots do not merge
 MOST_DOTS = 60
-MODEL = VERMILLION  # the colour of the model's curve if there is only one data set
-HARDLY = 10.0  # data hardly support a law from this ΔAIC on (Burnham & Anderson 2004)
-USUAL = 2.0  # half the width of the band of usual residuals, in standard deviations
+# the colour of the model's curve if there is a single data set; several sets have the palette's colours
+MODEL = VERMILLION
+HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
+USUAL = 2.0  # the grey band of usual residuals extends from −USUAL to USUAL standard deviations
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     across = 1 if len(names) == 1 or is_narrow(figure) else 2
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = figure.add_gridspec(math.ceil(len(names) / across), across)
-    # a panel that is alone in the last row has the whole row
+    # with two panels in a row and an odd number of panels, the last panel is as wide as a row
     alone = len(names) - 1 if len(names) % across else None
     cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
     has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
@@ -113,9 +116,10 @@ def fill(figure: Figure, fit: Estimates) -> None:
 
 @styled()
 def fill_ranking(figure: Figure, fit: Estimates) -> None:
-    """Draw ΔAIC of each contact law as a bar with a dot at its end, the best law first, on an empty figure.
+    """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a bar with a dot at its end.
 
-    The axis is logarithmic from HARDLY on. A law without a fit has no bar.
+    The best law is on top. The axis is linear up to HARDLY, and logarithmic beyond. A law without a fit has
+    no bar.
     """
     above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
     most = float(np.nanmax(above))
@@ -257,7 +261,7 @@ def _unit(fit: Estimates, name: str) -> str:
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:
-    """Return texts of the first MOST_ESTIMATES parameters, and one with the number of the others, if any."""
+    """Return texts of the first MOST_ESTIMATES parameters, and how many more there are."""
     texts = [_estimate_text(fit, label) for label in fit.values]
     left = len(texts) - MOST_ESTIMATES
     return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])

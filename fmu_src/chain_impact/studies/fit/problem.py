@@ -1,4 +1,7 @@
-"""The difference between model and measurements, and its derivatives with respect to the free parameters."""
+"""The problem to solve: the differences of model and measurements, and their derivatives.
+
+The derivatives are taken with respect to the coordinates of the free parameters (parameters.py).
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,13 @@ from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, LATE, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
-SMALLEST = 1e-300  # the size of a column of zeros, because other numbers are divided by the size
-# A parameter is at a bound if its distance from the bound is at most AT_BOUND times its standard error, or
-# AT_BOUND times the distance from its start value to the bound if this is smaller.
+# the size of a column whose values are all 0; numbers are divided by a size, so it must not be 0
+SMALLEST = 1e-300
+# A parameter is at a bound if its distance from the bound is at most AT_BOUND × its standard error, or at
+# most AT_BOUND × the distance from its start to the bound if this is smaller.
 AT_BOUND = 0.01
-# A parameter is also at a bound if its distance from the bound, relative to the distance between its lower
-# and its upper bound, is at most this number.
+# A parameter is also at a bound if its distance from the bound is at most AT_BOUND_PART × the distance
+# between its two bounds.
 AT_BOUND_PART = 1e-9
 
 
@@ -37,7 +41,7 @@ class Evaluation:
             beyond the horizon, after a fault, or for a missing impact.
         slopes: derivatives of the residuals with respect to the coordinates, shape (M, P); NaN where they do
             not exist.
-        runs: the run of each data set.
+        runs: the run of each data set, with its derivatives.
     """
 
     coordinates: np.ndarray
@@ -58,20 +62,20 @@ class Evaluation:
 
 
 class Problem:
-    """All data sets, and a model for each.
+    """The measurements of all data sets, a scene that models each set, and the parameters to fit.
 
     Attributes:
         parameters: the free parameters.
         data: the measurements, one entry for each data set.
-        value, sigma: all values and their standard deviations, shape (M,); NaN for a standard deviation that
-            must be estimated.
-        order: time of each value, shape (M,) [s]; NaN for an impact without a known time.
-        size: size of each value's column, shape (M,): the range of the column, or the largest absolute value
-            if this is larger.
-        group: index of each value's column in ``names``, shape (M,).
-        names: the names of the columns.
+        value, sigma: the measured values of all data sets, and their standard deviations, shape (M,); NaN for
+            a standard deviation that must be estimated.
+        order: time of each value, shape (M,) [s]; NaN for an impact without a measured time.
+        size: size of the column to which each value belongs, shape (M,): the difference of its largest and
+            smallest value, or the largest absolute value if this is larger.
+        group: index in ``names`` of the column to which each value belongs, shape (M,).
+        names: the names of the measured columns.
         used: for each data set, the indices of the parameters on which its model depends.
-        evaluations: how often the model was evaluated, each time with a run of every data set.
+        evaluations: how often the model was evaluated, each time with one run for every data set.
     """
 
     def __init__(
@@ -130,7 +134,7 @@ class Problem:
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
     def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
-        """Return an evaluation with NaN as residual of each value that was measured after ``horizon`` [s].
+        """Return ``evaluation`` with NaN for the residuals of values measured after ``horizon`` [s].
 
         The residuals of an impact without a measured time stay.
         """
@@ -139,7 +143,7 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether each value counts when the model is tested for following the data, shape (M,).
+        """Whether a value counts in the test up to which time the model follows the data, shape (M,).
 
         The outputs count or, if no data set has outputs, the onsets and ends of impacts.
         """
@@ -182,12 +186,11 @@ class Problem:
     def bounds_reached(self, coordinates: np.ndarray, errors: np.ndarray) -> dict[int, str]:
         """Return the parameters that are at a bound: index of the parameter → "lower" or "upper".
 
-        A parameter is at a bound if its distance from the bound is at most a small part of its standard
-        error, or of the range between its bounds (``_near``).
+        ``_near`` says how close to a bound a parameter must be.
 
         Args:
-            coordinates: the values of the parameters on the scale of the search, shape (P,).
-            errors: standard error of each parameter with all others fixed, shape (P,).
+            coordinates: the coordinates of the parameters on the scale of the search, shape (P,).
+            errors: standard error of each coordinate while all other parameters are fixed, shape (P,).
         """
         lower = coordinates - self.low <= self._near(self.low, errors)
         upper = self.high - coordinates <= self._near(self.high, errors)
@@ -209,7 +212,7 @@ class Problem:
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
-        """Return the reason why a model did not reach its end; "" if all models reached their ends."""
+        """Return the reason why the run of a data set stopped early; "" if every run reached its end."""
         for k, run in enumerate(evaluation.runs):
             if run.status != OK:
                 return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"

@@ -1,4 +1,4 @@
-"""Remarks on the residuals of a fit: values far from the model, χ², and correlated residuals."""
+"""Remarks on the residuals of a fit: values that contradict all others, χ², and correlated residuals."""
 
 from __future__ import annotations
 
@@ -26,23 +26,25 @@ IMPROBABLE = 1e-3
 # A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this; independent
 # residuals exceed it with a probability of 2 %.
 ALIKE_NEIGHBOURS = 2.0
-LEVERAGE_ROUND_OFF = 1e-9  # a value of 1 − h smaller than this, for a leverage h, is round-off of 0
-NAMED_VALUES = 3  # the largest number of values that the remark on values far from the model names
+# a value's leverage h counts as 1 if 1 − h is smaller than this, because the rest is round-off
+LEVERAGE_ROUND_OFF = 1e-9
+NAMED_VALUES = 3  # the largest number of outlying values that the remark names; it only counts further ones
 
 
 def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     """Yield a remark with the measured values that contradict all others, the largest contradiction first.
 
-    If a value with residual r and leverage h is left out, the fit to the other values differs from this value
-    by r / (1 − h), to first order. The ratio of this difference to the other residuals has Student's t
-    distribution (Cook & Weisberg 1982, *Residuals and Influence in Regression*, 2.2). Each of n tests uses
-    the probability IMPROBABLE / n.
+    If a value with residual r and leverage h is left out, the model fitted to the other values differs from
+    it by r / (1 − h), to first order. The ratio of this difference to its standard error, from the other
+    residuals, has Student's t distribution if the model is right (Cook & Weisberg 1982, *Residuals and
+    Influence in Regression*, 2.2). Each of the n tests, one for each value, uses the probability IMPROBABLE /
+    n.
 
     Args:
         fit: the fit.
         slopes: derivatives of the values on the scale of the search, shape (M, P).
     """
-    from scipy import special  # this import takes long
+    from scipy import special  # imported here, because the import takes long
 
     rows = np.flatnonzero(fit.used)
     value = np.concatenate([data_set.value for data_set in fit.data])
@@ -53,7 +55,8 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     # kept: 1 − h for each value in use, with its leverage h, shape (number of these values,)
     kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
-    alone = kept < LEVERAGE_ROUND_OFF  # whether some parameter is determined by this value alone
+    # values without which some parameter would not be determined; such a value cannot contradict the others
+    alone = kept < LEVERAGE_ROUND_OFF
     kept[alone] = 1.0
     others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
     for name, mine in fit.columns.items():
@@ -92,15 +95,16 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
 
 
 def unusual(result: Estimates) -> Iterator[str]:
-    """Yield a remark if the χ² of the columns with a given σ is improbably large or small."""
+    """Yield a remark if the χ² of all columns with a given σ is improbably large or improbably small."""
     given = result.used.copy()
     for name in result.estimated:
         given &= ~result.columns[name]
     total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
     least = most - len(result.parameters)
-    # If σ is given for all columns, χ² has `least` degrees of freedom. Otherwise other columns may determine
-    # some of the parameters; then the number is between `least` and `most`: the test for a large χ² uses
-    # `most`, the test for a small χ² `least`.
+    # With a given σ in every column, χ² has `least` degrees of freedom. Otherwise columns with an estimated σ
+    # may determine some of the parameters, so the number lies between `least` and `most`, which is unknown:
+    # the test for a too large χ² uses `most` and the test for a too small one `least`, so that neither
+    # reports too much.
     most = most if result.estimated else least
     if least <= 0 or total < SIMULATED * least:
         return
@@ -118,10 +122,11 @@ def unusual(result: Estimates) -> Iterator[str]:
 
 
 def not_random(result: Estimates) -> Iterator[str]:
-    """Yield a remark on columns with correlated residuals: lag-1 correlation r with √n r > ALIKE_NEIGHBOURS.
+    """Yield a remark that lists the columns in which neighbouring residuals are correlated.
 
-    Neighbours belong to the same data set. For n pairs of independent residuals, √n r has about the standard
-    normal distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
+    A column is listed if √n r > ALIKE_NEIGHBOURS, where r is the correlation of the n pairs of a residual and
+    the next one in the same data set. For independent residuals, √n r has about the standard normal
+    distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
     """
     texts = []
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])

@@ -13,9 +13,11 @@ from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import WIDEST, Parameter
 from chain_impact.studies.fit.unknown import size_of
 
-HIGH = 0.9  # the report names two parameters if the absolute value of their correlation is larger than this
-MOST_HORIZONS = 8  # the largest number of horizons that the report lists
-EQUAL = 2.0  # a smaller difference of Akaike's criterion between two laws does not decide between them
+HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
+# the largest number of horizons that the report lists; of more, the middle ones are replaced by …
+MOST_HORIZONS = 8
+# if the criteria (Akaike) of two laws differ by less than EQUAL, the data do not decide between these laws
+EQUAL = 2.0
 
 
 def report(fit: Estimates) -> Iterator[str | TextTable]:
@@ -59,7 +61,10 @@ def above_best(fit: Estimates, best: Estimates) -> str:
 
 
 def heading(fit: Estimates, mark: str = "  ") -> str:
-    """Return the heading: the scene's name, ``mark``, the law, and the numbers of data and parameters."""
+    """Return the heading: scene, contact law, and the numbers of data sets, values and parameters.
+
+    ``mark`` separates the name of the scene from the text that follows.
+    """
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
         f"{fit.scene.name}{mark}{f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LawFit(LawEstimates):
-    """The fit of one contact law.
+    """The fit of one contact law in a ranking.
 
     Attributes:
         law: the id of the law.

@@ -24,12 +24,12 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
     Args:
         scene: the scene to write.
         path: the file.
-        like: an original scene file, in which only the values that differ are changed. Without this file all
-            keys are written.
+        like: an original scene file, of which only the values that differ are changed. Without an original
+            file all keys are written.
 
     Raises:
-        SceneError: when the original file is not a scene, or a file with another law has the name of the
-            scene's law.
+        SceneError: when the original file is not a scene, or the folder has another file with the name of the
+            law's file.
         OSError: when a file cannot be read or written.
     """
     path, law = Path(path), scene.contact.law_file
@@ -93,7 +93,7 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        # the short keys ``count`` and ``shape`` cannot hold the changes, so all links are written in full
+        # links with `count` or `shape` stand for several links; after a change, each link is written out
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):

@@ -1,4 +1,4 @@
-"""The uncertainty of the parameters, from the derivatives at the end of the search."""
+"""The uncertainty of fitted parameters, from the derivatives of the values at the end of the search."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 PROBABILITY = 0.95
-# Student's t is computed for degrees of freedom between these two numbers. With fewer degrees of freedom the
-# interval is infinite anyway; with more, Student's t equals the normal distribution.
+# Student's t is computed only between these degrees of freedom. With fewer, an interval is infinite anyway
+# (TOO_FEW); with more, Student's t equals the normal distribution to round-off.
 LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
-# with at most this number of degrees of freedom an interval is infinite: Student's t would give at least
-# 44,000 standard errors
+# with at most TOO_FEW degrees of freedom an interval is infinite, because Student's t would give a half width
+# of 44,000 standard errors or more
 TOO_FEW = 0.25
 # A singular value of the derivatives that is smaller than this, relative to the largest one, is round-off and
 # counts as 0. The derivatives of each parameter are scaled to the norm 1 before.
@@ -35,9 +35,9 @@ class Information:
 
     @property
     def covariance(self) -> np.ndarray:
-        """The covariance of the parameters on the scale of the search, shape (P, P).
+        """The covariance matrix of the parameters on the scale of the search, shape (P, P).
 
-        The variance of a parameter that is not determined is infinite; its covariances are NaN.
+        A parameter that the values do not determine has an infinite variance, and NaN as its covariances.
         """
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
@@ -55,7 +55,7 @@ class Information:
     def errors(self) -> np.ndarray:
         """The standard errors of the parameters on the scale of the search, shape (P,).
 
-        The error of a parameter that the data do not determine is infinite.
+        The error of a parameter that the values do not determine is infinite.
         """
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
@@ -85,7 +85,7 @@ def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
 
 @dataclass(frozen=True)
 class SmallSample:
-    """The increase of standard errors because standard deviations are estimated from few values.
+    """How much less certain parameters are because standard deviations are estimated from few values.
 
     Attributes:
         factor: the factor ≥ 1 by which the standard error of each parameter grows, shape (P,).
@@ -102,16 +102,18 @@ def small_sample(
 ) -> SmallSample:
     """Return the correction of Kenward & Roger (Biometrics 53 (1997) 983), with a variance for each column.
 
-    C is the covariance of the parameters. A column c has ν_c degrees of freedom, and the information
-    A_c = J'J/σ² with the derivatives J of its values. Its part p_c of each variance is the diagonal of
-    C A_c C divided by the diagonal of C. The degrees of freedom ν of a standard error follow from
-    Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and the variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
+    C is the covariance matrix of the parameters. A column c with the derivatives J of its values has the
+    information A_c = J'J/σ², and its residuals have ν_c degrees of freedom. Its part p_c of a parameter's
+    variance is the parameter's diagonal element of C A_c C divided by that of C. The degrees of freedom ν of
+    the parameter's standard error follow from Satterthwaite's formula 1/ν = Σ p_c²/ν_c, and its variance
+    grows by the diagonal element of Σ 4/ν_c C (A_c − A_c C A_c) C. The sums are over the columns with an
+    estimated σ.
 
     Args:
         slopes: derivatives of the values, shape (M, P).
         sigma: standard deviations of the values, shape (M,).
-        groups: for each column with an estimated standard deviation, which values belong to it, shape (M,),
-            and the degrees of freedom of its residuals.
+        groups: for each column with an estimated standard deviation, which values belong to the column, shape
+            (M,), and the degrees of freedom ν_c.
     """
     covariance = np.nan_to_num(information(slopes, sigma).covariance, posinf=0.0)
     variance = np.diag(covariance)
@@ -137,7 +139,7 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     freedom the width is infinite: if a column determines as many parameters as it has values, nothing is left
     from which a standard deviation could be estimated.
     """
-    from scipy import special  # this import takes long
+    from scipy import special  # imported here, because the import takes long
 
     tail = 0.5 * (1.0 + PROBABILITY)
     student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)

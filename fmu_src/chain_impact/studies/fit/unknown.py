@@ -1,4 +1,4 @@
-"""Sentences on parameters that the data do not determine, and on parameters with which these act together."""
+"""Sentences on parameters that the data do not determine, alone or together with another parameter."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ UNKNOWN_PART = 0.125
 # The sentence on a parameter names a second one that is not determined if with this one fixed the parameter
 # is determined, and its standard error is less than BETTER times as large.
 BETTER = 0.5
-# A relative standard error above this is not given in percent: on a logarithmic scale it is given as a
-# factor, else in the unit of the value.
+# a relative standard error above HUGE is not given in percent, but as a factor (on a logarithmic scale) or in
+# the unit of the value
 HUGE = 10.0
 
 

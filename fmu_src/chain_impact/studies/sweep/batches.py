@@ -1,6 +1,6 @@
 """The missing runs of a sweep, divided into batches for workers.
 
-A worker here is a thread, on this machine or in a process of a cluster, that computes one batch at a time.
+A worker is a thread, of this process or of a process in a cluster, that computes one batch at a time.
 """
 
 from __future__ import annotations
@@ -13,15 +13,20 @@ from threading import Event
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 from chain_impact.system import LISTEN
 
-FIRST_BATCH, LONGEST_BATCH = 8, 2**18  # number of runs in the first batch, and the most in any batch
-SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0  # [s] shortest and longest time that a batch may take
-# The time that a batch may take, relative to the time so far, between the two limits above. After the first
-# batches, an interruption loses about this part of the time so far.
+# number of runs in the first batch of a sweep, and largest number of runs in a batch
+FIRST_BATCH, LONGEST_BATCH = 8, 2**18
+# [s] shortest and longest time that a batch is meant to take
+SHORTEST_BATCH_TIME, LONGEST_BATCH_TIME = 0.5, 60.0
+# A batch is meant to take SHARE × the time since the start of the sweep, between the two limits above. So an
+# interruption, which loses the unfinished batches, loses about this part of the time.
 SHARE = 0.2
-# A batch has at most BATCH_RATIO times as many runs as the batch before. The last batches become smaller, so
-# that all workers end at about the same time; but each takes at least 1/BATCH_RATIO of the usual time.
+# A batch has at most BATCH_RATIO times as many runs as the batch before, because the first batches are too
+# short for a good estimate of the time. At the end, batches become smaller, so that all workers end at about
+# the same time, but they are meant to take at least 1/BATCH_RATIO of the usual time.
 BATCH_RATIO = 16
-AHEAD = 2  # number of batches that are submitted for each worker, so that no worker waits for the caller
+# number of batches submitted for each worker: while one is computed, the next one already waits for its
+# worker
+AHEAD = 2
 
 
 class Batches:
@@ -40,7 +45,7 @@ class Batches:
     def take(self) -> Span | None:
         """Return the next batch as a span of runs, or None if no run is left.
 
-        The last batches are small, so that no worker waits long for another.
+        The last batches are smaller, so that all workers end at about the same time.
         """
         if not self._spans:
             return None
@@ -120,7 +125,8 @@ def run_in_threads(
         OSError: when a file cannot be written.
     """
     if spans:
-        computation.runner()  # the first runner compiles the kernel before the threads start
+        # compile the kernel here, or else each thread would wait for the compilation or compile it, too
+        computation.runner()
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:

@@ -1,4 +1,4 @@
-"""Runs on the workers, which are processes, of an existing dask.distributed cluster."""
+"""Runs on an existing dask.distributed cluster, whose workers are processes."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ def run_on_cluster(
 ) -> Generator[tuple[Span, Outcome]]:
     """Compute spans of runs on a cluster; yield each batch of runs with its results when it is finished.
 
-    If a worker is lost, other workers take over its batches.
+    If a worker is lost, other workers compute its batches.
 
     Args:
         computation: the computation of each batch.
-        spans: the runs.
+        spans: the runs to compute.
         address: the address of the scheduler, ``tcp://host:port``.
 
     Raises:
         MissingExtraError: when distributed is not installed.
-        SceneError: when there is no scheduler, it has no workers at the start, or a worker has another
-            version of chain-impact, or cannot see the sweep's folder.
+        SceneError: when no scheduler answers, it has no workers at the start, or a worker has another version
+            of chain-impact, or cannot see the sweep's folder.
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster gives up a batch, has no workers left, or the connection is lost.
     """
@@ -67,7 +67,7 @@ def run_on_cluster(
 
 
 def identity() -> tuple[str, str]:
-    """Return the version of this package, and the fingerprint of its kernel's sources."""
+    """Return the version of this package and the hash of its kernel's sources; workers must have the same."""
     return version("chain-impact"), fingerprint()
 
 
@@ -79,8 +79,9 @@ def _sees(folder: Path) -> bool:
 def _connected(kind: Any, address: str) -> Any:
     """Return a client of the scheduler at an address; ``kind`` is the class ``distributed.Client``.
 
-    A client that cannot connect is closed here. The garbage collector would close it later, perhaps while
-    this thread starts another client and holds the lock that closing needs: a deadlock.
+    A client that cannot connect is closed here. Otherwise the garbage collector would close it later, perhaps
+    while this thread starts another client and holds a lock that the closing needs, so that the thread waits
+    forever.
     """
     client = kind.__new__(kind)
     try:

@@ -1,4 +1,4 @@
-"""The computation of each batch of a sweep, whose rows are returned or written to a file."""
+"""The computation of a batch of runs, whose rows are returned or written to a file."""
 
 from __future__ import annotations
 

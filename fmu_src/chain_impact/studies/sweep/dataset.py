@@ -35,9 +35,9 @@ from chain_impact.system import remove_lock, written_whole
 # files whose names begin with a dot.
 MANIFEST = "_manifest.json"
 LOCK = ".lock"
-# matches the names of complete files, which ``file_name`` gives, and of incomplete files of runs
+# matches the names of complete files (see ``file_name``) and of incomplete files; only these are ever removed
 OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
-FORMAT = 2  # version of the folder's format; it increases when the format changes
+FORMAT = 2  # version of the folder's format; a folder with another version is not continued
 
 
 @dataclass
@@ -146,12 +146,12 @@ class Dataset:
         return "" if count == end - first else f"{count} runs"
 
     def _list(self) -> None:
-        """Write the manifest, with the present list of files."""
+        """Write the manifest, with the complete files as they are now."""
         with written_whole(self.path / MANIFEST) as fresh:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
-        """Return the files that the manifest lists; refuse a manifest of another sweep."""
+        """Return the files that the manifest on the disk lists; refuse the manifest of another sweep."""
         manifest = self.path / MANIFEST
         wrong = "remove the folder, or choose another name"
         try:
@@ -175,7 +175,7 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
     A complete folder is only read. At the end of the block, incomplete files are removed.
 
     Raises:
-        SceneError: when the folder belongs to another sweep, or another sweep writes to it now.
+        SceneError: when the folder belongs to another sweep, or another sweep is writing to it.
         OSError: when the folder cannot be read or written.
     """
     if path.exists() and not path.is_dir():
@@ -217,7 +217,7 @@ def _locked(path: Path) -> Iterator[None]:
         yield
     finally:
         remove_lock(lock)
-        with suppress(OSError):  # a folder that is not empty cannot be removed, and stays
+        with suppress(OSError):  # rmdir fails if the folder is not empty; the folder then stays
             path.rmdir()
 
 

@@ -1,6 +1,6 @@
-"""The values of each run of a sweep: all combinations of the variations, or samples.
+"""The varied values in each run of a sweep: all combinations of the variations, or samples.
 
-The values of a run are computed from the number of the run, so that no array holds the values of all runs.
+The values of a run are computed from the run's number, so that no array needs to hold the values of all runs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SAMPLINGS = ("lhs", "sobol")
 # the largest number of cells in a table that is kept in memory: with 8 bytes per number they take 800 MB
 MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
-MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence
+MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
 # A table of a sweep has at least so many columns with results. With the varied values, their number decides
 # whether the sweep's table fits into memory, and with it a Latin hypercube of all runs.
@@ -34,13 +34,13 @@ _own = threading.local()
 
 @dataclass(frozen=True)
 class Design:
-    """The values of the varied parameters in every run: all combinations, or samples.
+    """The varied values in every run: all combinations of the variations (a grid), or samples.
 
     Attributes:
         variations: the variations, in the order of the columns.
-        samples: the number of samples; None for a grid of all combinations, in which the last parameter
-            changes fastest.
-        sampling: how samples are drawn.
+        samples: the number of samples; None for a grid, in which the values of the last variation change from
+            each run to the next.
+        sampling: how samples are drawn: ``lhs``, Latin hypercube, or ``sobol``.
         seed: the random seed of the samples.
     """
 
@@ -51,7 +51,7 @@ class Design:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of values of each parameter in a grid; () for samples."""
+        """The number of values of each variation in a grid; () for samples."""
         return tuple(len(v.values) for v in self.variations) if self.samples is None else ()
 
     @property
@@ -96,7 +96,7 @@ class Design:
         """
         key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
         if engine is None or _own.key != key or engine.num_generated > first:
-            from scipy.stats import qmc  # this import takes long
+            from scipy.stats import qmc  # imported here, because the import takes long
 
             engine = qmc.Sobol(len(self.variations), seed=np.random.default_rng(self.seed))
             _own.engine, _own.key = engine, key
@@ -144,7 +144,7 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
 
 
 def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
-    """Return a design of samples that fill the space of the variations evenly.
+    """Return a design with samples that fill the space of the variations evenly.
 
     Latin hypercubes: McKay, Beckman & Conover, Technometrics 21 (1979) 239. Sobol' sequence: Sobol', USSR
     Computational Mathematics and Mathematical Physics 7 (1967) 86, scrambled by Owen's method.

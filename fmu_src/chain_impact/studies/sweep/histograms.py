@@ -1,4 +1,4 @@
-"""Histograms of a sweep: how the results of samples are spread."""
+"""Histograms of a sweep: how its results are distributed over the samples."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
-"""The quantiles of the values that a panel shows as vertical lines → style of the line."""
-# the largest number of bars in a histogram: with more bars, a panel of usual width shows only noise
+"""Quantile → matplotlib's style of the line that marks it in each panel."""
+# the largest number of bars; more would be so narrow that they show mainly random differences
 MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # values whose range, relative to the largest of them, is at most this share one bar
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
-    """Draw a histogram of each quantity in its panel, with a line at the median and at each end of 90 %.
+    """Draw a histogram of each quantity in its panel, with the number of runs upwards, and the QUANTILES.
 
     Runs that failed have no value, and are left out.
     """
@@ -58,7 +58,7 @@ def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarra
     They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole``, for values that are whole
     numbers, the edges lie in the middle between two such numbers.
     """
-    # the number of bars for N values is 2 N^(1/3): Terrell & Scott, J Am Stat Assoc 80 (1985) 209
+    # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))
     if logarithmic:
         return np.geomspace(values.min(), values.max(), count + 1)

@@ -1,4 +1,7 @@
-"""The file with the finished runs of an interrupted sweep, which is kept until the sweep is complete."""
+"""The file that keeps the finished runs of an interrupted sweep until the sweep is complete.
+
+A sweep whose table is written to one file uses it; a sweep into a folder continues from the folder.
+"""
 
 from __future__ import annotations
 

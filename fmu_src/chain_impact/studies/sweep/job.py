@@ -1,8 +1,7 @@
-"""The job of a sweep: the data that all runs share, and the computation of a block of runs in the kernel.
+"""The job of a sweep: the data that all runs share, and the simulation of many runs in the kernel.
 
-A run begins with the parameters and initial values in the scene's instance record; the values that vary are
-written into this record. So a parameter is set as in the FMU, and the kernel computes the derived values of
-the scene.
+Each run starts from the scene's instance record, with its own varied values written into it. So a varied
+parameter acts as if it had been set in the FMU: the kernel computes all quantities that depend on it.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 
-ENDED = "time"  # the column with the time [s] at which a run ended
+ENDED = "time"  # the column with the time [s] at which the run ended
 STATUS = "solver.status"
 
 
@@ -55,7 +54,7 @@ class Job:
 
     @property
     def peaks(self) -> dict[str, DataPath]:
-        """The columns with the largest values of a run: name → path in the instance record."""
+        """The columns with the largest value of a quantity during a run: name → path in the record."""
         has_stops = bool(self.scene.chain.stops)
         return {name: peak.path for name, peak in PEAKS.items() if has_stops or not peak.at_stops}
 
@@ -88,7 +87,7 @@ class Job:
 
     @property
     def dtype(self) -> np.dtype:
-        """The NumPy type of a row with the results of one run."""
+        """The NumPy type of a run's results, a row with a field for each column."""
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
         largest = (*self.peaks, *((JOINT_FORCE,) if self.loads else ()), ENDED)
@@ -96,7 +95,7 @@ class Job:
 
 
 def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
-    """Return the job of a sweep's runs.
+    """Return the job of a sweep, after a check of the additional outputs.
 
     Raises:
         SceneError: when an output does not exist, or the scene does not have the solver's status as an
@@ -143,15 +142,15 @@ def has_own_kernel(job: Job) -> bool:
 
 
 class Runner:
-    """The computation of blocks of a job's runs in the kernel, with one instance, in one thread."""
+    """Simulates many runs of a job in the kernel, one after the other in one thread, with one instance."""
 
     def __init__(self, job: Job, *, own_kernel: bool = False) -> None:
-        """Load or compile the kernel.
+        """Load the kernel, or compile it.
 
         Args:
             job: the job of the runs.
-            own_kernel: whether the kernel is for scenes of exactly these sizes; such a kernel gives the same
-                bits in less time.
+            own_kernel: whether the kernel is for exactly the sizes of the scene; it gives the same bits in
+                less time.
 
         Raises:
             BuildError: when the kernel cannot be compiled.
@@ -240,7 +239,10 @@ class Runner:
         return rows
 
     def _forget_unknown(self, rows: np.ndarray) -> None:
-        """Set the outputs of runs that did not reach the end to NaN in ``rows``; the solver's counts stay."""
+        """Set energies and other outputs to NaN in runs that did not reach the end.
+
+        Numbers of impacts and of steps stay, as do the largest values up to the end of the run.
+        """
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
             if variable.record_path[0] in {"output", BEHIND}:

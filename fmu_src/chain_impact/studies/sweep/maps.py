@@ -1,4 +1,4 @@
-"""Maps of a sweep: colours over two parameters, and the axes of varied parameters."""
+"""Maps of a sweep: a colour for each pair of values of two parameters; and axes of varied parameters."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# the colours of the map are the same as in the map of a page
+# matplotlib's colour map, the same as in the maps of pages, and the colour of runs that failed
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-WIDE_RANGE = 1e3  # an axis is logarithmic if the ratio of its largest to its smallest value is at least this
-# On a logarithmic axis of few decades, ticks with labels stand at the powers of ten and at these multiples.
+# an axis is logarithmic if its largest value is at least WIDE_RANGE times its smallest one, which must be > 0
+WIDE_RANGE = 1e3
+# on a logarithmic axis of few decades, the multiples of a power of ten that have labels, besides 1
 FEW_TICKS = (2.0, 5.0)
 NEVER = "no run has a finite value"
 
@@ -108,7 +109,7 @@ def _draw_map(
 
 
 def number_few_decades(axis: Axis) -> None:
-    """Label a logarithmic axis of few decades at 1, 2 and 5 of each decade, with plain numbers."""
+    """Label a logarithmic axis of few decades at 1, 2 and 5 times each power of ten, as 0.5, not 5·10⁻¹."""
     axis.set_minor_locator(LogLocator(subs=FEW_TICKS))
     for kind in (axis.set_major_formatter, axis.set_minor_formatter):
         kind(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -146,7 +147,7 @@ class Scale:
 
 
 def axis_of(variation: Variation) -> Scale:
-    """Return the axis of a map for a parameter."""
+    """Return the axis of a map for a varied parameter."""
     if variation.choices:
         names = variation.shown(variation.values).tolist()
         return Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
@@ -170,7 +171,10 @@ def label_of(runs: Runs, variation: Variation) -> str:
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:
-    """Return the unit of a parameter; N/m^1.5 in place of N/m^exponent if no run varies an exponent."""
+    """Return the unit of a varied parameter, such as N/m^1.5.
+
+    If runs vary an exponent, the unit keeps the letter n: N/m^n.
+    """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
     return unit if varied else of_scene(unit, runs.scene)

@@ -56,21 +56,22 @@ COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 # [inch] the width for the names of choices, left of the panels, and the least width of a panel with dots
 NAMES_WIDTH, DOTS_WIDTH = 0.9, 2.0
-MOST_VARIED = 2  # largest number of parameters that vary in a picture without samples
-MOST_DRAWN = 2**18  # largest number of runs in a picture
+MOST_VARIED = 2  # without samples, the largest number of varied parameters that a picture can show
+MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
-# So many panels stand in one row if the figure is wide enough; another number stands in rows of two.
+# exactly this number of panels stands in one row if the figure is wide enough; of another number, two are in
+# a row
 IN_ONE_ROW = 3
-# Over a logarithmic horizontal axis, the vertical axis is logarithmic, too, if the largest value is at least
-# this times the smallest one, so that a power law is a straight line.
+# If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity's
+# largest value is at least DECADE times its smallest one; a power law is then a straight line.
 DECADE = 10.0
-ONE_PANEL_WIDTH = 6.5  # [inch] the width of a figure with one panel
-THREE_MAPS = 9.0  # [inch] the least width of a figure with three maps in a row
+ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
+THREE_MAPS = 9.0  # [inch] width of the figure from which on three maps stand in one row
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
 def check_picture(varied: int, samples: int | None, runs: int, source: str) -> None:
-    """Refuse a sweep that cannot be drawn, before any run.
+    """Refuse a sweep that no picture can show, before its runs are computed.
 
     Raises:
         SceneError: when too many parameters vary and there are no samples, or when there are too many runs.
@@ -220,7 +221,7 @@ def _across(count: int, kind: str, width: float) -> int:
 
 
 def _dots_across(count: int, width: float) -> int:
-    """Return how many panels with dots to put in a row, so that all rows are about equally full.
+    """Return how many panels with dots stand in a row, so that all rows are about equally full.
 
     ``width`` is the width of the figure [inches].
     """

@@ -17,8 +17,8 @@ from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
 
-# MOST_ASKED: the largest number of additional outputs that get a panel without being named in ``panels``;
-# MOST_PANELS: the largest number of panels that a user may name
+# MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given; MOST_PANELS:
+# the largest number of panels that ``panels`` may name
 MOST_ASKED, MOST_PANELS = 4, 8
 EQUAL_RESULTS = 1e-9  # results are equal if their range, relative to the largest |result|, is at most this
 
@@ -43,7 +43,7 @@ class Quantity:
 
     @property
     def label(self) -> str:
-        """The label of an axis: the words for the quantity, with its unit."""
+        """The label of the panel's axis: the words for the quantity, and its unit in brackets."""
         return f"{self.name}{in_brackets(self.unit)}"
 
     @property
@@ -68,8 +68,10 @@ QUANTITIES = (
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
 SHARED = ("N", "N·m", "J")
-"""Quantities with one of these units have the same prefix in a picture; an additional output with another
-unit has none."""
+"""Units that have one prefix in the whole picture, for main results and additional outputs.
+
+An additional output in any other unit gets no prefix.
+"""
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
 """The columns with forces and moments. For samples only these are drawn, if any of them differs between the
 runs."""

@@ -1,4 +1,4 @@
-"""The runs of a sweep with their results, one row each; table.py and plot.py show these rows."""
+"""The runs of a sweep with their results; table.py makes them a public class, and plot.py draws them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.studies.sweep.job import STATUS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Runs:
-    """The runs of a sweep, one row each; see ``Sweep``."""
+    """The runs of a sweep, a row of results for each; ``Sweep`` (table.py) describes the attributes."""
 
     scene: Scene
     design: Design
@@ -47,7 +47,7 @@ class Runs:
 
     @property
     def failed(self) -> np.ndarray:
-        """Whether each run failed to reach the end, shape (R,)."""
+        """Whether each run stopped before its end because of a fault, shape (R,)."""
         return np.asarray(self[STATUS] != OK)
 
     @functools.cached_property

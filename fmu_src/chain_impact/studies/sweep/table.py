@@ -29,33 +29,33 @@ if TYPE_CHECKING:
     from chain_impact.pictures.sizes import Size
 
 TABLES = (".csv", PARQUET)
-SHOWN_RUNS = 10  # number of runs that a notebook shows
+SHOWN_RUNS = 10  # number of runs that a notebook shows in full; it leaves further ones out
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Runs):
-    """The runs of a sweep, one row each.
+    """The runs of a sweep, a row of results for each.
 
-    ``sweep["peak_force"]`` is a column with one value for each run. The first columns are the parameters that
-    vary. The other columns are:
+    ``sweep["peak_force"]`` is the column of this name, with one value for each run. The first columns are the
+    varied parameters. The other columns are:
 
-    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls and at stops of the
-      slider; 0 without a contact, and a force of 0 for an impulse.
-    - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
-      with stops.
+    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest values of all contacts at walls and at stops
+      of the slider; 0 without a contact, and a force of 0 for an impulse.
+    - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the largest values at stops of joints, in
+      a scene with stops.
     - ``joint_force`` [N]: the largest force in any joint at any time, in a scene with ``outputs.loads``.
     - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
     - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the additional outputs:
-      the values of the FMU at the end.
+      the values of the FMU at the end of the run.
     - ``status``: ``ok``, or a word for the fault; ``solver.status`` has the number of the status.
 
     A run that did not reach the end has NaN for energies and outputs.
 
     Attributes:
-        scene: the scene that was varied.
-        design: the values of each run.
-        rows: the results, shape (R,), without the values and the word for the status; for a sweep into a
-            folder, the folder, whose columns are read when they are needed.
+        scene: the scene with the values that are not varied.
+        design: the varied values of each run.
+        rows: the results, shape (R,), without the varied values and the word for the status; for a sweep into
+            a folder, the folder, whose columns are read when they are needed.
         outputs: the names of the additional outputs.
     """
 

@@ -23,9 +23,9 @@ from chain_impact.variables.variable import Variable
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME_VARIABLE = Variable.of(EXPERIMENT[0], Owner(), {}, variability="fixed")
 LOG = "log"
-MOST_VALUES = 10**7  # the largest number of values in a range such as 0.1:0.9:9
+MOST_VALUES = 10**7  # the largest number of values that a text such as 0.1:0.9:9 may ask for
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
-"""A range in a form that is not allowed, such as 0.1-0.9; the error then shows the allowed form."""
+"""Matches a range in a wrong form, such as 0.1-0.9; the error then tells the right form."""
 FORMS = (
     "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
     "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
@@ -38,9 +38,9 @@ class Variation:
 
     Attributes:
         variable: the parameter.
-        values: the values, which are numbers of choices for an enumeration; for an interval its two ends.
+        values: the values, or the two ends of the interval; choices by their numbers, from 1.
         interval: whether ``values`` are the ends of an interval.
-        logarithmic: whether the values or samples are equally spaced in the logarithm.
+        logarithmic: whether values or samples are spread evenly in the logarithm.
     """
 
     variable: Variable
@@ -63,9 +63,9 @@ class Variation:
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
     def at(self, parts: np.ndarray) -> np.ndarray:
-        """Return the value for each of some fractions, 0 ≤ fraction < 1.
+        """Return the values at fractions 0 ≤ x < 1 of the interval, or of the list of values.
 
-        A fraction stands for a value within the interval or, without an interval, for one of the values.
+        From a list of n values, a fraction x selects the value with the index ⌊n x⌋.
         """
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
