@@ -24,7 +24,7 @@ SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
 def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
-    """Return a page with a player, from a template and its parts.
+    """Return the HTML of a page with a player, from a template and its parts.
 
     Args:
         template: HTML in which ``{{ name }}`` stands for a part.
@@ -48,21 +48,24 @@ def styles() -> list[str]:
 
 
 def program(*names: str) -> str:
-    """Return the program of modules, with the constants that pages share."""
+    """Return the script of some modules, after the constants that all pages share.
+
+    ``names``: the files of the modules in pages/browser; the modules that these import are added.
+    """
     return f"{declaration()}\n{joined(*names)}"
 
 
 def joined(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script without imports and comments.
 
-    No two of the modules have the same name at their top level.
+    No two of the modules may declare the same name at their top level.
     """
     texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
     return COMMENT.sub("", "\n".join(texts))
 
 
 def modules(*names: str) -> list[str]:
-    """Return modules and all modules that they import, each after the modules that it imports."""
+    """Return the files of modules and of all modules that they import, each after those that it imports."""
     found: list[str] = []
 
     def add(name: str) -> None:
@@ -78,10 +81,10 @@ def modules(*names: str) -> list[str]:
 
 
 def script_data(content: Any) -> str:
-    """Return data as JSON for a script element of a page."""
+    """Return data as JSON for a script element of a page, which no "<" in the data can end."""
     return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def text_of(name: str) -> str:
-    """Return the text of a file of the pages."""
+    """Return the text of the file ``name`` in pages/browser."""
     return PAGE.joinpath(name).read_text(encoding="utf-8")

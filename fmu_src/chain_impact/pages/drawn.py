@@ -27,9 +27,10 @@ DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
     ("joint", "force.y"): ("loads", "y"),
     **{(owner, name): ("energies", name) for owner, name in sorted(_QUANTITIES) if owner == "energy"},
 }
-"""Owner and quantity of an output → the quantity's group, and its name in the group; a slider is joint 0."""
+"""Owner and quantity of an output → group of the quantity, and its name there; a slider has the number of a
+joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
-"""The groups; an entry of a group has the quantities of one owner."""
+"""The names of the groups; an entry of a group has the quantities of one owner."""
 OF_IMPACT = {
     "speed": "impact_speed",
     "rebound": "separation_speed",
@@ -46,7 +47,7 @@ if unknown := DRAWN.keys() - _QUANTITIES:
 
 
 def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str, Any]]]:
-    """Return group → its entries, from the columns of a recording.
+    """Return name of a group → entries of the group, from ``columns``: output of a recording → values.
 
     An entry has the number ``n`` and the ``name`` of its owner (0 and "" if it has none), and its
     ``columns``: name of the quantity → values, shape (T,). Entries that cannot be drawn are left out.

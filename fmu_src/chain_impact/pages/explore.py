@@ -18,11 +18,12 @@ from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, s
 from chain_impact.system import written_whole
 
 BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worker.js"
-"""What the page runs before it reads its libraries, its program, and the program of its worker."""
+"""Scripts of the page: BEGIN runs before the page reads its libraries; PROGRAM and WORKER are the programs of
+the page and of the workers that simulate."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED = "scene.toml"
-"""The name, in the page's command, of a scene that was not loaded from a file."""
+"""The name, in the command that the page shows, of a scene that was not loaded from a file."""
 
 
 def explore(
@@ -59,7 +60,7 @@ def explore(
 def page(scene: Scene, command: Sequence[str]) -> str:
     """Return the page's HTML for a scene.
 
-    ``command`` contains the words after ``chain-impact simulate`` in the page's command.
+    ``command`` has the words after ``chain-impact simulate`` in the command that the page shows.
 
     Raises:
         BuildError: when the module for a browser must be compiled, and this fails.
@@ -79,17 +80,17 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """Return the data of the page: contents of the scene's file, ``kit``, and the words of its command."""
+    """Return the data of the page: contents of the scene's file, ``kit``, and the words of ``command``."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
-        # only the name of the file stays, because a page must not show folders of this machine
+        # of the path only the file's name stays, because a page must not show folders of this machine
         if "file" in signal:
             signal["file"] = Path(signal["file"]).name
     return {"file": file, "kit": kit(scene), "command": list(command)}
 
 
 def packed(content: bytes) -> str:
-    """Return compressed bytes as text for a page; a browser can decompress them."""
+    """Compress bytes, and return them as text in base64; the page can decompress them."""
     compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
     return encoded(compressor.compress(content) + compressor.flush())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html import escape
 
-HEIGHT = 640  # [pixels] height of the frame
+HEIGHT = 640  # [pixels] height of the frame in which a cell shows the page
 
 
 @dataclass(frozen=True)

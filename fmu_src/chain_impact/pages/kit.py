@@ -43,7 +43,7 @@ from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable
 from chain_impact.variables.words import GENERAL, LOSSES
 
 IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
-"""Words in the texts of parameters and inputs, such as ``{n}``; the page replaces them for each owner."""
+"""Word in the texts of parameters and inputs → the word in braces, which the page replaces for each owner."""
 LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
 COUNTED = {
@@ -51,14 +51,14 @@ COUNTED = {
     **dict.fromkeys(("point", "contact"), "points"),
     "site": "sites",
 }
-"""Kind of owner → what its number counts, if the number changes with a link or point that is removed."""
+"""Kind of owner of variables → what its number counts, if the removal of a link or point can change it."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD.items()},
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
-"""Name → path of each value in the record that depends on the scene, but is not a parameter."""
+"""Name → path in the record, for each value that depends on the scene but is no parameter."""
 
 
 def kit(scene: Scene) -> dict[str, Any]:
@@ -114,14 +114,18 @@ def _trees(rules: Mapping[str, str]) -> dict[str, Tree]:
 
 
 def _keys(table: Any) -> dict[str, Any]:
-    """Return the rules of the keys of a table of the scene file, by the names of the keys."""
+    """Return name of a key → rule of the key, for the keys of a table of the scene file.
+
+    ``table`` is the table's dataclass.
+    """
     return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
 
 
 def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rule by which the page checks a key of a scene file.
+    """Return the rule by which the page checks a key of a scene file, from its type and its metadata.
 
-    The key stands for a table, a list of tables, tables by name, a list of values, or a value.
+    The key stands for a table, a list of tables, tables by name, a list of values, or a value; ``kind`` in
+    the result tells which.
     """
     inner = entry_type(kind := without_none(kind))
     if is_dataclass(inner):
@@ -146,7 +150,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
         }
     default = rule["default"]
     if isinstance(default, Derived):
-        # the page itself derives the value, or leaves the derivation to the kernel
+        # a default that follows from other values has no number here: the page or the kernel derives it
         or_key = {"orKey": default.or_key} if default.or_key else {}
         return value | or_key | ({} if default.with_stops is None else {"ofStops": default.with_stops})
     meaning = {"isNeeded": True, "meaning": rule["description"]}
@@ -154,7 +158,7 @@ def _key(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the limits and choices by which the page checks a value."""
+    """Return the limits and choices by which the page checks a value, from its type and its metadata."""
     limits = {
         name: rule[name] for name in ("minimum", "above", "maximum", "choices") if rule[name] is not None
     }
@@ -167,13 +171,16 @@ def _value(kind: Any, rule: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
-    """Return the templates of a block of variables, and the kind of owner for which the block is repeated."""
+    """Return the data of a block of variables: its rows, and the kind of owner for which it is repeated.
+
+    ``row`` is the function that returns the data of one row.
+    """
     counts = COUNTED.get(block.owner_kind)
     return {"ownerKind": block.owner_kind, "counts": counts, "rows": [row(kind) for kind in block.kinds]}
 
 
 def _name_and_condition(kind: Kind) -> dict[str, Any]:
-    """Return the name of a variable, and the conditions under which it exists."""
+    """Return the template of a variable's name, and the conditions under which the variable exists."""
     return {"name": kind.name, "when": kind.when}
 
 
@@ -202,7 +209,10 @@ def _output_row(kind: Kind) -> dict[str, Any]:
 
 
 def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
-    """Return the data of a parameter or an input: its words, its range and its meaning."""
+    """Return the data of a parameter or an input: name, path, range, words, default, place in the record.
+
+    ``choices``: name of an enumeration → its items.
+    """
     items, rule = choices.get(kind.choices, ()), kind.derived
     variable = Variable.of(kind, Owner(), IN_TEMPLATES, items=tuple(items))
     row = variable_row(variable, 0, 0)
@@ -230,22 +240,25 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
 
 
 def _rule(rule: Derived, table: str) -> dict[str, Any]:
-    """Return the rule by which a parameter follows from other parameters.
+    """Return the rule by which a parameter follows from other parameters, with complete names of these.
 
-    Keys without a dot belong to the table ``table``.
+    A key without a dot belongs to the table ``table``.
     """
     terms = [[key if "." in key else f"{table}.{key}" for key in term] for term in rule.terms]
     return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
 
 def _sentence(item: Item) -> str:
-    """Return the sentence on a choice; for a contact law, the range of use and the source."""
+    """Return the sentence that the page shows for a choice; for a contact law, range of use and source."""
     law = CONTACT_LAWS.get(item.name)
     return f"{law.limits} {law.source}." if law else item.description
 
 
 def _layout() -> dict[str, Any]:
-    """Return the coefficients for the indices of the words from which the page reads the results of a run."""
+    """Return name → coefficients of the index, for the words from which the page reads a run's results.
+
+    ``word_terms`` describes the coefficients.
+    """
     record = layout_of(*SAMPLES[0])
     statistics = record["statistics"].names or ()
     return {
@@ -278,9 +291,10 @@ def _is_real(path: DataPath) -> bool:
 
 @cache
 def word_terms(path: DataPath) -> list[int]:
-    """Return the coefficients of the index of a word in the record for ``{at}`` = 0, and its stride.
+    """Return the coefficients of the index of a word in the record, and at the end the stride.
 
-    The stride [words] is the increase of the index when ``{at}`` increases by 1.
+    The coefficients (``_affine``) are for ``{at}`` = 0 in the path; the stride [words] is the increase of the
+    index when ``{at}`` increases by 1.
     """
 
     def word(record: np.dtype, index: int) -> int:
@@ -291,7 +305,7 @@ def word_terms(path: DataPath) -> list[int]:
 
 
 def _affine(number: Callable[[np.dtype], int]) -> list[int]:
-    """Return the coefficients c of a number that depends on the layout of a record.
+    """Return the coefficients c₀, c₁, … of a number that ``number`` computes from the layout of a record.
 
     The number is c₀ + Σ cᵢ · countᵢ, with the counts in ``counts.COUNTS``, such as the number of links.
     """

@@ -39,10 +39,11 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
 
 
 def thinned(recording: Recording, impact_time: float) -> Recording:
-    """Return a recording with at most about MOST_PAGE_ROWS rows.
+    """Return a recording without some of its rows, if it has more than MOST_PAGE_ROWS.
 
     These rows stay: MOST_PAGE_ROWS rows at equal distances, the rows next to a frame that the page shows at
     the speed 1, with its slow motion, and the rows next to the onset or the end of an impact.
+    ``impact_time``: the time [s] that an impact takes on the screen.
     """
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_PAGE_ROWS:
@@ -85,7 +86,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
-    """Return the list of impacts for the page; unknown values are null."""
+    """Return the impacts of a recording in the form of the page; unknown values are None."""
     at = zip(recording.impacts, recording.end_speeds.tolist(), recording.at_stops.tolist(), strict=True)
     return [
         {
@@ -108,18 +109,21 @@ def _known(value: float) -> float | None:
 
 
 def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
-    """Return the free side of each wall, in the form that the page draws."""
+    """Return name of a wall → unit normal and offset [m] of its free side n·p ≥ offset, for the page."""
     return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
 
 
 def _range(joint: int, limits: JointRange) -> dict[str, Any]:
-    """Return the range of a joint, in the form that the page draws."""
+    """Return a joint with stops in the form of the page: its number, and angles of arc and stops [rad]."""
     marks = [stop for stop in (limits.low, limits.high) if math.isfinite(stop)]
     return {"joint": joint, "arc": limits.arc, "marks": marks}
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """Return the line of a slider, its stops, and the carriage around the base, as the page draws them."""
+    """Return the line of a slider, its stops, and the carriage's corners relative to the base, for the page.
+
+    The result is None without a slider.
+    """
     rail = recording.rail
     return (
         None
@@ -145,7 +149,7 @@ def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:
-    """Return numbers in 16 bits: low + (high − low) · integer / 65535."""
+    """Return numbers packed in 16 bits: ``low``, ``high``, and integers k for low + (high − low) k / FINEST."""
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
     return {"low": low, "high": high, "values": encoded(integers.astype("<u2").tobytes())}

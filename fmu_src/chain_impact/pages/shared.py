@@ -57,7 +57,7 @@ CONSTANTS = {
 
 
 def shared() -> dict[str, Any]:
-    """Return the constants by the name of their part, and by their names in Python; JSON can hold them."""
+    """Return name of a part of ``SHARED`` → name of a constant → value, in types that JSON can hold."""
     return {
         **{part: _constants(module, names.split()) for part, (module, names) in CONSTANTS.items()},
         "names": {
@@ -116,12 +116,12 @@ def shared() -> dict[str, Any]:
 
 @cache
 def declaration() -> str:
-    """Return the line of JavaScript that declares the constants."""
+    """Return the line of JavaScript that declares the constant ``SHARED``."""
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
 
 
 def _parsed(rule: Rule) -> dict[str, Any]:
-    """Return a rule of a file or of signals with its condition and its least value as trees."""
+    """Return a rule of a file or of signals as a table; its condition and least value are parsed to trees."""
     least = tree(rule.least) if rule.least else None
     return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}
 

@@ -14,12 +14,15 @@ from chain_impact.scene.signals import driven_by
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
-    """Return the tables among the signals of a scene, by the names of the signals; JSON can hold them."""
+    """Return name of a signal → its table, for the signals of a scene that are tables; JSON can hold them."""
     return {name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"}
 
 
 def _table(scene: Scene, name: str) -> dict[str, Any]:
-    """Return a table: file name, interpolation, period, and the polynomials of each input that it drives."""
+    """Return the table of signal ``name``: file name, interpolation, period and ``columns``.
+
+    ``columns``: input that the table drives → the pieces of its polynomial: start times, coefficients, gain.
+    """
     signal, columns = scene.signals[name], {}
     for driven in driven_by(scene):
         if driven.signal == name:

@@ -1,6 +1,6 @@
 // Functions that find or make elements of the page.
 
-/** Return the element of the page with an id. */
+/** Return the element of the page with an id; null if there is none. */
 export function find(id) {
   return document.getElementById(id);
 }

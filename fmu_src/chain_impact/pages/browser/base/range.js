@@ -3,7 +3,7 @@
 /** Return the numbers from 0 to length − 1. */
 export const range = (length) => Array.from({ length }, (_, k) => k);
 
-/** Return the least and the largest of some numbers. */
+/** Return [the least, the largest] of some numbers; [∞, −∞] without numbers. */
 export function endsOf(numbers) {
   let [low, high] = [Infinity, -Infinity];
   for (const number of numbers) {

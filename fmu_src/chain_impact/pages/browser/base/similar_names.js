@@ -53,13 +53,13 @@ function nearest(name, names) {
   return same.includes(found) ? found : mostAlike(name, same, SAME_LAST) ?? found;
 }
 
-/** Return the shortest name that contains a text as whole words; undefined if no name does. */
+/** Return, from the list `names`, the shortest one that contains a text as whole words; undefined if none does. */
 function longer(text, names) {
   const words = new RegExp(`(?<![\\p{L}\\p{N}])${text.replaceAll(/[\\^$.*+?()[\]{}|]/g, "\\$&")}(?![\\p{L}\\p{N}])`, "u");
   return names.filter((name) => text && words.test(name)).toSorted((a, b) => a.length - b.length)[0];
 }
 
-/** Return the name that a message proposes for an unknown name; undefined if no name is similar. */
+/** Return, from the list `names`, the one that a message proposes for an unknown name; undefined if none is similar. */
 export function proposed(name, names) {
   return nearest(name, names) ?? longer(name, names);
 }

@@ -87,8 +87,8 @@ export function axisOptions(options = {}) {
 }
 
 /**
- * Return the width of a vertical axis [pixels] that its longest label needs. uPlot asks several times in one layout; only the first time
- * the width is computed.
+ * Return the width of a vertical axis [pixels] that its widest label needs: the function `size` of uPlot for the axis with an `index`.
+ * uPlot calls it several times in one layout, with a number `cycle` from 0; from 2 on, it returns the width that the axis has.
  */
 export function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];
@@ -109,7 +109,7 @@ export class Chart {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
   }
 
-  /** Make the plot of the chart in place of the plot before. */
+  /** Make a plot with options and data of uPlot, in place of the chart's present plot. */
   make(options, data) {
     const { element, height } = this;
     this.plot?.destroy();
@@ -151,7 +151,8 @@ export class Chart {
 }
 
 /**
- * Draw the curve of a compared recording, {points: [horizontal values, vertical values], stroke, letter}: dashed, with its letter in a dot.
+ * Draw the curve of a compared recording, {points: [horizontal values, vertical values], stroke (name of a colour), letter}: dashed, with
+ * its letter in a dot.
  */
 export function drawCompared(plot, { points: [along, up], stroke, letter }) {
   drawCurve(plot, [along, up], stroke);
@@ -173,7 +174,10 @@ export function drawCompared(plot, { points: [along, up], stroke, letter }) {
   ctx.restore();
 }
 
-/** Draw a curve, [horizontal values, vertical values], and fill the area inside it with the colour `fill`; without `fill`, dash it. */
+/**
+ * Draw a curve, [horizontal values, vertical values], on a plot of uPlot in the colour `stroke`. The area inside gets the colour `fill`;
+ * without `fill`, the curve is dashed.
+ */
 export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
   ctx.save();
   ctx.beginPath();

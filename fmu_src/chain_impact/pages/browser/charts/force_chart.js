@@ -6,18 +6,19 @@ import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
 
-const AROUND = 0.35; // time shown before and after a contact, relative to the contact's duration
+const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // upper end of the axis of forces, relative to the largest force of the curves
 const NO_FORCE = 1e-9; // [N] a contact whose forces are all smaller has no curve
 
-/** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis has a length. */
+/** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
 function highest(...all) {
   return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
 }
 
 /**
- * Return the values in the rows around a contact: times since the onset [s], force, penetration and dry friction. Before the onset and
- * after the end they are 0. Penetration and friction are undefined if they are unknown.
+ * Return the values of a contact in the rows of a recording around it: `times` since the onset [s], `force`, `depth` and `friction`, and
+ * the time `margin` [s] before and after the contact. Before the onset and after the end, force, depth and friction are 0; depth and
+ * friction are undefined if they are unknown.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;

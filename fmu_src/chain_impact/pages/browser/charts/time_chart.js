@@ -10,7 +10,7 @@ const CURVE_APART = 0.3; // [pixels of the screen] least distance between two po
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
 export class TimeChart extends Chart {
   names = [];
-  soft = false; // true: the vertical axis begins at 0 if 0 is near the values
+  soft = false; // true: the vertical axis begins or ends at 0 if 0 is near the values
   isOfCounts = false; // true: the values are counts, so the ticks are whole numbers
   onset = undefined; // [s] the time from which the axis counts: an onset, or undefined to count from 0
 
@@ -81,7 +81,10 @@ export class TimeChart extends Chart {
     this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
   }
 
-  /** Return the ends of the vertical axis, between which all curves in view fit, including those for comparison. */
+  /**
+   * Return the ends of the vertical axis, between which all curves in view fit, including those of compared recordings; `least` and `most`:
+   * the least and the largest value of the other curves.
+   */
   #range(least, most) {
     const [from, to] = this.span;
     let [low, high] = [least, most];
@@ -99,7 +102,7 @@ export class TimeChart extends Chart {
 /** The chart of all energies over the whole time; the zero of the potential energy is moved if it is far from the others. */
 export class EnergyChart extends TimeChart {
   soft = true;
-  energies = {}; // name → values of an energy, with the offset, as they are drawn
+  energies = {}; // name of an energy → its values as they are drawn, with the offset
   offset = 0; // [J] the number that the chart adds to the potential and the total energy (energy_zero.js)
 
   constructor(element, energies, seek) {
@@ -143,8 +146,8 @@ export class EnergyChart extends TimeChart {
 }
 
 /**
- * Return the path of a curve through all rows that the eye can tell apart. uPlot's own paths are rounded to pixels if rows are much denser
- * than pixels.
+ * Return the path of a curve through all its rows that are at least CURVE_APART apart: a function `paths` of uPlot. uPlot's own paths are
+ * rounded to pixels if rows are much denser than pixels.
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];
@@ -160,7 +163,8 @@ function pathOf(plot, series, first, last) {
 }
 
 /**
- * Return a background for the style sheet that looks like the curve's line; `dash`: lengths [pixels] that are drawn and left out in turn.
+ * Return a background for the style sheet that looks like the line of a curve; `stroke`: name of its colour, `dash`: lengths [pixels] that
+ * are drawn and left out in turn.
  */
 function patternOf(stroke, dash = [1]) {
   const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
@@ -168,7 +172,7 @@ function patternOf(stroke, dash = [1]) {
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
 }
 
-/** Add an entry to a list: the words for a quantity with a line that looks like its curve. Return the element for its present value. */
+/** Add an entry to a list: words for a quantity, and a line that looks like its curve. Return the element for the present value. */
 function entryOf(list, { name, words = name, stroke, dash }) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   Object.assign(term, { textContent: words, title: words === name ? "" : name });
@@ -178,7 +182,7 @@ function entryOf(list, { name, words = name, stroke, dash }) {
   return value;
 }
 
-/** Draw faint vertical lines at the onsets of the impacts. */
+/** Draw faint vertical lines at the onsets of the impacts on a plot of uPlot. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.save();
   ctx.strokeStyle = styleColour("onset");

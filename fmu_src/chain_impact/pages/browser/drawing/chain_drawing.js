@@ -32,7 +32,9 @@ const NAME_MULTIPLES = [1, 1.25, 1.5];
 const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
-/** Return the unit vector on the screen from a point of the chain to the outer side of the bend of the chain at this point. */
+/**
+ * Return the unit vector on the screen from a point to the outer side of the chain's bend there; `positions`: of all points of the chain.
+ */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
   const directions = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
@@ -65,7 +67,7 @@ export class ChainDrawing {
       [-HATCH, 0, HATCH].forEach((x) => tile.line(x, HATCH, x + HATCH, 0).addClass("hatch"));
     });
     this.ground = this.drawing.group();
-    this.behind = this.drawing.group(); // a group for other drawings of a page behind the chain
+    this.behind = this.drawing.group(); // the group behind the chain in which other modules draw
     this.trace = this.drawing.polyline().addClass("trace").fill("none");
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
@@ -78,7 +80,7 @@ export class ChainDrawing {
     this.numbers = this.drawing.group();
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
-    this.above = this.drawing.group(); // a group for other drawings of a page in front of the chain
+    this.above = this.drawing.group(); // the group in front of the chain in which other modules draw
     this.linesAbove = () => []; // function that returns the lines in `above`, which labels must not cover
     this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
   }
@@ -188,7 +190,7 @@ export class ChainDrawing {
     this.pin.forEach(([line, mark]) => mark.plot(this.#toScreen(line.map(([px, py]) => [px + x - x0, py + y - y0]))));
   }
 
-  /** Draw everything at a frame. Only this function changes the camera, so that all parts of a frame have the same one. */
+  /** Draw everything at a frame. The camera changes only at the start of this function, so that all parts of a frame have the same one. */
   draw(frame) {
     if (!this.isFitted) this.#fit();
     const { recording, camera } = this;
@@ -217,7 +219,10 @@ export class ChainDrawing {
     this.#numberRings(rings);
   }
 
-  /** Draw numbers and names of points; a name without a free position is left out. */
+  /**
+   * Draw the name, or else the number, of each point; one without a free position is left out. `all`: positions of the points, `bodies`:
+   * corners of the bodies, both on the screen.
+   */
   #drawNames(all, bodies) {
     const { links } = this.recording;
     this.names.forEach((name, point) => {
@@ -289,7 +294,7 @@ export class ChainDrawing {
     return wall in walls || wall in (rail?.stops ?? {}) || stops.some(({ joint }) => joint === point);
   }
 
-  /** Draw rings at recent impacts, and keep labels off them; return the rings, as `ringsOf` does. */
+  /** Draw the rings of recent impacts at a frame, and keep labels off them; return the rings, as `ringsOf` does. */
   #drawRings(frame) {
     const { recording } = this;
     const recent = recentImpacts(recording, frame).filter((impact) => this.#isShown(impact));
@@ -352,8 +357,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw the arrows of forces in joints that are large enough to be seen; return the labels, of which only that of the largest force has a
-   * number.
+   * Draw the arrows of the forces in joints at a frame, without those whose arrow would be too short; return the label of the largest force,
+   * in a list, as arguments of `#label`.
    */
   #drawLoads(frame) {
     const { recording, camera } = this;
@@ -366,8 +371,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw the arrow of a force [N] from a position in a direction. Return a list with the arguments of `#label` for its text; the list is
-   * empty without a text, and for a short arrow.
+   * Draw the arrow of a force [N] from a position in a direction (a unit vector), both on the screen; `kind`: its class in the style sheet.
+   * Return a list with the arguments of `#label` for its text; the list is empty without a text, and for a short arrow.
    */
   #arrow([x, y], [dx, dy], force, kind, text) {
     const length = this.arrowScale.lengthOf(force);
@@ -381,8 +386,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Write a text at the first free place around a position: first in the given direction, then in others. Without a free place, write
-   * nothing.
+   * Write a text at the first free place at a distance [pixels] from a position: first in the given direction, then in others and farther
+   * away. Without a free place, write nothing.
    */
   #label(position, direction, distance, text, kind) {
     const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance, FORCE_MULTIPLES));

@@ -25,8 +25,8 @@ function boxOf(text, [x, y], size, anchor) {
 }
 
 /**
- * Return whether a line crosses the rectangle of a text, or comes near it: the part of the line between left and right overlaps the part
- * between top and bottom.
+ * Return whether a straight line between two positions crosses the rectangle of a text, or comes nearer to it than BESIDE_LINE: the part of
+ * the line between left and right overlaps the part between top and bottom.
  */
 export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   let [from, to] = [0, 1];
@@ -40,7 +40,7 @@ export function isCrossed([left, top, right, bottom], [[x0, y0], [x1, y1]]) {
   return from < to;
 }
 
-/** Return whether the rectangle of a text covers a part of a ring's line. */
+/** Return whether the rectangle of a text covers a part of a ring's line, or comes nearer to it than BESIDE_RING. */
 function meetsRing([left, top, right, bottom], { position: [x, y], radius }) {
   const nearest = Math.hypot(Math.max(left - x, x - right, 0), Math.max(top - y, y - bottom, 0));
   const farthest = Math.hypot(Math.max(x - left, right - x), Math.max(y - top, bottom - y));
@@ -53,7 +53,7 @@ export class LabelSpace {
   #lines = []; // the lines that labels must not cover: [position of one end, of the other]
   #avoided = []; // functions of a rectangle that return true if it covers what labels should avoid
 
-  /** An empty drawing of some width and height [pixels], in which texts stay below a strip of some height. */
+  /** The free space for labels in a drawing of some width and height [pixels], below a strip of some height. */
   constructor(width, height, strip) {
     this.limits = [FROM_EDGE, strip, width - FROM_EDGE, height - FROM_EDGE];
   }
@@ -73,7 +73,7 @@ export class LabelSpace {
     positions.slice(1).forEach((to, k) => this.#lines.push([positions[k], to]));
   }
 
-  /** Let labels avoid rectangles for which a function returns true, unless they would have to go far away. */
+  /** Let labels avoid the rectangles [left, top, right, bottom] for which `covers` returns true, unless other free places are far away. */
   avoid(covers) {
     this.#avoided.push(covers);
   }
@@ -114,8 +114,8 @@ export class LabelSpace {
 }
 
 /**
- * Return candidates for a label around a position: at a distance [pixels] first in a given direction, then in directions that deviate more
- * and more from it; then the same at further `multiples` of the distance.
+ * Return candidates {at, anchor} for a label around a position: at a distance [pixels] first in a given direction, then in directions that
+ * deviate more and more from it; then the same at the next of the `multiples` of the distance.
  */
 export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) {
   const turns = [0, 1, -1, 2, -2, 3, -3, 4].map((eighth) => (eighth * Math.PI) / 4);
@@ -127,8 +127,8 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
 }
 
 /**
- * Return the attribute text-anchor of a label, from the horizontal component of the direction to it: the label's nearest end is at its
- * position.
+ * Return the attribute text-anchor of a label, from the horizontal component `dx` of the unit vector to it: the end of the label that is
+ * nearer to the labelled position is at the label's position.
  */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";

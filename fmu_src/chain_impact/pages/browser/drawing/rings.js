@@ -16,9 +16,9 @@ export function recentImpacts(recording, frame) {
 }
 
 /**
- * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away} for each impact. A ring has these, and
- * `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off it) and `isNumbered` (its number is shown). Of several rings at one
- * position, each is wider than the ring before.
+ * Return the rings of recent impacts at the time `now` [s]. `places` has a {position [pixels], away (direction from the wall)} for each
+ * impact. A ring has these, and the impact's `number`, `radius` [pixels], `opacity`, `isSeen` (labels keep off it) and `isNumbered` (its
+ * number is shown). Of several rings at one position, each is wider than the ring before.
  */
 export function ringsOf(recent, places, now) {
   return recent.map(({ onset, number }, k) => {
@@ -35,7 +35,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function from the middle of a number's place to whether the number is clearly nearer to its own ring than to any other. */
+/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to any other of `rings`. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

@@ -8,7 +8,7 @@ const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the w
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
 
-/** Return the part of a line on the screen that lies below the strip. */
+/** Return both ends of the part of a line on the screen that lies below the strip. */
 export function belowStrip([[x0, y0], [x1, y1]]) {
   const at = (y) => (y0 === y1 ? 0 : Math.min(Math.max((y - y0) / (y1 - y0), 0), 1));
   const ends = [y0 < STRIP ? at(STRIP) : 0, y1 < STRIP ? at(STRIP) : 1];
@@ -16,8 +16,8 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Draw a scale bar of a round length, at most LONGEST_BAR of the width: in the middle, or after the end of the ruler. If it would end
- * beyond the width, draw none. `scale` is in pixels per metre.
+ * Draw a scale bar of a round length, at most LONGEST_BAR of the strip's `width` [pixels]: in the middle or, if the ruler of forces ends
+ * there, after `rulerEnd` [pixels]. If it would end beyond the width, draw none. `scale` is in pixels per metre.
  */
 export function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;
@@ -33,7 +33,10 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
   group.plain(text).attr({ x: left - BESIDE_BAR, y: y + 4 }).addClass("bar-text");
 }
 
-/** Draw the ruler of forces with its marks, up to the largest force or beyond; return the horizontal position of its end [pixels]. */
+/**
+ * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or the last mark, and a name that has room in the `width`;
+ * return the horizontal position of its end [pixels].
+ */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at));

@@ -34,8 +34,8 @@ export function traceOf(recording, camera) {
 }
 
 /**
- * Return a function (rectangle [left, top, right, bottom], frame) that returns whether the trace enters the rectangle up to the frame;
- * `width`: of the drawing [pixels].
+ * Return a function (rectangle [left, top, right, bottom], frame) → whether a trace, as `traceOf` returns it, enters the rectangle up to the
+ * frame. `width`: of the drawing [pixels].
  */
 export function traceFinder({ frames, positions }, width) {
   const columns = Math.ceil(width / CELL);
@@ -61,8 +61,8 @@ export function traceFinder({ frames, positions }, width) {
 }
 
 /**
- * Return for each step between frames the slopes of the curve at both its ends [pixels per step]; undefined if an impact begins in the
- * step.
+ * Return for each step between frames the slopes of the curve at both its ends [pixels per step]; an empty list if an impact begins in the
+ * step. `at`: position on the screen at each frame.
  */
 function slopesOf(at, recording) {
   const { time, impacts } = recording;
@@ -87,8 +87,8 @@ function slopesOf(at, recording) {
 }
 
 /**
- * Return the cubic curve between two positions with given slopes at its ends, and its largest distance from the straight line (`bend`);
- * without slopes, the straight line.
+ * Return the cubic curve between two positions with the slopes `first` and `last` at its ends: `at`, a function from the fraction of the
+ * step to the position, and `bend`, a bound on the distance from the straight line. Without slopes, the curve is the straight line.
  */
 function curveBetween(from, to, first, last) {
   const chord = [0, 1].map((axis) => to[axis] - from[axis]);
