@@ -80,7 +80,10 @@ def time_of_meeting(d, c, until):
 
 
 def time_of_passage(d, c, a, b):
-    """Return, by halving, the time [s] between a and b at which the base's clearance falls to −OVERLAP."""
+    """Return the time [s] between a and b at which the base's clearance from a wall falls to −OVERLAP.
+
+    The wall is that of candidate c. The time is found by halving of the interval.
+    """
     for _ in range(MOST_GUESSES):
         middle = 0.5 * (a + b)
         if not a < middle < b:

@@ -267,7 +267,10 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log a contact with its peaks so far, and update the largest peaks of all contacts (``d.peaks``)."""
+    """Log the contact of candidate c with its peaks, and update the peaks of all contacts (``d.peaks``).
+
+    ``row``, ``end`` and ``separation_speed`` are as for ``log_contact``.
+    """
     touch, peaks, arm = d.touch, d.peaks, lever_of_candidate(d, c)
     force, depth = touch.peak_force[c], touch.max_penetration[c]
     log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.total[c])

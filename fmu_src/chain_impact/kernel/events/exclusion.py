@@ -209,9 +209,10 @@ def stays_positive(d, c, error):
 
 
 def stays_in_contact(d, c, error):
-    """Return whether a contact surely lasts through the last step.
+    """Return whether the contact of candidate c surely lasts through the last step.
 
-    Its penetration stays above ``error`` (``stays_positive``) or, if it is regularized, u > 0 at the end.
+    The contact lasts if its penetration stays above ``error`` − ``harmless_depth`` (``stays_positive``) or,
+    if it is regularized, if u > 0 at the end.
     """
     if c == d.step.regularized:
         # u = √(δ/δ*) does not fall to zero and rise again in a step: the rate δ̇ of the penetration would

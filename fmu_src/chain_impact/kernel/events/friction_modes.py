@@ -121,7 +121,7 @@ def first_mode(d, e, jumped):
     """Return the mode of element e that follows from its speed; mark e as undecided if it is at rest.
 
     An undecided element keeps its mode at first, unless the mode ends or the contact begins; then
-    ``choose_modes`` decides.
+    ``choose_modes`` decides. ``jumped`` is as for ``update_modes``.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]

@@ -67,7 +67,10 @@ def end_if_point_left(d, c):
 
 
 def apply_event(d, c, kind):
-    """Apply an event of candidate c, which has a force law; return whether its force may have jumped."""
+    """Apply an event of candidate c, which has a force law; return whether its force may have jumped.
+
+    ``kind`` is the event as in ``touch.event``, also NONE.
+    """
     if kind == ONSET:
         begin_force_contact(d, c)
     elif kind == END:

@@ -150,9 +150,9 @@ def choose_search(slow, fast):
 
 
 def mark_kinks(d, c, theta):
-    """Mark the contacts that are at their kinks at the fraction θ of the step.
+    """Mark contact c and all other contacts that are at their kinks at the fraction θ of the step.
 
-    The points must be located there.
+    The points must be located at θ.
     """
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
@@ -176,7 +176,7 @@ def has_crossed(d, c):
 
 
 def side_of_kink_at(d, c, theta):
-    """Return the result of ``side_of_kink`` at the fraction θ of the last step."""
+    """Return ``side_of_kink`` of contact c at the fraction θ of the last step."""
     locate_at(d, theta)
     return side_of_kink(d, c)
 

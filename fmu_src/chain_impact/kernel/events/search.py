@@ -225,7 +225,7 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Remove the marks of onsets at points that move away; return θ, or −1 if no event is left."""
+    """Remove the marks of onsets at points that move away; return ``theta``, or −1 if no event is left."""
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.phi_end_rate[c] > 0.0:

@@ -83,7 +83,7 @@ def check_segments(d):
 
 
 def equal_up_to_round_off(before, after, scale):
-    """Return whether two numbers are equal up to round-off, relative to their sizes and a ``scale``."""
+    """Return whether two numbers are equal up to round-off, relative to |before| + |after| + ``scale``."""
     return abs(after - before) <= VALUE_ROUND_OFF * (abs(before) + abs(after) + scale)
 
 

@@ -225,7 +225,10 @@ def check_energy(d, theta):
 
 
 def store_energy(d, present, available):
-    """Store the energy balance and the available energy [J] at the end of an accepted step."""
+    """Store the energy balance ``present`` and the ``available`` energy [J] at an accepted step's end.
+
+    Both are results of ``check_energy``.
+    """
     balance = d.balance
     balance.at_start, balance.available_at_start = balance.at_end, balance.available
     balance.at_end, balance.available = present, available
@@ -274,10 +277,10 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Return whether the dense output is right in the middle of the last step.
+    """Return whether the dense output is correct at the middle of the last step.
 
-    In the middle, the energy balance must have its value at the start of the step, and the dissipated energy
-    must lie between its values at both ends, up to an allowed error.
+    There the energy balance may have changed since the start of the step by at most MIDDLE_CHANGE times the
+    allowed change, and the dissipated energy must lie between its values at both ends, up to a tolerance.
     """
     y = d.scratch.y
     ensure_dense(d, SOLVER)
@@ -292,7 +295,8 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
-    ``middle`` [J] is the dissipated energy in the middle of the step; errors within a tolerance are allowed.
+    ``middle`` [J] is the dissipated energy in the middle of the step. It may lie outside by MIDDLE_CHANGE
+    times the error that the tolerance allows.
     """
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)
@@ -310,7 +314,7 @@ def allowed_change(d, y):
 
 
 def allowed_round_off(d, y):
-    """Return the part of ``allowed_change`` [J] that round-off may cause."""
+    """Return the part of ``allowed_change`` [J] that round-off may cause in a step to state y."""
     _, summed = energy_scales(d, y)
     return ENERGY_ROUND_OFF * summed
 

@@ -209,7 +209,7 @@ def size_for_fast_motion(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Predict the stages by the last step's polynomial, or, if it does not apply, by constant speeds."""
+    """Predict the stages of a step of size h [s]: by the last step's polynomial, or by constant speeds."""
     implicit = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -275,7 +275,7 @@ def cost_factor(implicit):
 
 
 def set_result(d, h):
-    """Set the extended state z and the state at the end of the step, and locate the points there."""
+    """Set the extended state z and the state y at the end of a step of size h; locate the points there."""
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
         implicit.z[j] = implicit.start[j] + implicit.stages[LAST, j]
@@ -287,7 +287,7 @@ def set_result(d, h):
 
 
 def error_estimate(d, h, size):
-    """Return the error of the step, relative to the tolerance; infinity if it is not finite."""
+    """Return the error of a step of size h [s], relative to the tolerance; infinity if it is not finite."""
     implicit, shift = d.implicit, h * REAL_EIGENVALUE
     for j in range(size):
         start, end = implicit.start_rate[j], implicit.rates[LAST, j]

@@ -99,7 +99,7 @@ FADED_SIZE = 1e-100
 
 
 def begin_trial(d, h):
-    """Begin to try a step of size h: store the size, and set the outcome to accepted, with the error 0."""
+    """Begin to try a step of size h, whose outcome is ACCEPTED until a check rejects the step."""
     d.trial.size = h
     set_outcome(d, 0.0, 1.0)
 
@@ -185,7 +185,10 @@ def size_at_onset(d, c, method):
 
 
 def size_at_onset_beside(d, c):
-    """Return a size [s] for the first explicit step of a contact that begins while other contacts last."""
+    """Return a size [s] for the first explicit step of a contact that begins while other contacts last.
+
+    c is the candidate whose contact begins.
+    """
     return BESIDE_SIZE * contact_time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
 
 
@@ -243,7 +246,7 @@ def raise_scales(d, y, scale, contacts):
     The round-off of positions excites, in each step, fast motions of a chain that rests on contacts. Shorter
     steps do not reduce these motions, but longer implicit steps damp them. A contact with the frequency ω,
     about v₀/δ* as in ``penetration_scale``, turns a round-off ε of a position into a speed ω ε, so the scales
-    of penetrations and of speeds are raised.
+    of penetrations and of speeds are raised. The arguments are those of ``set_scales``.
     """
     n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
     if contacts == 0:
@@ -289,7 +292,11 @@ def controlled_count(d):
 
 @inlined
 def largest_errors(first_error, second_error, weight, count):
-    """Return the largest weighted component of each of two error estimates; infinity if any is not finite."""
+    """Return the largest |component| × weight of each of two error estimates, over ``count`` components.
+
+    Both results are infinity if any component of ``first_error`` or ``second_error`` is not finite.
+    ``weight`` has the weight of each component.
+    """
     first, second, total = 0.0, 0.0, 0.0
     for j in range(count):
         a, b = abs(first_error[j]) * weight[j], abs(second_error[j]) * weight[j]

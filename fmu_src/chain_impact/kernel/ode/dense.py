@@ -42,7 +42,7 @@ def next_guess(low, high, guess, tries):
 
 
 def time_rate(u):
-    """Return p = dt/ds, the rate of time in a regularized step (sundman.py)."""
+    """Return p = dt/ds = u/(1 + u²), the rate of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
 
 

@@ -156,10 +156,10 @@ def combination(row):
 
 
 def combinations(first_row, second_row):
-    """Return a function that computes h Σ_j row[j] k_j for two rows, and reads each stage k_j only once.
+    """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each stage k_j only once.
 
-    The function takes (stages, h, first, second); it writes the sums of the first and the second row to
-    ``first`` and ``second``.
+    The function takes (stages, h, first, second). It writes the sum of ``first_row`` to ``first``, and the
+    sum of ``second_row`` to ``second``.
     """
     names = tuple(sorted({*first_row, *second_row}))
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (first_row, second_row))
@@ -262,7 +262,7 @@ def attempt(d, h):
 
 
 def error_estimate(d, h):
-    """Return the error of the tried step, relative to the tolerance.
+    """Return the error of the tried step of size h, relative to the tolerance.
 
     The result is infinite if a rate is not finite.
     """

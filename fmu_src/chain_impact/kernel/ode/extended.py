@@ -133,7 +133,7 @@ def extend_start(d):
 
 
 def clearance_rates(d, z, rate):
-    """Set the entries ġ and g̈ of the rate ż in ``rate``; the accelerations of points must be known."""
+    """Set the entries ġ and g̈ of ``rate``, the rate ż of z; the accelerations of points must be known."""
     for k in range(clearance_count(d)):
         rate[gap_at(d, k)] = z[rate_at(d, k)]
         rate[rate_at(d, k)] = gap_acceleration(d, d.touch.active_index[k])
@@ -212,7 +212,7 @@ def factorize_shift(d, s, space, slot):
 
 
 def solve_shift(d, s, space, slot, x):
-    """Solve (1 − s A) x = r for the shift s [s] of the last ``factorize_shift``.
+    """Solve (1 − s A) x = r for the shift s [s], ``space`` and ``slot`` of the last ``factorize_shift``.
 
     The array x contains r at the start, and the solution at the end.
     """
@@ -325,10 +325,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference between a located and an integrated clearance, relative to max(δ, δ*).
-
-    δ is the penetration, and δ* the expected penetration of the contact.
-    """
+    """Return the largest difference between a located clearance and the one in z, relative to max(δ, δ*)."""
     worst = 0.0
     for k in range(clearance_count(d)):
         c = d.touch.active_index[k]

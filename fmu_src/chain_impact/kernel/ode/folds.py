@@ -56,11 +56,12 @@ def refine_rate(d, theta, y, rate):
 
 
 def find_forces(d, theta, distance, rate):
-    """Compute the forces at the fraction θ from four samples, and store these forces in ``refined``.
+    """Compute the forces of constraints at the fraction θ of the last step from four samples at other times.
 
-    The function stores the sums of the forces with the weights DIFFERENCE in ``uneven``. It returns whether
-    all samples are far enough from the fold; if one is near the fold, the content of ``refined`` is
-    meaningless.
+    ``distance`` is the distance of the two nearer samples from θ, relative to the step; ``rate`` is
+    overwritten. The forces are stored in ``refined``, and their sums with the weights DIFFERENCE in
+    ``uneven``. Return whether all samples are far enough from the fold; if one is near the fold, ``refined``
+    is meaningless.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):

@@ -108,11 +108,11 @@ def work_of_sliding(d, change, force):
 
 
 def count_holding_work(d, h):
-    """Count the work of sticking elements since the start of the step as dissipated in each stage.
+    """Count the work of sticking elements since the start of a step of size h [s] as dissipated energy.
 
-    The energy that their constraint forces take from the chain is added to the dissipated energy. These
-    forces do work only along errors, because such elements should not move. At the end of the step a
-    projection moves the elements back to their anchors, and does the opposite work.
+    The energy that their constraint forces take from the chain is added to the dissipated energy of each
+    stage. These forces do work only along errors, because such elements should not move. At the end of the
+    step a projection moves the elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
     before = holding_at(d, implicit.start, 0.0)

@@ -46,7 +46,10 @@ def regularized_rate(d, y, rate):
 
 
 def regularize(d, y, time_rate, rate):
-    """Set ``rate`` to dy/ds at an end of a step, given ``time_rate`` = dy/dt; the points must be located."""
+    """Set ``rate`` to dy/ds in state y at an end of a step, from ``time_rate`` = dy/dt.
+
+    The points must be located.
+    """
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.regularized != NO_CONTACT:
@@ -54,7 +57,7 @@ def regularize(d, y, time_rate, rate):
 
 
 def to_fictitious_time(d, y, rate):
-    """Convert ``rate`` from dy/dt to dy/ds, for the located points."""
+    """Convert ``rate`` from dy/dt to dy/ds in state y, for the located points."""
     u = y[sundman_u_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
@@ -89,7 +92,7 @@ def time_rate_change(u, slope):
 
 
 def time_rate_of(d, u):
-    """Return dt/ds, the rate of time in the variable s of the step; 1 without a regularized contact."""
+    """Return dt/ds, the rate of time in the step's variable s, from u; 1 without a regularized contact."""
     return 1.0 if d.step.regularized == NO_CONTACT else time_rate(u)
 
 

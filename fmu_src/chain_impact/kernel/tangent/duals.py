@@ -19,7 +19,7 @@ DIRECTIONS = 4  # number of directions in one tangent instance; more directions 
 
 
 def dual_dtype(dtype):
-    """Return the layout of an instance, or of a part of it, with a dual number for each real."""
+    """Return the layout ``dtype`` of an instance, or of a part of it, with a dual number for each real."""
     if dtype.subdtype:
         item, shape = dtype.subdtype
         return np.dtype((dual_dtype(item), shape))
@@ -109,10 +109,10 @@ def as_words(part):
 
 
 def copy_values(source, target):
-    """Copy the values of a part of the primal instance to the same part of a tangent instance.
+    """Copy the values of ``source``, a part of the primal instance, to ``target``.
 
-    The derivatives in the tangent instance do not change. The function copies all fields, also of nested
-    records, so a new field of the record needs no change here.
+    This is the same part of a tangent instance, whose derivatives do not change. The function copies all
+    fields, also of nested records, so a new field of the record needs no change here.
     """
     target.copy_values(source)
 

@@ -189,7 +189,7 @@ def make_implicit(d, t, h):
 
 
 def copy_stages(d, t, size):
-    """Set the values of the stages of t to the stages of d; the derivatives of the stages in t stay."""
+    """Set the values of the stages of t, of ``size`` components, to those of d; derivatives in t stay."""
     for i in range(RADAU_STAGES):
         for j in range(size):
             t.implicit.stages[i, j] = dual_with_slope(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
@@ -208,7 +208,10 @@ def copy_jacobian_data(d, t):
 
 
 def iterate_slopes(d, t, h, size):
-    """Iterate the derivatives of the stages; return whether the derivatives have converged."""
+    """Iterate the derivatives of the stages of a step of size h; return whether they have converged.
+
+    ``size`` is the length of the extended state z, here and in ``solve_slopes`` and ``last_correction``.
+    """
     least, stalled = math.inf, 0
     for _ in range(MOST_SLOPE_ITERATIONS):
         find_residuals(t, h, size)

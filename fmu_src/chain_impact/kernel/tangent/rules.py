@@ -73,9 +73,10 @@ def power_of_depth(depth, exponent):
 
 
 def set_polar(radius, y, first, horizontal, vertical):
-    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with the angles φ in y from ``first`` on.
+    """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with r in ``radius`` and φ in y.
 
-    Dual numbers in the reduction of an angle to a quarter turn would give wrong derivatives.
+    The angles φ begin at index ``first`` of y. Dual numbers in the reduction of an angle to a quarter turn
+    would give wrong derivatives.
     """
     for i in range(len(radius)):
         cosine, sine = direction(y[first + i])

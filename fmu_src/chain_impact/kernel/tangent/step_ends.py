@@ -79,7 +79,10 @@ def is_crossing(t, c):
 
 
 def prepare_end(t):
-    """Compute rate, points and dense output at the end of the last step, before ``move_along`` moves it."""
+    """Compute rate, points and dense output at the end of the last step.
+
+    They must be known before the end gets the derivatives of the event's time (``move_along``).
+    """
     ensure_rate(t)
     ensure_dense(t, SOLVER)
     ensure_points(t)
