@@ -33,7 +33,7 @@ const NUMBERED = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
- * Return the unit vector on the screen from a point to the outer side of the chain's bend there; `positions`: of all points of the chain.
+ * Return the unit vector on the screen from a point to the outer side of the chain's bend there; `positions`: of all the chain's points.
  */
 function outOfChain(positions, point) {
   const [x, y] = positions[point];
@@ -357,8 +357,8 @@ export class ChainDrawing {
   }
 
   /**
-   * Draw the arrows of the forces in joints at a frame, without those whose arrow would be too short; return the label of the largest force,
-   * in a list, as arguments of `#label`.
+   * Draw the arrows of the forces in joints at a frame, but none that would be too short; return the label of the largest force, in a list,
+   * as arguments of `#label`.
    */
   #drawLoads(frame) {
     const { recording, camera } = this;

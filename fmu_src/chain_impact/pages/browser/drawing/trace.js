@@ -34,7 +34,7 @@ export function traceOf(recording, camera) {
 }
 
 /**
- * Return a function (rectangle [left, top, right, bottom], frame) → whether a trace, as `traceOf` returns it, enters the rectangle up to the
+ * Return a function (rectangle [left, top, right, bottom], frame) → whether a trace, a result of `traceOf`, enters the rectangle up to the
  * frame. `width`: of the drawing [pixels].
  */
 export function traceFinder({ frames, positions }, width) {
