@@ -228,7 +228,7 @@ def run_each(d, words, indices, values, end_times, output_indices, rows, continu
 
 
 def finish_run(d, end_time, cost_limit):
-    """Advance to ``end_time`` [s], fill the outputs, and return a status.
+    """Advance to ``end_time`` [s], fill the outputs, and return a status; PAUSED beyond ``cost_limit``.
 
     Contacts that still last at the end are logged, because the outputs of peak forces and penetrations come
     from the log.

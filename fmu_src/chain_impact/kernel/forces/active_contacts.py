@@ -200,7 +200,7 @@ def expect_peaks(d):
 
 
 def set_extremes(d, c, peak_force, max_penetration):
-    """Set the peak force [N] and the largest penetration [m] of candidate c since its onset."""
+    """Set the peak force [N] and the largest penetration [m] of candidate c since its contact began."""
     d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
 
 

@@ -145,7 +145,8 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
 
-    ``touch.beyond_kink`` tells the side of the kink. The function also records whether the kink is crossed.
+    ``touch.beyond_kink`` of candidate c tells the side of the kink. The function also records whether the
+    kink is crossed.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
@@ -155,10 +156,10 @@ def continued_force(d, c, depth, rate):
 
 
 def force_on_side(d, c, depth, rate):
-    """Return the true force ≥ 0 [N] of candidate c, for outputs and peaks.
+    """Return the true force ≥ 0 [N] of candidate c at a penetration ``depth`` [m] and its ``rate`` [m/s].
 
     For a law that damps on approach only, ``touch.beyond_kink`` tells whether the damping acts. The sign of
-    δ̇ cannot tell this, because at rest δ̇ is 0 up to errors.
+    the rate δ̇ cannot tell this, because at rest δ̇ is 0 up to errors.
     """
     leaves = d.touch.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
     force, _ = uncut_force(d, c, depth, rate, leaves)
@@ -184,8 +185,8 @@ def clear_crossings(d):
 def height_over_kink(d, c, depth, rate):
     """Return a value of candidate c that is 0 at the kink of its force, and negative beyond the kink.
 
-    The value is δ̇ [m/s] for a law that damps on approach only. For any other law it is the force [N] before
-    the cut at 0.
+    For a law that damps on approach only the value is ``rate``, δ̇ [m/s]. For any other law it is the force
+    [N] before the cut at 0, at the penetration ``depth`` [m] and this rate.
     """
     if d.law.approach_only[c]:
         return rate
@@ -214,8 +215,8 @@ def uncut_force(d, c, depth, rate, leaves):
 def user_contact_force(d, c, depth, rate):
     """Return the force [N] of a user's law for candidate c, before it is cut off at 0.
 
-    The law of a joint's stop takes angles and returns a moment; the function converts from lengths and to a
-    force.
+    The law of a joint's stop takes angles and returns a moment; the function converts the lengths ``depth``
+    and ``rate`` to angles, and the moment to a force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm

@@ -111,7 +111,8 @@ def solve_space(d, link_vectors, space, slot, change):
 def solve_contacts(d, slot, impulse, change):
     """Compute the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k.
 
-    The function stores Δ in ``change``, and the motion of the places in ``scratch.motion``.
+    ``slot`` is the slot of the factors. The function stores Δ in ``change``, and the motion of the places in
+    ``scratch.motion``.
     """
     clear_loads_of(d, d.scratch.load)
     for k in range(constraint_count(d)):

@@ -348,7 +348,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of violations so far, and how many more pivots may fail to reduce it."""
+    """Return ``fewest`` and ``stalls_left`` (pivots that may not reduce it) after ``wrong`` violations."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
