@@ -10,7 +10,10 @@ const REST = 300; // [ms] the changes are put into the address when nothing has 
 export class Address {
   #timer;
 
-  /** Make the address; `refuse` shows a sentence on a fault in the address. */
+  /**
+   * Use the scene and the changes in the present address, and keep the address up to date from now on. `choice`: the chosen outputs;
+   * `refuse`: function that shows a sentence on a fault in the address.
+   */
   constructor(changes, choice, openScene, refuse) {
     Object.assign(this, { changes, choice, openScene, refuse });
     if (location.hash) this.#apply();
@@ -30,8 +33,8 @@ export class Address {
   }
 
   /**
-   * Use the scene and the changes in the address, and show a fault. If the scene has a fault, nothing is used; if a change has a fault,
-   * none of the changes is used.
+   * Use the scene, the changes and the outputs in the address. If one of these has a fault, show the fault: if the scene has it, nothing is
+   * used, otherwise no change.
    */
   #apply() {
     const { changes, choice, openScene } = this;

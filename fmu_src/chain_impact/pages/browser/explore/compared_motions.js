@@ -24,8 +24,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Listen to changes of parameters: the motion that is shown when a change begins becomes the motion before the change. While a handle is
-   * dragged, all changes count as one.
+   * Listen to changes of parameters from now on: the motion that is shown when a change begins becomes the motion before the change. While
+   * one of the `handles` is dragged, all changes count as one.
    */
   follow(changes, handles) {
     let last = { hash: hashOf(changes), dragged: null };
@@ -51,7 +51,7 @@ export class ComparedMotions {
     return [this.before, ...this.pinned.map(({ recording }) => recording)].filter(Boolean);
   }
 
-  /** Pin the shown motion, unless it is pinned already; its changes are its name in the list. */
+  /** Pin the shown motion, unless it is pinned already, and list it: words for its changes are its name in the list. */
   pin() {
     const { recording } = this.player;
     if (this.pinned.some((motion) => motion.recording === recording)) return;
@@ -63,7 +63,7 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its changes, and the scene if it is another one than the shown motion's. */
+  /** Return words for a pinned motion: its changes, and its scene if the shown motion has another one. */
   #textOf({ recording: { name, text, scene } }) {
     const { name: shownName, scene: shown } = this.player.recording;
     if (isSame(scene.file, shown.file)) return text || "as in the scene";
@@ -77,8 +77,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Return the compared motions at the present time, each with its frame, class of the style sheet, positions of the points on the screen,
-   * letter and position of the letter.
+   * Return the compared motions at the present time: each with its `recording`, `frame`, `kind` (class of the style sheet), `positions` of
+   * its link ends on the screen, `letter` (undefined for the motion before the last change) and `at`, the position of the letter.
    */
   get #shown() {
     const { drawing: { camera }, clock, recording: shown } = this.player;
@@ -113,7 +113,7 @@ export class ComparedMotions {
     }
   }
 
-  /** List the pinned motions, and show the impacts of all motions side by side. */
+  /** List the pinned motions, show their curves in the charts, and the impacts of all motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
@@ -157,13 +157,13 @@ function isSame(file, other) {
   return file === other || JSON.stringify(file) === JSON.stringify(other);
 }
 
-/** Return a position on the screen, moved to the right until it is at least TIPS_APART away from all `others`. */
+/** Return a position on the screen, moved to the right until it is at least TIPS_APART away from all positions `others`. */
 function besideOthers([x, y], others) {
   const isNear = others.some(([left, top]) => Math.hypot(left - x, top - y) < TIPS_APART);
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return a cell for an impact: time and peak force, with a tooltip on what touches, where and how long; a dash without an impact. */
+/** Return a table's cell for an impact: time and peak force, with a tooltip on what touches, where and how long; a dash without impact. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);

@@ -2,17 +2,17 @@
 
 import { Changes } from "../scene/changes.js";
 
-/** Return words for the fault of a run, with the part of the scene that causes it, if the kernel names one. */
+/** Return words for the fault with which a run ended, and for the part of the scene that causes it, if the kernel names one. */
 export function faultText({ status, part }, scene) {
   return [SHARED.kernel.STATUS_TEXT[status], scene.partsInWords[part - 1]].filter(Boolean).join(": ");
 }
 
-/** Return the end of a sentence: when a run stopped, and why. */
+/** Return the end of a sentence on a run that a fault has stopped: at which time, and why. */
 export function stopText(run, scene) {
   return `stopped at t = ${+run.reached.toPrecision(9)} s: ${faultText(run, scene)}`;
 }
 
-/** Return the object `chainImpact` of the page's window; `ask` is the function that sends a request to the worker. */
+/** Return the object `chainImpact` of the page's window; `ask` is the function that sends a request to the worker (engine.js). */
 export function consoleInterface(changes, ask) {
   return {
     get scene() {
@@ -24,8 +24,9 @@ export function consoleInterface(changes, ask) {
       return Object.fromEntries(changes.texts(Object.fromEntries(values)));
     },
     /**
-     * Simulate the scene with the changes `given`, without the changes on the page; return {time, columns, impacts, statistics}. If the run
-     * stops before its end, throw an error with its `status`, the `time` reached [s] and the `result` up to then.
+     * Simulate the scene with the changes `given`, name → value, but without the changes on the page; `output`: names of the outputs that
+     * are wanted, all by default. Return {time, columns, impacts, statistics}. If the run stops before its end, throw an error with its
+     * `status`, the `time` reached [s] and the `result` up to then.
      */
     async simulate(given = {}, { output } = {}) {
       const { scene } = changes;
@@ -42,7 +43,7 @@ export function consoleInterface(changes, ask) {
       }
       return run;
     },
-    /** Change these parameters of the scene that the page shows, too; earlier changes stay. */
+    /** Change the parameters `given`, name → value, of the scene that the page shows; earlier changes stay. */
     show(given = {}) {
       changes.set(given);
     },

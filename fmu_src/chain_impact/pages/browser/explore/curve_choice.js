@@ -7,22 +7,22 @@ import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 import { shownIn } from "../scene/angles.js";
 import { inputText } from "../scene/words.js";
 
-/** Return the columns whose names match a text, in which `*` stands for any text. */
+/** Return the names of the outputs (`columns`) that match a text, in which `*` stands for any text. */
 function like(text, columns) {
   const parts = text.split("*").map((part) => part.replaceAll(/[.+?^${}()|[\]\\]/g, "\\$&"));
   const pattern = new RegExp(`^${parts.join(".*")}$`);
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return a sentence on a name that no output has; the sentence proposes the most similar name, if there is one. */
+/** Return words for an error on a name that no output has; they propose the most similar name, if there is one. */
 function noOutput(name, columns) {
   const near = proposed(name, columns.map((column) => column.name));
   return `${name} is not an output${near === undefined ? "" : `; the nearest is ${near}`}`;
 }
 
 /**
- * Return the names of outputs that a text with commas and `*` names, as for `simulate --curves`; refuse an unknown name, and more curves or
- * units than charts can show.
+ * Return the names of the outputs that a text names: names between commas, in which `*` stands for any text, as for `simulate --curves`.
+ * Refuse an unknown name, and more curves or units than charts can show.
  */
 function namesIn(text, columns) {
   const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
@@ -44,7 +44,7 @@ function namesIn(text, columns) {
 export class CurveChoice {
   names = [];
 
-  isNew = false; // whether the reader has chosen outputs that have not been brought into view
+  isNew = false; // whether the reader has chosen outputs whose charts have not been scrolled into view yet
 
   #listener = () => {};
 
@@ -94,8 +94,8 @@ export class CurveChoice {
   }
 
   /**
-   * Return the element for a group of outputs: a list that opens, with a button that chooses all its shown members or, if all are chosen,
-   * none of them.
+   * Return the element for a group of outputs: a list that opens, and a button that chooses all its members that are listed now or, if all
+   * of these are chosen, none of them. A group of one output is its row alone.
    */
   #group(group, members) {
     const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
@@ -140,7 +140,7 @@ export class CurveChoice {
     }
   }
 
-  /** Show the names of the chosen outputs, or a fault. */
+  /** Show the chosen outputs: in the boxes of all outputs and, without a fault, in the field; show the words for a fault. */
   #refresh(fault = "") {
     if (!fault) this.field.value = this.names.join(", ");
     this.rows.forEach(({ name, box }) => {

@@ -19,7 +19,7 @@ export function partsOf({ chain: { links } }) {
 
 /**
  * Return an owner of variables with the numbers that it has after an edit; undefined if the edit has removed it. `counts`: what its number
- * counts (`COUNTED` in kit.py).
+ * counts (`COUNTED` in kit.py); `before`, `after`: results of `partsOf` for the scene before and after the edit.
  */
 function ownerAfter(owner, counts, before, after) {
   const { n, at } = owner;
@@ -52,8 +52,8 @@ function namesAfter({ file }, kit, before, after) {
 }
 
 /**
- * Let signals drive the same inputs as before the edit, under their new names; remove inputs that do not exist any more, and signals
- * without inputs. Return words for what is removed.
+ * Let the signals of an edited scene drive the same inputs as before the edit, under their new names (`nameOf`); remove inputs that do not
+ * exist any more, and signals without inputs. Return words for each removed signal and input.
  */
 function keepSignals(contents, nameOf, open) {
   const { scene: { inputs, still } } = open({ ...contents, signals: {} });
@@ -95,7 +95,7 @@ export function editedScene(contents, before, { scene, parameters, values, input
   return { ...(base ?? edited), kept: { values: { ...(base && ofFile), ...ofInputs }, inputSteps: steps }, nameOf, removed };
 }
 
-/** Return the result of `open` for a complete file; undefined if the scene is impossible, or lacks one of the parameters `names`. */
+/** Return the result of `open` for a complete file; undefined if the scene is refused, or lacks one of the parameters `names`. */
 function openIfPossible(file, open, names) {
   try {
     const opened = open(asWritten(file));

@@ -12,7 +12,7 @@ import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { partsOf } from "./edited_scene.js";
 
 export class Editor {
-  /** `keys`: the rules of the keys of a scene file, with units and labels. */
+  /** Connect the dialog with its buttons; `keys`: the rules of the keys of a scene file, with units and labels. */
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
@@ -46,7 +46,7 @@ export class Editor {
     onFiles("drop", ([file]) => file && this.#read(file, () => this.dialog.open || this.dialog.showModal()));
   }
 
-  /** Open a scene file; if it has a fault, call `onFault` with the fault. */
+  /** Open a scene file that the reader has chosen or dropped; if it cannot be opened, call `onFault` and show the reason. */
   async #read(file, onFault = () => {}) {
     const text = await file.text().catch((error) => error);
     this.#try(() => {
@@ -119,7 +119,7 @@ export class Editor {
     return this.#keysIn("link").filter((key) => hasJoints || !STOPS.includes(key));
   }
 
-  /** Return the heads of the columns for some keys of a table: their labels and units. */
+  /** Return the heads of the columns for some keys (`shown`) of a table: their labels and units. */
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
@@ -142,7 +142,10 @@ export class Editor {
     return [`${k + 1}`, ...cells, remover];
   }
 
-  /** Return the cells of the row of a link's point; one of them is the field for the link to which the point belongs. */
+  /**
+   * Return the cells of the row for a point of a link, which has the index `s` among all such points; one of them is the field for the
+   * number of its link.
+   */
   #pointRow(file, site, s) {
     const { link, entry } = site;
     const number = file.chain.links.length + 1 + s;
@@ -166,11 +169,12 @@ export class Editor {
   }
 
   /**
-   * Return a field for the value of a key; an empty field means that the file does not give the key. `set` is called with the new value.
+   * Return a field for the value of a key; an empty field means that the file does not give the key. `name`: name of the parameter; `set`:
+   * a function that puts a new value, undefined for an empty field, into a scene file.
    */
   #field(name, value, set, unit = "") {
     const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
-    // a value with at most 4 digits fits into the field
+    // a long number is shown with 4 digits, so that it fits into the field
     const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole;
     const field = make("input", { value: short, title: whole, autocomplete: "off" });
     field.setAttribute("aria-label", name);

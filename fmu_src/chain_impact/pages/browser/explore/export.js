@@ -12,8 +12,8 @@ function quoted(word) {
 }
 
 /**
- * Return the command that gives the same motion: of the command line or, with changed inputs, of Python; all changed inputs are
- * signals if any of them changes while the motion plays.
+ * Return the command that repeats the motion: chain-impact simulate or, with changed inputs, a program in Python. If an input has changed
+ * while the motion played, all changed inputs are signals in the command.
  */
 export function commandOf(changes) {
   const { inputs, command: [source, ...settings] } = changes.scene;
@@ -33,7 +33,10 @@ export function commandOf(changes) {
   return ["python", "-c", program].map(quoted).join(" ");
 }
 
-/** Return the Python code that adds the table of the option --inputs to the scene: the last signal of the file; "" without the option. */
+/**
+ * Return the Python code that adds the table of the option --inputs, the last signal of the scene file, to the scene. `[path]`: the path of
+ * the table's file; without it the code is "".
+ */
 function tableOf({ signals }, [path]) {
   if (!path) return "";
   const [name, { input, interpolation }] = Object.entries(signals).at(-1);
@@ -42,7 +45,7 @@ function tableOf({ signals }, [path]) {
   return `.with_values({("signals", "${name}"): {"input": ${JSON.stringify(input)}, "form": "table", "file": ${file}${joined}}})`;
 }
 
-/** Return names and texts as a dictionary in Python. */
+/** Return pairs of a name and the text of a value as the text of a dictionary in Python. */
 function dictionary(pairs) {
   const isPython = (text) => text.startsWith("[") || !Number.isNaN(Number(text));
   const value = (text) => ({ true: "True", false: "False" })[text] ?? (isPython(text) ? text : JSON.stringify(text));
@@ -50,8 +53,8 @@ function dictionary(pairs) {
 }
 
 /**
- * Return the text behind the # of an address: first the contents of `shown`, then the changes. `shown` can have `scene`, the
- * text of the scene file if it is not the page's own, and `curves`, the names of the outputs in the chart.
+ * Return the text after the # of an address: first the contents of `shown`, then the reader's changes. `shown` can have `scene`, the text
+ * of the scene file if it is not the page's own, and `curves`, the names of the outputs in the charts.
  */
 export function hashOf(changes, shown = {}) {
   const texts = [...Object.entries(shown).filter(([, text]) => text), ...changes.texts(), ...inputStepTexts(changes)];
@@ -64,14 +67,14 @@ export function changesIn(hash) {
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));
 }
 
-/** Return a table with the columns of the FMU's CSV. */
+/** Return a table with time and outputs (`columns`: name → values) as CSV, with the same columns as the CSV file of a run. */
 export function csvOf({ time, columns }) {
   const all = Object.values(columns);
   const lines = Array.from(time, (now, row) => [now, ...all.map((column) => column[row])].join(","));
   return [["time", ...Object.keys(columns)].join(","), ...lines, ""].join("\r\n");
 }
 
-/** Let the browser save data as a file. */
+/** Let the browser save a Blob as a file with a name. */
 export function save(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
   link.click();
@@ -82,8 +85,8 @@ const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width
   "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
 
 /**
- * Return a picture of a drawing as PNG, with twice the resolution of the screen: on a ground of the colour `background`, on
- * which `below` first draws what is behind the drawing.
+ * Return a picture of an SVG drawing as a Blob with a PNG, with twice the resolution of the screen. The ground has the colour `background`;
+ * on it the function `below` of the canvas's context first draws what lies behind the drawing.
  */
 export async function pictureOf(svg, background, below = () => {}) {
   const copy = svg.cloneNode(true);

@@ -44,7 +44,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let a button save a file that `write` returns, and show a message about it. */
+/** Let the button with an id save the file that `write` returns, and show a message about it. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

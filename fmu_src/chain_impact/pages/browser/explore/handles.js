@@ -27,7 +27,7 @@ const SPOKEN = {
   wall: (name) => `Wall ${name}: arrow keys move it`,
 };
 
-/** Return a value that the reader has set with a handle, rounded to the decimals that a move by one pixel changes. */
+/** Return a value that a handle gives, rounded to the decimals that a move by one pixel changes; `pixel`: its change by one pixel. */
 function byHand(value, pixel) {
   const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
@@ -119,7 +119,7 @@ export class Handles {
     });
   }
 
-  /** Return what the grips of walls keep a distance from, on the screen: points with a grip, and lines. */
+  /** Return `points` and `lines` on the screen from which the grips of walls keep a distance: points with a grip, links and arrows. */
   #marks() {
     const screen = (point) => this.player.drawing.camera.toScreen(...point);
     const { positions } = this.#start;
@@ -128,7 +128,7 @@ export class Handles {
     return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
   }
 
-  /** Return where the grip of a wall is put on a line: the free place nearest to the middle, or the middle if none is free. */
+  /** Return where a wall's grip is put on a line on the screen: the free place nearest to its middle, or the middle if none is free. */
   #freePlace([from, to], { points, lines }) {
     const { labelSpace } = this.player.drawing;
     const [left, top, right, bottom] = labelSpace.limits;
@@ -190,10 +190,7 @@ export class Handles {
     if (focused) this.element.querySelector(`[data-grip="${focused}"]`)?.focus({ preventScroll: true });
   }
 
-  /**
-   * Return the points of links that the reader can move, with their positions at the start [m]. Corners of boxes are left out, because they
-   * move with their links.
-   */
+  /** Return the points of links that the reader can move, all but corners of boxes, with their positions at the start [m]. */
   #sites(positions) {
     const { scene } = this.changes;
     return scene.sites.flatMap((site, s) => {
@@ -226,8 +223,8 @@ export class Handles {
   }
 
   /**
-   * Return the direction on the screen of the stem of a point at rest: of a slider along its line, of another base opposite to link 1, of
-   * any other point as the link before it moves it when it turns anticlockwise; another one if the grip would lie beyond the edge.
+   * Return the direction on the screen of the stem at point `k` at rest: of a slider along its line, of another base opposite to link 1, of
+   * any other point where an anticlockwise turn of the link before it moves it; another one if the grip would lie beyond the edge.
    */
   #aside(k, [x, y]) {
     if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];
@@ -277,7 +274,8 @@ export class Handles {
   }
 
   /**
-   * Return the distance [m] of a wall's grip from the wall, along the wall's normal; 0 for a wall beyond the view, which jumps to its grip.
+   * Return the distance [m] of a wall's grip from the wall, along the wall's normal; 0 for other grips, and for a wall beyond the view,
+   * which jumps to its grip.
    */
   #apart(element, kind, name) {
     if (kind !== "wall" || element.classList.contains("wall-beyond")) return 0;
@@ -285,7 +283,7 @@ export class Handles {
     return this.#beyond(this.player.drawing.camera.toMetres(x + width / 2, y + height / 2), name);
   }
 
-  /** Return the distance [m] of a position from a wall: positive on the free side. */
+  /** Return the distance [m] of a position from the wall `name`: positive on the wall's free side. */
   #beyond([x, y], name) {
     const { normal: [nx, ny], offset } = this.#wall(name);
     return nx * x + ny * y - offset;
@@ -313,7 +311,7 @@ export class Handles {
     return Math.abs(camera.toMetres(1, 0)[0] - camera.toMetres(0, 0)[0]);
   }
 
-  /** Return the changes that move the base to a position [m] or, for another joint, turn the link that ends at it towards the position. */
+  /** Return the changes that move the base (`index` 0) to a position [m] or turn the link that ends at another point towards it. */
   joint([x, y], index) {
     const k = Number(index);
     if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
@@ -324,7 +322,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes of a point's coordinates on its link with which the point lies at a position [m]. */
+  /** Return the changes of the coordinates on its link of the point with a number, with which the point lies at a position [m]. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));
@@ -336,8 +334,8 @@ export class Handles {
   }
 
   /**
-   * Return the changes with which the arrow of a velocity ends at a position [m]: of the velocity of the base or, for another joint, of the
-   * angular velocity of the link that ends at it.
+   * Return the changes of parameters with which the arrow at the point `index` ends at a position [m]: of the velocity of the base (0) or,
+   * for another point, of the angular velocity of the link that ends there.
    */
   velocity([x, y], index) {
     const k = Number(index);
@@ -346,10 +344,10 @@ export class Handles {
     const line = k === 0 ? this.#line : null;
     const from = vectorTo(positions[k], [x, y]);
     const vector = line ? line.map((component) => component * componentOf(from, line)) : from;
-    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // fraction of the vector that is arrow, without the stem
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...vector)); // part of the vector that is the arrow, without its stem
     const speed = vector.map((component) => (share * component) / this.dragged.time);
     if (line) {
-      // with a key, the speed of a slider can pass 0, where its arrow turns round
+      // A key changes the speed itself, not the length of the arrow, so that the speed can pass 0, where the arrow turns round.
       const { by } = this.dragged;
       const own = by ? this.#value(SLIDER_VELOCITY) + componentOf([by[0], -by[1]], line) * pixel : componentOf(speed, line);
       return { [SLIDER_VELOCITY]: byHand(own, pixel) };
@@ -361,7 +359,7 @@ export class Handles {
     return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes that move a wall along its normal so that its grip lies at a position [m]. */
+  /** Return the changes of parameters that move the wall `name` along its normal so that its grip lies at a position [m]. */
   wall(position, name) {
     const { normal: [nx, ny] } = this.#wall(name);
     const distance = this.#beyond(position, name) - this.dragged.apart;
@@ -373,7 +371,7 @@ export class Handles {
   }
 }
 
-/** Return the grip on which an event happens; undefined if there is none. */
+/** Return kind and index of the grip on which an event happens, as one text such as "joint 2"; undefined if it is on no grip. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }

@@ -8,7 +8,7 @@ import { inputText } from "../scene/words.js";
 import { editedScene } from "./edited_scene.js";
 
 export class OpenScene {
-  text = ""; // the text of the scene's file; "" for the page's own scene
+  text = ""; // the text of the open scene's file; "" for the page's own scene
 
   constructor(changes, choice, kit) {
     Object.assign(this, { changes, choice, kit, first: changes.scene });
@@ -20,14 +20,15 @@ export class OpenScene {
     this.#show(this.first, "");
   }
 
-  /** Open a scene with the contents of a file; if they have a fault, the error names the wrong key. */
+  /** Open the scene of a file's contents, without changes; if the contents have a fault, the error names the wrong key. */
   open(contents) {
     this.#showFile(this.#sceneIn(contents));
   }
 
   /**
-   * Open the edited contents of the present scene, and keep the reader's changes and chosen outputs. A fault gives an error that names the
-   * wrong key. `before`: the parts (`partsOf`) before the edit. Return words for what the edit removes.
+   * Open the edited contents of the present scene, and keep the reader's changes and chosen outputs. If the contents have a fault, the
+   * error names the wrong key. `before`: the result of `partsOf` before the edit. Return words for the signals and inputs that the edit
+   * removes.
    */
   openEdited(contents, before) {
     const { changes, choice, kit } = this;
@@ -54,7 +55,7 @@ export class OpenScene {
     this.#describe();
   }
 
-  /** Show name and description of the scene, and notes on its inputs: when sliders act, and which inputs stay constant on the page. */
+  /** Show name and description of the open scene, and notes on its inputs: when sliders act, which inputs stay constant on the page. */
   #describe() {
     const { name, text, still, inputs } = this.changes.scene;
     document.querySelector("h1").textContent = name;

@@ -17,8 +17,8 @@ export class Simulation {
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
-   * `beginEngine` is a function that starts an engine for the present scene. `show` is a function that shows the parts of a motion, with
-   * its scene and words for its changes.
+   * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show` is a function that shows
+   * the parts of a motion (null if there is none), with its scene and words for its changes.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -80,7 +80,7 @@ export class Simulation {
     return hasMotion ? `The simulation ${stopText(run, scene)}.` : `The simulation cannot start: ${faultText(run, scene)}.`;
   }
 
-  /** Show a sentence on a fault in the address, until something changes. */
+  /** Show a sentence on a fault in the address, `notice`, until a parameter changes. */
   notify(notice) {
     this.#notice = notice;
     this.#tell();
@@ -94,7 +94,7 @@ export class Simulation {
     if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
   }
 
-  /** Return a button that sets the friction of all walls to 0; it is shown if the law allows no friction. */
+  /** Return a button that sets all coefficients of friction at walls to 0, for a run that the law has refused because of friction. */
   #withoutFriction() {
     const { changes } = this;
     const button = make("button", { type: "button", className: "action", textContent: "Set the friction of walls to 0" });

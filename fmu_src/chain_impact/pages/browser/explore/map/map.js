@@ -18,7 +18,7 @@ const COARSE = 9; // number of values of each parameter in the preview
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
 const WORKERS = 8; // largest number of workers that compute a map
 
-/** Return whether a parameter has a logarithmic axis: its slider is logarithmic, too. */
+/** Return whether the axis of a parameter is logarithmic, as its slider is. */
 function isLogarithmic(name) {
   return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
 }
@@ -36,8 +36,8 @@ function rangeOf({ name, low, high }, value) {
 }
 
 /**
- * Return a list with the output of a name, or an empty list if the scene has no such output. An output has `words`: indices in the record;
- * the map shows the largest of their values.
+ * Return a list with the scene's output of a name, empty if there is none. Besides name and unit, an output of a map has `words`: indices
+ * in the record; the map shows the largest of their values.
  */
 function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
@@ -96,7 +96,7 @@ export class GridMap {
     this.#preview();
   }
 
-  /** Show, from few runs, a preview of the map that the button would compute; a map that is complete stays. */
+  /** Show, from few runs, a preview of the map that the button would compute, unless a map with all its points is shown. */
   #preview() {
     if (this.shown?.points !== POINTS) this.run(COARSE);
   }
@@ -198,7 +198,7 @@ export class GridMap {
     this.#say(fault || (shown.rows === points ? done : stopped));
   }
 
-  /** Return the shown map as the preview of a request, if it has the same fields; otherwise undefined. */
+  /** Return the shown map if it is the preview of a request, with the same ends of the axes, changes and output; otherwise undefined. */
   #coarseFor({ names, axes, values, output }) {
     const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values, map.output.name]);
     const isPreview = this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values, output });
@@ -254,7 +254,9 @@ export class GridMap {
     this.#engines = [];
   }
 
-  /** Store the outputs of a row of runs; for a run that failed, or whose values the scene refuses, store null and the reason. */
+  /**
+   * Store the outputs of a row of runs from the kernel's results (`rows`); store null and the reason for a run that failed or is refused.
+   */
   #store(rows, row) {
     const { output, results, points } = this.shown;
     const integers = new BigInt64Array(rows.buffer);

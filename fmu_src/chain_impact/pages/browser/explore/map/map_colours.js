@@ -6,14 +6,14 @@ import { axisScale } from "./map_scales.js";
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
-/** Return the colour of a fraction from 0 to 1, as numbers for red, green and blue. */
+/** Return the colour for a fraction of the scale, from 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {
   const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
   const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
   return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
 }
 
-/** Return two quantiles of increasing values, at 1 − LARGE_QUANTILE and at LARGE_QUANTILE. */
+/** Return [lower, upper] quantile of increasing values: those at 1 − LARGE_QUANTILE and at LARGE_QUANTILE. */
 function quantilesOf(values) {
   return [1 - LARGE_QUANTILE, LARGE_QUANTILE].map((share) => {
     const at = share * (values.length - 1);
@@ -33,7 +33,7 @@ function colourEnds(values, isLogarithmic) {
   });
 }
 
-/** Return the limits between the colours of counts, at most MOST_COLOURS colours: each limit lies 0.5 below a count. */
+/** Return the limits of the colours for counts from `least` to `most`, at most MOST_COLOURS: each limit lies 0.5 below a count. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
   // widths of a colour, in counts, up to 5e14

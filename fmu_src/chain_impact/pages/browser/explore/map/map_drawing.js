@@ -7,7 +7,7 @@ import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_
 
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
-const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose colours are guessed
+const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
 // [pixels] free space around the canvas for axes and scale; the style sheet must have the same
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
@@ -23,8 +23,8 @@ export class MapDrawing {
   }
 
   /**
-   * Draw a map's runs with the `scale` of its colours. Outputs that are only `filled` in, because their runs are not simulated yet, are
-   * paler.
+   * Draw the runs of a map with the `scale` of its colours. `filled`: the outputs of all runs; those of runs without an entry in `results`,
+   * which are not simulated yet, are paler.
    */
   drawRuns({ results, points, scale }, filled) {
     const context = this.canvas.getContext("2d");
@@ -129,7 +129,7 @@ function labelsOf({ ends, bins, isLogarithmic, shareOf }, factor, areCounts) {
   return ticks.map((tick, k) => [texts[k], shareOf(tick / factor)]);
 }
 
-/** Return words for the extremes that lie beyond the ends of the colours; "" if none does. */
+/** Return words for the title of a scale: the extremes of the outputs beyond the ends of its colours, times `factor`; "" if none is. */
 function beyondEnds({ extremes: [least, most], ends: [low, high] }, factor) {
   const words = [["down to", least, least < low], ["up to", most, most > high]];
   return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${withMinus(digits(factor * value))}` : "")).join("");

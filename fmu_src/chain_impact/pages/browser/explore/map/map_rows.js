@@ -8,9 +8,9 @@ export function rowOrder(points) {
 }
 
 /**
- * Return the outputs of a map with `points` values of each parameter; a run that is not simulated yet has the output of the nearest run of
- * `coarse`, a map of the same fields with fewer values. Where this gives none, it has the output of the run in the nearest simulated row,
- * or undefined.
+ * Return the outputs of all runs of a map with `points` values of each parameter. A run that is not simulated yet has the output of the
+ * nearest run of `coarse`, a map of the same fields with fewer values. Where `coarse` gives none, it has the output of the run in the
+ * nearest simulated row, or undefined.
  */
 export function completed({ results, points, coarse }) {
   const known = Array.from({ length: points }, (_, row) => row).filter((row) => results[row * points] !== undefined);
@@ -23,7 +23,7 @@ export function completed({ results, points, coarse }) {
   });
 }
 
-/** Return the output of the coarse map's run that is nearest to fractions of the two axes; undefined if it has none there. */
+/** Return the output of the run of `coarse` that is nearest to the fractions `shares` of both axes; undefined if there is none. */
 function coarseAt(coarse, ...shares) {
   if (!coarse) return undefined;
   const [column, row] = shares.map((share) => Math.round(share * (coarse.points - 1)));

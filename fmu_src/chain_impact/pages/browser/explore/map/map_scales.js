@@ -27,8 +27,8 @@ export function quantityOf(name) {
 }
 
 /**
- * Return two functions, from a value on an axis from `first` to `last` to the fraction of the axis, and back. On a logarithmic axis, equal
- * distances stand for equal factors.
+ * Return two functions for an axis from `first` to `last`: `shareOf`, from a value to the fraction of the axis, and `valueAt`, back. On a
+ * logarithmic axis, equal distances stand for equal factors.
  */
 export function axisScale(first, last, isLogarithmic) {
   const [to, from] = isLogarithmic ? [Math.log, Math.exp] : [Number, Number];
@@ -36,7 +36,10 @@ export function axisScale(first, last, isLogarithmic) {
   return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
 }
 
-/** Return the ticks of a logarithmic axis: powers of ten; if there are few, also 2 and 5 times them, or numbers at equal distances. */
+/**
+ * Return the ticks of a logarithmic axis from `low` to `high`: powers of ten; if these are few, also 2 and 5 times them; if even these are
+ * few, numbers at equal distances.
+ */
 export function decadesBetween(low, high) {
   const first = Math.floor(Math.log10(low));
   const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, k) => first + k);
@@ -48,7 +51,8 @@ export function decadesBetween(low, high) {
 }
 
 /**
- * Return the unit in which a map shows its output, and the factor that converts values to it; the scale of the colours decides the prefix.
+ * Return the unit in which a map shows its output (`text`), and the `factor` from the output's own unit to it; the values at the ends of
+ * the `scale` of colours decide the prefix.
  */
 export function scaledTo({ unit }, scale) {
   const most = Math.max(...(scale?.ends ?? [0]).map(Math.abs));
