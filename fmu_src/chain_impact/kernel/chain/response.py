@@ -44,8 +44,8 @@ from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.functions import has_complex_rule, inlined
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: it with the
-impedances of constraints added. SHIFTED: the matrix of an implicit step, for its real shift."""
+"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix. HELD: the sum of mass
+matrix and impedances of constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 SLOTS = 3
 
 

@@ -154,7 +154,8 @@ def impact_dtype() -> np.dtype:
 def latest_dtype() -> np.dtype:
     """Return the layout of the list of the latest impacts, newest first, written whenever outputs are filled.
 
-    If the wall is a stop in a joint, the values are angles and moments: rad/s, N·m, rad and N·m·s.
+    The values of a stop in a joint belong to angles: rad/s for speeds, N·m for ``peak_force``, rad for
+    ``max_penetration`` and N·m·s for ``impulse``.
     """
     return record(
         ("requested", bounded(0, LATEST)),  # number of latest impacts that the scene requests
@@ -194,8 +195,8 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """
     count = most_constraints(candidates, elements)
     return record(
-        # change of each coordinate, of its rate or of its acceleration, according to the problem, that all
-        # impulses together cause
+        # change that all impulses together cause: of each coordinate, or of its rate or its acceleration,
+        # depending on the problem
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step (UNSOLVED,
         # MOVING or SQUEEZED of kernel/rows/constraints.py)
@@ -221,7 +222,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # (kernel/ode/folds.py); and a difference of these forces, which is small if the force is smooth
         ("refined", REAL, (count,)),
         ("uneven", REAL, (count,)),
-        ("sample", REAL, (2, candidates)),  # N, last two samples of each held contact's force, packed
+        ("sample", REAL, (2, candidates)),  # N, last two samples of the force at rigid walls, packed
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
         # pulls; not packed
         ("least_force", REAL, (candidates,)),
@@ -317,7 +318,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("index", bounded(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
-        ("rate_end", REAL, (count,)),  # rates of the quadratures at the end of the last step
+        ("rate_end", REAL, (count,)),  # rates of the integrated quadratures at the last step's end
         ("tried", REAL, (count,)),  # values of the quadratures at the end of the tried step
         # coefficients of the quadratures' dense output in the last step
         ("dense", REAL, (DENSE_COEFFICIENTS, count)),
@@ -333,7 +334,7 @@ def friction_dtype(elements: int) -> np.dtype:
         ("used", INTEGER),  # 1: some wall, joint or slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("count", bounded(0, elements)),
-        ("contact_count", INTEGER),  # number of contacts among these elements
+        ("contact_count", INTEGER),  # number of contacts among the elements with friction at present
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
         ("power", REAL),  # W, power that dry friction dissipates, at the last evaluation of ẏ
@@ -367,7 +368,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("limit", REAL, (elements,)),
         # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
         # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
-        # sticks, its limit minus the friction force [N]
+        # sticks, its limit minus the size of the friction force [N]
         ("margin", REAL, (elements,)),
     )
 

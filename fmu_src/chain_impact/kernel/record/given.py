@@ -296,7 +296,7 @@ def moved_dtype(channels: int) -> np.dtype:
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
         ("distance", REAL),
-        ("lasted", REAL),  # s, time from the previous to the new given values of this channel
+        ("lasted", REAL),  # s, time from the previous to the new given values of the same channel
         ("speed", REAL),  # m/s, new given velocity of the channel in ``contradiction``
         ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
@@ -318,9 +318,9 @@ def moved_dtype(channels: int) -> np.dtype:
         # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
         ("mean", REAL, (channels,)),
         # ---- numbers that are 0, but have derivatives with respect to given values (tangent/replay.py)
-        ("added", REAL, (channels,)),  # m, 0 in all motions: the derivatives of ``position``
-        ("added_rate", REAL, (channels,)),  # m/s, 0 in all motions: the derivatives of ``velocity``
-        # m/s², 0 in all motions: the derivatives of ``acceleration``
+        ("added", REAL, (channels,)),  # m, 0, but with derivatives: those of a given position
+        ("added_rate", REAL, (channels,)),  # m/s, 0, but with derivatives: those of a given velocity
+        # m/s², 0, but with derivatives: those of a given acceleration
         ("added_acceleration", REAL, (channels,)),
     )
 

@@ -334,11 +334,16 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("contraction", REAL),
         # changes of the state at one and at two thirds of the step that correct the dense output
         ("thirds", REAL, (2, state)),
-        ("link", vectors_dtype(links + 1)),  # m, link vectors L_i where the Jacobian A was evaluated
-        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts with a force law, packed
-        ("damping", REAL, (candidates,)),  # N·s/m, ∂F/∂δ̇ of the active contacts with a force law, packed
-        ("drive_stiffness", REAL, (links + 1,)),  # N·m/rad, −∂F/∂ψ of each drive; of the slider N/m
-        ("drive_damping", REAL, (links + 1,)),  # N·m·s/rad, −∂F/∂ψ̇ of each drive; of the slider N·s/m
+        # m, link vectors L_i in the state at which the Jacobian A was evaluated
+        ("link", vectors_dtype(links + 1)),
+        # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration, packed
+        ("stiffness", REAL, (candidates,)),
+        # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, packed
+        ("damping", REAL, (candidates,)),
+        # N·m/rad, slope −∂F/∂ψ of the torque F of each drive, by the angle ψ of its joint; of the slider N/m
+        ("drive_stiffness", REAL, (links + 1,)),
+        # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each drive, by its joint's rate; of the slider N·s/m
+        ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
         # active contacts, packed
         ("normal", REAL, (candidates,)),
