@@ -31,8 +31,8 @@ from chain_impact.kernel.functions import has_dual_rule
 # the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
 # limit
 DRIVE_EXCESS = 1e-12
-# an error of a spring's force up to this is round-off, relative to the stiffness times the sizes of position
-# and target, k (|ψ| + |ψ_t|)
+# the largest error of a spring's force that counts as round-off, relative to the stiffness times the sizes of
+# position and target, k (|ψ| + |ψ_t|)
 SPRING_ROUND_OFF = 1e-14
 
 

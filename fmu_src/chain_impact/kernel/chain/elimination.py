@@ -139,7 +139,7 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
 
 
 def accelerations(d, y, rate):
-    """Solve the equations of motion for the accelerations.
+    """Solve the equations of motion for the accelerations under the loads in the record.
 
     Args:
         d: the instance; reads ``scratch.link`` (L_i) [m], ``scratch.load`` (external force on each point 0…N

@@ -28,9 +28,9 @@ DEGREE = 9  # the highest degree of the polynomials
 # values of given.changed beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
-# The velocities v and v′ before and after a given displacement may leave this part of it unexplained,
-# relative to (|v| + |v′|) times the time between them. A larger part is a contradiction, of which the user is
-# warned; a part beyond 1 is a jump of the position of a wall.
+# The largest part of a given displacement that the given velocities v and v′ before and after it may leave
+# unexplained, relative to |v| + |v′| times the time between the two velocities. A larger part is a
+# contradiction, of which the user is warned; a part beyond 1 is a jump of the position of a wall.
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that may be unexplained in addition to UNEXPLAINED_PART, at
 # any speed: round-off
@@ -42,8 +42,8 @@ ACCELERATION_ROUND_OFF = 1e-14
 # `change_rate` [rad/s] of a cubic motion that lasts a time h is CUBIC_CHANGE/h; the value is small because a
 # cubic has no sixth derivative
 CUBIC_CHANGE = 0.5
-# the end of a step and the end of a piece of the inputs count as equal up to this time, relative to the
-# present time
+# the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
+# relative to the present time
 SAME_TIME = 4e-15
 
 

@@ -140,7 +140,7 @@ def acts_in_limited_drive(d, j):
 
 
 def largest_rate(acts):
-    """Return a function for the largest angular frequency [rad/s], in the last step, of some sine signals.
+    """Return a function for the largest angular frequency [rad/s] of the sines for which ``acts`` is true.
 
     The returned function takes an instance, and finds the largest frequency within its last step; without
     such a sine, it is 0. ``acts`` takes the instance and the index of a signal.

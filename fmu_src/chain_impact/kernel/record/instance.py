@@ -93,8 +93,8 @@ def output_dtype(
         # rad/s, angular velocity of each joint's outer link relative to the link before; of link 1, absolute
         ("joint_angular_velocity", REAL, (links,)),
         ("slider_position", REAL),  # m, position of the base along the slider's line, 0 at the start
-        ("slider_velocity", REAL),  # m/s, velocity of the slider along the line
-        ("slider_acceleration", REAL),  # m/s², acceleration of the slider along the line
+        ("slider_velocity", REAL),  # m/s, velocity of the base along the slider's line
+        ("slider_acceleration", REAL),  # m/s², acceleration of the base along the slider's line
         # N, force of the slider's line on the carriage, along the normal to the left; set only if loads are
         # requested
         ("slider_reaction", REAL),
@@ -104,7 +104,7 @@ def output_dtype(
         ("penetration", REAL, (candidates,)),  # m, penetration of each candidate; 0 without contact
         # m/s, rate of the penetration, positive during compression; 0 without contact
         ("penetration_rate", REAL, (candidates,)),
-        ("impulse", REAL, (candidates,)),  # N·s, impulse of this force since the start of the run
+        ("impulse", REAL, (candidates,)),  # N·s, impulse of the wall on the point since the run's start
         ("kinetic", REAL),  # J, kinetic energy
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy stored in contacts and in springs of passive drives
@@ -132,8 +132,8 @@ STATE_OUTPUTS = (
 def friction_output_dtype(elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
     return record(
-        ("force", REAL, (elements,)),  # N, force of the wall on a candidate's point along t = (n_y, −n_x)
-        ("impulse", REAL, (elements,)),  # N·s, the impulse of this force since the start
+        ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
+        ("impulse", REAL, (elements,)),  # N·s, impulse of this friction force since the run's start
         ("sticking", REAL, (elements,)),  # 1: the contact sticks; 0: it slides or has no friction
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
         # friction on the slider [N]; later entries: 0

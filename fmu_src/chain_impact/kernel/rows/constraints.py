@@ -70,7 +70,7 @@ SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, r
 # relative to the largest motion. With a much smaller limit, their forces would contain round-off times D, and
 # a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
-UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] a residual up to this counts as 0, as its square may underflow
+UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
 # Impulses against motions below NEGLIGIBLE_MOTION times the squared tolerance times the largest motion are
 # removed, if the motions can hardly be constrained. They would end the sticking again and again.
 NEGLIGIBLE_MOTION = 0.1
