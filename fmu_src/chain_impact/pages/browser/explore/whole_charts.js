@@ -2,7 +2,10 @@
 
 import { find } from "../base/dom.js";
 
-/** While the list covers the end of its column, let the charts above push down the chart or the title that the list would cut. */
+/**
+ * From now on, while the list covers the lower end of its column, make the charts above it higher, so that they push down, behind the list,
+ * the chart or the title of which the list would cover a part.
+ */
 export function keepChartsWhole() {
   const [column, list] = [document.querySelector("aside"), find("list")];
   const fit = () => {

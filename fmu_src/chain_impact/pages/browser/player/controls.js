@@ -48,7 +48,7 @@ export function connect(clock, drawing) {
   return connectSlider(clock);
 }
 
-/** Return whether the element with the focus uses the key itself, as a text field does. */
+/** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses it itself. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
@@ -81,7 +81,7 @@ function connectSlider(clock) {
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
   const marks = find("marks");
-  // size and colour of the slider are kept: reading them after a change would make the browser lay out the page twice
+  // size and colour of the canvas with marks, read only when they may have changed: reading them makes the browser lay out the page
   let look;
   const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);
   const fit = () => {
@@ -96,7 +96,7 @@ function connectSlider(clock) {
   };
 }
 
-/** Draw a mark above the slider for each impact; the faster the impact, the higher the mark. */
+/** Draw a mark for each impact of a recording on the canvas above the slider; the faster the impact, the higher the mark. */
 function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });

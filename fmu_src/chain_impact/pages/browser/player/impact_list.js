@@ -13,7 +13,7 @@ const TITLES = {
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
-/** Return the largest force or moment of an impact as text; a dash if it is unknown. */
+/** Return the largest force of an impact or, at a stop of a joint, the largest moment as text; a dash if it is unknown. */
 function peakText({ peak, atStop }) {
   return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
 }
@@ -27,7 +27,10 @@ function approachText(impact) {
   return `${impact.speed.toFixed(2)}\u202f${unitsOf(impact).speed}`;
 }
 
-/** Return separation speed over impact speed as text: "lasts" if the contact has not ended, a dash if the ratio is unknown. */
+/**
+ * Return the ratio of the separation speed (`rebound`) to the impact speed as text: "lasts" if the contact has not ended, a dash if the
+ * ratio is unknown.
+ */
 function reboundText({ speed, rebound, peak }) {
   if (!Number.isFinite(rebound ?? NaN)) return peak === null ? "–" : "lasts";
   return speed > 0 ? (rebound / speed).toFixed(3) : "–";
@@ -97,7 +100,7 @@ export class ImpactList {
     return row;
   }
 
-  /** Mark the present contact in the list, and scroll the list to it, but not the page. */
+  /** Mark the row of the present contact in the list, and scroll the list, but not the page, to it. */
   draw(frame, contact) {
     if (contact === this.current) return;
     this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
@@ -114,8 +117,8 @@ export class ImpactList {
 }
 
 /**
- * Return words for a contact at a time [s]. The force comes first, because a narrow screen cuts the end; for the same reason the speed is
- * left out before the impact. The result is "" for a contact that is not in the list of impacts.
+ * Return words for a contact of a recording at the present time [s]. The force comes first, because a narrow screen cuts the end; for the
+ * same reason the speed is left out before the onset. The result is "" for a contact that is not in the list of impacts.
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";

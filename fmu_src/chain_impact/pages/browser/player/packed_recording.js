@@ -3,13 +3,16 @@
 import { bytesIn, numbersIn } from "../base/base64.js";
 import { mapped } from "../base/mapped.js";
 
-/** Return the real numbers for packed integers k: low + (high − low) · k / FINEST. */
+/** Return the real numbers low + (high − low) · k / FINEST for packed integers k, which `values` has as text in base64. */
 function numbers({ low, high, values }) {
   const scale = (high - low) / SHARED.packed.FINEST;
   return Float64Array.from(new Uint16Array(bytesIn(values).buffer), (value) => low + scale * value);
 }
 
-/** Return a function that unpacks the numbers of some rows, and returns numbers for all rows; in the other rows they are 0. */
+/**
+ * Return a function that unpacks the numbers of some rows, and returns numbers for all `count` rows; in the other rows they are 0.
+ * `packedRows`: the indices of these rows as text in base64.
+ */
 function atAllRows(packedRows, count) {
   const rows = new Uint32Array(bytesIn(packedRows).buffer);
   return (packed) => {

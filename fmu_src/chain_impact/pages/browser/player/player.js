@@ -11,8 +11,8 @@ import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { ImpactList, impactText } from "./impact_list.js";
 
-// [s] longest time by which one frame of the screen advances the motion; after a longer pause of the browser, the motion goes on where it
-// stood
+// [s] Longest time on the screen by which one frame of the browser advances the motion. After a longer pause of the browser, the motion
+// goes on nearly where it stood.
 const LONGEST_FRAME = 0.1;
 
 export class Player {
@@ -74,7 +74,7 @@ export class Player {
     requestAnimationFrame((next) => this.#tick(next));
   }
 
-  /** Fit the drawing to its place on the page, and draw at once: drawn with the next frame, it would be one frame late. */
+  /** Fit the drawing to its place on the page, and draw at once, so that no frame of the browser shows it with its old size. */
   fit() {
     if (!this.recording) return;
     const { clientWidth, clientHeight } = find("view");

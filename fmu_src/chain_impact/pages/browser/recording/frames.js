@@ -8,8 +8,9 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
- * Return the impacts in the form of the page: an unknown `end` becomes `stop`, the end of the recording, and a `peak` of 0 becomes null.
- * `impactEnd` is when the impact is over for slow motion: `end`, or earlier in a long contact, by penetration and speed.
+ * Return the impacts in the form of a `Recording`: an unknown `end` becomes `stop`, the end of the recording [s], and a `peak` of 0 null.
+ * `impactEnd` [s] is when the impact is over for slow motion: `end` or, in a long contact, an earlier time that follows from its largest
+ * penetration and impact speed.
  */
 export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
@@ -19,13 +20,16 @@ export function impactsUntil(impacts, stop) {
   });
 }
 
-/** Return the simulated times [s] of the frames, and the number of frames per second on the screen. */
+/**
+ * Return the simulated times [s] of the frames from `start` to `stop` [s], and the number of frames per second on the screen. `impactTime`:
+ * the time [s] that an impact takes on the screen; `rate`: wanted frames per second, which are less if there would be too many frames.
+ */
 export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
   const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
   return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
 }
 
-/** Return for each of `times` the index of the row before it, and the fraction of the way from this row to the next. */
+/** Return for each of `times`, as [index, fraction], the row of `time` before it, and the fraction of the way from this row to the next. */
 function bracketsOf(time, times) {
   let row = 0;
   return Array.from(times, (now) => {
@@ -34,7 +38,10 @@ function bracketsOf(time, times) {
   });
 }
 
-/** Return values at frames, interpolated between rows. The values are in one array, row after row, `width` values in each row. */
+/**
+ * Return values at frames, interpolated between rows, from values at rows. Both are in one array, row after row or frame after frame, with
+ * `width` values in each; `brackets`: the rows beside each frame, from `bracketsOf`.
+ */
 function interpolatedColumn(values, brackets, width) {
   const column = new Float64Array(brackets.length * width);
   brackets.forEach(([row, share], frame) => {
@@ -61,7 +68,7 @@ function largest(values) {
   return values.reduce((most, value) => Math.max(most, value), 0);
 }
 
-/** Return the moments at joint_min and joint_max, which are one output with a sign, in the form of two forces of walls. */
+/** Return the moments at the two stops of a joint, which are one output with a sign, in the form of the forces of two walls. */
 function ofStops({ n, columns: { moment } }) {
   return STOPS.map((wall, k) => ({ point: n, wall, force: moment.map((value) => Math.max(k ? -value : value, 0)) }));
 }

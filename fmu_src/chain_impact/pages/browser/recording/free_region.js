@@ -13,7 +13,10 @@ function clipped(polygon, { normal: [nx, ny], offset }) {
   });
 }
 
-/** Return the free region inside a rectangle: its corners and, for each wall that bounds it, the ends of the wall's visible part. */
+/**
+ * Return the free region between walls inside a rectangle [m]: its `corners` and, for each wall that bounds it, the two ends of the wall's
+ * visible part (`edges`).
+ */
 export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
   const all = Object.values(walls);
   const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
@@ -25,8 +28,8 @@ export function freeRegionWithin(walls, [[x0, y0], [x1, y1]]) {
 }
 
 /**
- * Return the point that lies `inside` [m] before the edge of the view, on the perpendicular from the view's middle to a wall beyond the
- * view; undefined if the middle is not on the wall's free side.
+ * Return the point on the perpendicular from the middle of a view, [low, high], to a wall beyond the view that lies `inside` [m] before the
+ * edge of the view; undefined if the middle is not on the wall's free side.
  */
 export function edgeBefore({ normal, offset }, [low, high], inside) {
   const middle = [0, 1].map((axis) => (low[axis] + high[axis]) / 2);
@@ -36,7 +39,7 @@ export function edgeBefore({ normal, offset }, [low, high], inside) {
   return middle.map((coordinate, axis) => coordinate - distance * normal[axis]);
 }
 
-/** Return a list with the two ends of a wall's visible part; the list is empty if no part is visible. */
+/** Return a list with one entry, the two ends of the visible part of the wall `name` in a rectangle; it is empty if no part is visible. */
 export function edgesOf(walls, name, rectangle) {
   const { normal: [nx, ny], offset } = walls[name];
   const { edges } = freeRegionWithin(walls, rectangle);

@@ -5,7 +5,7 @@
 
 export const PACING = SHARED.pacing;
 
-/** Return onset and end [s] of the impacts that are shown in slow motion, the fastest ones, in the order of time. */
+/** Return [onset, impactEnd] [s] of the impacts that are shown in slow motion, the fastest ones, in the order of time. */
 export function slowSpans(impacts) {
   const fastest = [...impacts].sort((a, b) => b.endSpeed - a.endSpeed).slice(0, PACING.SLOW_COUNT);
   return fastest
@@ -30,8 +30,9 @@ function interpolated(allX, nodes, values) {
 }
 
 /**
- * Return the simulated times [s] of the frames, which have equal distances in time on the screen, and the number of frames per second:
- * `rate`, or less if there would be more than `most` frames.
+ * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
+ * frames per second there: about `rate`, or less if there would be more than `most` frames. `spans`: the impacts in slow motion, from
+ * `slowSpans`; each takes the time `impactTime` [s] on the screen.
  */
 export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, PACING.LEAST_DURATION), PACING.LONGEST_SLOW)]) : [];

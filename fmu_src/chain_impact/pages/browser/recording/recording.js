@@ -24,7 +24,7 @@ export function lastBefore(numbers, wanted) {
  * frame may have a fraction: values are then interpolated between frames.
  */
 export class Recording {
-  /** Keep the fields of `parts`, the result of `framesOf`; number the impacts, and find the time of the largest force of each. */
+  /** Keep the fields of `parts`, the result of `framesOf`; number the impacts from 1, and find the time of each one's largest force. */
   constructor(parts) {
     Object.assign(this, parts);
     this.start = this.time[0];
@@ -37,7 +37,7 @@ export class Recording {
       index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
 
-  /** Return the frame at a simulated time [s]. */
+  /** Return the number of the frame at a simulated time [s], with a fraction between two frames. */
   frameAt(time) {
     const index = Math.min(lastBefore(this.time, time), this.time.length - 2);
     const fraction = (time - this.time[index]) / (this.time[index + 1] - this.time[index]);
@@ -65,7 +65,7 @@ export class Recording {
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
-  /** Return a value at a frame from values at all rows, which may be closer to each other than the frames. */
+  /** Return a value at a frame, interpolated between rows, from values at all rows, which may be closer to each other than frames. */
   betweenRows(values, frame) {
     const { rowTime } = this;
     const now = this.timeAt(frame);
@@ -74,12 +74,12 @@ export class Recording {
     return values[row] + share * (values[row + 1] - values[row]);
   }
 
-  /** Return force [N], penetration [m] and dry friction [N] of a contact at all rows; those that are unknown are left out. */
+  /** Return force [N], penetration [m] and dry friction [N] of a contact's point at its wall in all rows; unknown ones are left out. */
   courseOf({ point, wall }) {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
 
-  /** Return the time [s] of a contact's largest force; the onset if the force is unknown. */
+  /** Return the time [s] of the row with a contact's largest force; the onset if the force is unknown or 0. */
   #peakTimeOf(contact) {
     const { rowTime: time } = this;
     const { force } = this.courseOf(contact);
@@ -144,7 +144,7 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** Return the entries of a group of `drawn.py` at a frame: { n, name } of the owner, and the value of each quantity by its name. */
+  /** Return the entries of a group of `drawn.py` at a frame: number `n` and `name` of the owner, and name of a quantity → its value. */
   drawnAt(group, frame) {
     return this.drawn[group].map(({ n, name, columns }) =>
       ({ n, name, ...mapped(columns, (values) => this.betweenRows(values, frame)) }));
@@ -156,8 +156,8 @@ export class Recording {
   }
 
   /**
-   * Return the contact that list, chart and caption describe at a time [s]: the latest one or, nearer to the next onset than to the latest
-   * end, the next one.
+   * Return the present contact at a time [s], which list, chart and caption describe: the latest one or, nearer to the next onset than to
+   * the latest end, the next one. Before all impacts it is the first one; undefined without impacts.
    */
   contactAt(time) {
     return this.impacts[lastBefore(this.turns, time)];

@@ -20,7 +20,10 @@ function pinLines(x, y, points) {
   return VIEW.PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
-/** Return the corners of the free region between the walls if all of it lies within ROOM of the motion; otherwise an empty list. */
+/**
+ * Return the corners of the free region between the walls if all of it lies near the motion, else an empty list. `low`, `high`: corners of
+ * the rectangle around the motion, `width`: its longer side; near means at most ROOM times the width beyond it.
+ */
 function enclosureOf(walls, [low, high], width) {
   const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];
   const { corners } = freeRegionWithin(walls, around);
@@ -40,14 +43,14 @@ export function ballOf({ links, pinned, rail, bodies, touching }, centre, length
   return isCentre || radius >= length * (1 - VIEW.SAME_LENGTH) ? end : null;
 }
 
-/** Return the longer side [m] of the rectangle around all positions in a motion. */
+/** Return the longer side [m] of the rectangle around all positions in a motion, given by the arrays of all x and of all y. */
 export function sizeOf(x, y) {
   return Math.max(...[x, y].map((all) => endsOf(all)).map(([low, high]) => high - low));
 }
 
 /**
- * Return view, anchor (see camera.js) and ground mark of a recording. `x` and `y` have the coordinates of its `points` points, row after
- * row. `carriage`: the corners of a carriage relative to the base.
+ * Return `view`, `anchor` (see camera.js) and `pin`, the ground mark, of a recording. `x` and `y` have the coordinates of its `points`
+ * points, row after row. `radius`: the largest radius of a point; `carriage`: the corners of a carriage relative to the base.
  */
 export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
   const bases = [x, y].map((all) => endsOf(all.filter((_, k) => k % points === 0)));

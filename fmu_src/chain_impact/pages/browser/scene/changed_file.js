@@ -3,7 +3,7 @@
 import { numberText } from "../base/format.js";
 import { asWritten } from "./scene_file.js";
 
-/** Return the contents of the scene file with the reader's changes of parameters, but not of inputs, and with the additional `signals`. */
+/** Return the contents of the scene file with the reader's changes of its parameters, which inputs are not, and with further `signals`. */
 export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {
@@ -14,12 +14,15 @@ export function contentsOf(changes, signals = {}) {
   return asWritten(file);
 }
 
-/** Return the contents of a scene file as TOML, without values that equal the defaults of their keys. */
+/** Return the contents of a scene file as TOML, without values that equal the defaults of their keys; `keys`: the rules of all keys. */
 export function tomlText(file, keys) {
   return blocksOf(file, { keys }, "").join("\n");
 }
 
-/** Return the text for a table as blocks: first its head and its values, then the blocks of the tables inside it. */
+/**
+ * Return the text for a table as a list of blocks: first the `headline` and the table's values, if there are any, then the blocks of the
+ * tables inside it. `{ kind, keys }`: the rule of the table, `name`: its dotted name.
+ */
 function blocksOf(table, { kind, keys }, name, headline = "") {
   const ruleOf = (key) => (kind === "named" ? { kind: "table", keys } : keys[key]);
   const isValue = ([key]) => !["table", "tables", "named"].includes(ruleOf(key).kind);

@@ -24,7 +24,7 @@ export class Changes {
     this.inputSteps = {};
   }
 
-  /** Use another scene. Of the changes `from` an earlier scene, those stay whose parameters this scene has, too. */
+  /** Use another scene. Of the changes `from`, which are for an earlier scene, those stay whose parameters this scene has, too. */
   open(scene, from = { values: {}, inputSteps: {} }) {
     this.#use(scene);
     this.#openers.forEach((opener) => opener());
@@ -56,7 +56,7 @@ export class Changes {
     return sumOf(derived, (factor) => this.valueOf(factor, values));
   }
 
-  /** Return the value of an input at a time [s], or the value of any other parameter, which has no time. */
+  /** Return the value of an input at a time [s], with its steps; for any other parameter return its value, which holds at all times. */
   valueAt(name, time) {
     return this.inputSteps[name]?.findLast(([from]) => from <= time)?.[1] ?? this.valueOf(name);
   }
@@ -88,8 +88,8 @@ export class Changes {
   }
 
   /**
-   * Return the changes `from` with the changes `given` added, after a check. A value that equals the scene's value is no change, unless the
-   * scene derives it: a given value then no longer follows from others.
+   * Return the changes `from` with the changes `given` added, name → number, after a check. A value that equals the scene's value is no
+   * change, unless the scene derives it from others: as a change it does not follow from these.
    */
   with(given, from = this.values) {
     const values = { ...from };
@@ -102,7 +102,7 @@ export class Changes {
     return values;
   }
 
-  /** Refuse values that are valid alone, but not together. */
+  /** Refuse changes with which values of the scene file are valid alone, but not together; the kernel checks further rules. */
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
     const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
@@ -110,7 +110,7 @@ export class Changes {
     keepFileRules(this.scene.file, rules, valueAt, (path) => nameAt(path) ?? pathText(path));
   }
 
-  /** Change some values: name → number, text, or name of a choice. A changed input has its value at all times. */
+  /** Change the values of some parameters: name → number, text, or name of a choice. A changed input has this value at all times. */
   set(given) {
     this.replace(this.with(given), without(this.inputSteps, Object.keys(given)));
   }
@@ -131,7 +131,7 @@ export class Changes {
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Return the changes for a command or a link, as pairs of a name and a text; a choice is given by its name. */
+  /** Return changes of parameters for a command or a link, as pairs [name, text of the value]; a choice is given by its name. */
   texts(values = this.values) {
     return Object.entries(values).map(([name, value]) => {
       const { items } = this.parameters.get(name);

@@ -26,7 +26,10 @@ export function discOf({ link, entry, corner }, valueOf) {
   return [...cornerOf(corner, valueOf(`${of}.length`), valueOf(`${of}.height`)), valueOf("contact.radius")];
 }
 
-/** Return the value of a default that follows from other values: the sum of the products `terms`, divided by `divisor`. */
+/**
+ * Return the value of a default that follows from other parameters: the sum over `terms` of the products of their parameters, divided by
+ * `divisor`.
+ */
 export function sumOf({ terms, divisor }, valueOf) {
   const products = terms.map((factors) => factors.reduce((product, factor) => product * valueOf(factor), 1) / divisor);
   return products.reduce((sum, term) => sum + term, 0);
@@ -37,12 +40,12 @@ export function pointText(names, point) {
   return names.has(point) ? `point ${point} (${names.get(point)})` : `point ${point}`;
 }
 
-/** Return the normal of a wall on its free side: of a wall of the box by its name, of any other wall by its angle [rad]. */
+/** Return the unit normal of a wall towards its free side: of a wall of the box by its name, of any other wall by its angle [rad]. */
 export function normalOf(name, angle) {
   return NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
 }
 
-/** Return the positions [m] of the base and of the end of each link, from the lengths [m] and angles [rad] of the links. */
+/** Return the positions [m] of the base and of the end of each link; `links`: [length [m], absolute angle [rad]] of each link. */
 export function pointsOf(base, links) {
   return links.reduce((points, [length, angle]) => {
     const [x, y] = points.at(-1);
@@ -50,7 +53,7 @@ export function pointsOf(base, links) {
   }, [base]);
 }
 
-/** Return name → normal and offset [m] of each wall, for the present parameters. */
+/** Return name of a wall → unit normal and offset [m] of its free side n·p ≥ offset, for the present parameters. */
 export function wallsAt(scene, valueOf) {
   const sides = Object.entries(scene.walls).map(([name, wall]) => {
     if (valueOf(`box.${name}`) !== undefined) {

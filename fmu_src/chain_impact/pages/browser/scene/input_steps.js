@@ -4,12 +4,15 @@ import { numberText } from "../base/format.js";
 
 const MARK = "@"; // in a link, this mark follows the name of an input with steps
 
-/** Return the inputs with steps as parts of a link: pairs of a name and a text of times and values, such as 0.5:2,1:3. */
+/** Return the inputs with steps as parts of a link: pairs [name and MARK, text of times [s] and values, such as 0.5:2,1:3]. */
 export function inputStepTexts({ inputSteps }) {
   return Object.entries(inputSteps).map(([name, steps]) => [`${name}${MARK}`, steps.map((step) => step.map(numberText).join(":")).join()]);
 }
 
-/** Return the inputs with steps that the parts of a link contain, and the other parts; an error names the allowed form. */
+/**
+ * Return the inputs with steps that the parts of a link (`texts`: name → text) contain, `inputSteps`, and the `others`. An error tells
+ * which part is wrong, and the allowed form.
+ */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];
   for (const [key, text] of Object.entries(texts)) {
@@ -24,7 +27,7 @@ export function inputStepsIn(texts, changes) {
   return { others, inputSteps };
 }
 
-/** Return the pairs of a time and a value that the text of an input contains. */
+/** Return the pairs [time [s], value] that the text of the input `name` contains, such as 0.5:2,1:3. */
 function stepsOf(name, text, changes) {
   const steps = text.split(",").map((step) => step.split(":"));
   const refused = steps.find(([time, value, ...more], k) => {

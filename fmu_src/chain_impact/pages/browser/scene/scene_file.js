@@ -9,7 +9,7 @@ import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** Return whether a value keeps all rules of its key. */
+/** Return whether a value has the type, the range and the form that the rule of its key demands. */
 function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
   const is = {
     float: Number.isFinite,
@@ -21,7 +21,7 @@ function keeps(value, { kind, minimum, above, maximum, choices, pattern }) {
     (!choices || choices.includes(value)) && (!pattern || new RegExp(pattern).test(value));
 }
 
-/** Refuse a file that lacks a required key. */
+/** Refuse a file that lacks a required key; `path`: dotted path of the key. */
 function refuseMissing(path, key, { meaning }) {
   refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
 }
@@ -61,7 +61,10 @@ class ContentsReader {
     return value;
   }
 
-  /** Return the rule of a key. If its values have the unit of a driven input, this is the unit of the signal's first input. */
+  /**
+   * Return the rule of a key. If the key's values have the unit of the inputs that a signal drives, the rule gets the unit of the first of
+   * these inputs (`names`).
+   */
   #inUnitOf(names, rule) {
     if (rule.each) return { ...rule, each: this.#inUnitOf(names, rule.each) };
     if (!rule.hasUnitOfInput) return rule;
@@ -181,7 +184,7 @@ export function complete(data, kit) {
   return file;
 }
 
-/** Return the index of the file's entry that stands for the link with an index; an entry may have a count. */
+/** Return the index of the entry in a scene file that stands for the link with an index; an entry may stand for `count` links. */
 function fileEntryOf(link, { chain: { links } }) {
   let last = -1;
   return links.findIndex(({ count = 1 }) => (last += count) >= link);
@@ -189,7 +192,7 @@ function fileEntryOf(link, { chain: { links } }) {
 
 /** Add the defaults that follow from other values, and refuse values that are valid alone, but not together. */
 function completeAll(file, data, kit) {
-  // checks in the order of Python, so that a file with several faults is refused for the same one
+  // the order is that of Python's checks, so that a file with several faults is refused for the same fault
   setWallAngles(file);
   setBodies(file, data);
   setAngles(file);
@@ -199,7 +202,7 @@ function completeAll(file, data, kit) {
   setStops(file, kit.keys.stops.keys);
 }
 
-/** Add the corners of boxes to the points of their links; remove the default slider of a base that is on none. */
+/** Add the corners of boxes to the points of their links; remove the default table of a slider if the base is not on one. */
 function setBodies({ chain }, data) {
   chain.links.forEach((link, k) => {
     const { shape, height, length } = link;
@@ -229,7 +232,7 @@ export function asWritten(file) {
   return written;
 }
 
-/** Replace joint angles by absolute angles; if angular velocities are missing, they are 0. */
+/** Replace initial joint angles by absolute angles; if initial angular velocities are missing, they become 0. */
 function setAngles({ initial, chain }) {
   if (initial.joint_angles && initial.angles) refuse("initial", "angles");
   let sum = 0;
@@ -257,7 +260,7 @@ function setStops(file, keys) {
   }
 }
 
-/** Refuse materials of walls that do not exist. */
+/** Refuse a table contact.wall.… for a wall that does not exist. */
 function checkMaterials(file) {
   const existingWalls = wallsOf(file);
   const strange = Object.keys(file.contact.wall).find((name) => !existingWalls.includes(name));
@@ -290,8 +293,8 @@ function checkContents(file) {
 }
 
 /**
- * Refuse a wall that no point can reach if there are more walls than pairs of a point and a wall: the record has room for so many walls
- * only.
+ * Refuse a wall in [[walls]] that no point can touch if there are more such walls than pairs of a point and a wall that can touch: the
+ * record has room for as many walls as pairs.
  */
 function checkReach(file) {
   const { walls } = file;

@@ -37,7 +37,7 @@ function checkSteps(what, { times, values }) {
   if (late > 0) refuse(`${what}.times[${late + 1}]`, "late", { value: times[late], before: times[late - 1] });
 }
 
-/** Refuse a signal with a table that the page does not have. */
+/** Refuse a signal that needs a table that the page does not have; `table`: the page's table for this signal, if there is one. */
 function checkTable(what, { file, interpolation = null, period = null, input }, table) {
   const isSame = table?.file === file.split(/[\\/]/).at(-1) && table.interpolation === interpolation && table.period === period;
   if (isSame && input.every((name) => name in table.columns)) return;
@@ -45,7 +45,10 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
   throw new RangeError(`${what}.file = "${file}": ${reason}`);
 }
 
-/** Refuse a signal that cannot drive an input; `order`: number of integrations over time; `moves`: the input moves the base or a wall. */
+/**
+ * Refuse a signal that cannot drive an input. `order`: how often the signal is integrated over time for the lowest quantity that it
+ * determines; `moves`: whether the input moves the base or a wall.
+ */
 function checkMotion(what, input, signal, order, moves) {
   const speed = Math.abs(signal.amplitude * signal.frequency);
   const facts = {
@@ -122,7 +125,10 @@ export function drivenRows(driven) {
   return new Map(driven.flatMap(({ outputs }, row) => outputs.map((name, order) => [name, [row, order]])).filter(([name]) => name));
 }
 
-/** Write the signals into a new record; `put` is a function of a field's name, a value and an index. */
+/**
+ * Write the data of the driven inputs into a new record. `put` is a function that writes a field's value at an index, `acting` a function
+ * from an input to the number of its kind and its index.
+ */
 export function putSignals(driven, tables, acting, put) {
   driven.forEach(({ name, input, signal, order, knots, first }, row) => {
     const [number, index] = acting(input);

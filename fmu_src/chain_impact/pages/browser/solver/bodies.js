@@ -5,8 +5,8 @@ import { discOf } from "../scene/geometry.js";
 const { CARRIAGE, CIRCLE_CORNERS, FREE_END, STOP_MARK } = SHARED.bodies;
 
 /**
- * Return one half of the convex hull of sorted points, from the first to the last, which is left out because the other half begins with it
- * (Andrew, 1979).
+ * Return one half of the convex hull of points that are sorted by x: its corners from the first point to the last, but without the last,
+ * with which the other half begins (Andrew, 1979).
  */
 function halfHull(points) {
   const hull = [];
@@ -30,7 +30,8 @@ function outlineOf(discs) {
 }
 
 /**
- * Return, for each link with points, its number and its outline in the link's axes; a link end that is not in `touching` has the radius 0.
+ * Return [number, corners of the outline] of each link with points; the corners [m] are along the link and to its left. A link end that is
+ * not in `touching` has the radius 0.
  */
 export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
   const links = [...new Set(sites.map(({ link }) => link))];
@@ -45,8 +46,9 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
 }
 
 /**
- * Return the line of a slider with its stops, and the carriage around the base; null without a slider. A stop is drawn half a carriage
- * beyond the last position that the base can reach.
+ * Return the `lines` of a slider and its stops, the corners of the `carriage` relative to the base, and the free sides of the `stops`; null
+ * without a slider. A stop is drawn half a carriage beyond the last position that the base can reach. `bases`: position of the base in each
+ * row, `size`: size of the motion [m].
  */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");

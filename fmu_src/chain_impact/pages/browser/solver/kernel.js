@@ -19,7 +19,10 @@ export function rowTimes(stop, step) {
   return times;
 }
 
-/** Return the spans of consecutive words of the record that the outputs form, in one list: first word and number of words of each span. */
+/**
+ * Return the spans of consecutive words of the record that the outputs form: first word and number of words of each span, one after the
+ * other in one list.
+ */
 function wordSpans(outputs) {
   const spans = [];
   for (const { word } of outputs) {
@@ -30,7 +33,7 @@ function wordSpans(outputs) {
   return spans.flat().map(BigInt);
 }
 
-/** The functions that a user's law may call, from the browser. */
+/** The mathematical functions that a user's law may call, taken from the browser. */
 const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
 
 export class Kernel {

@@ -17,7 +17,7 @@ const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: 
 // FOLLOWED: largest number of impacts within which the second run has more rows; WITHIN: number of these rows in an impact
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
-/** Return the impacts of a run in the form of a recording. */
+/** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
 function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
     const { point, wall, onset, end, joint } = impact;
@@ -37,7 +37,7 @@ function impactsOf(impacts, scene, valueOf) {
   });
 }
 
-/** Return the ranges of the joints with stops: number of the joint, angles of the arc's two ends, and angles of the stops' marks [rad]. */
+/** Return the ranges of the joints with stops: number of the `joint`, both ends of its `arc`, and `marks` of the stops, as angles [rad]. */
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
@@ -47,7 +47,7 @@ function rangesOf(scene, valueOf) {
   });
 }
 
-/** Return the radius of a point [m]. */
+/** Return the radius [m] of the point with a number, which is the end of a link or a point of one. */
 function radiusOf({ sites, links }, valueOf, point) {
   const site = sites[point - links - 1];
   return (site ? discOf(site, valueOf)[2] : valueOf("contact.radius")) ?? 0;
@@ -65,7 +65,7 @@ function interleaved(each) {
   return rows;
 }
 
-/** Return the indices in the record of what the page draws. */
+/** Return the indices in the record of all words that the page draws: displacements of walls, coordinates of points, quantities. */
 function drawnWords({ drawn: { points, groups }, moved }) {
   const entries = Object.values(groups).flat();
   return [...moved.map(({ word }) => word), ...points.flat(), ...entries.flatMap(({ words }) => Object.values(words))];
@@ -106,7 +106,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
   };
 }
 
-/** Return the curves of the inputs over time: of driven inputs from the run, and of inputs with steps. */
+/** Return the curves of inputs at the times of a run: driven inputs, whose values are its first columns, and inputs with steps. */
 function inputCurves({ scene, parameters }, { time, columns }, inputSteps, valueOf) {
   const driven = scene.driven.map(({ name, unit }, k) => ({ name, unit, values: columns[k] }));
   const stepped = Object.entries(inputSteps).map(([name, pairs]) => ({
@@ -166,7 +166,7 @@ export function stepsForKernel(kernel, inputSteps) {
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return the times of frames with more times for curves: at equal distances, and within impacts, which may lie between two frames. */
+/** Return the `times` of frames [s] and further ones for curves, in order: at equal distances, and within the first FOLLOWED impacts. */
 function withFurther(times, impacts) {
   const [start, stop] = [times[0], times.at(-1)];
   const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);
@@ -177,7 +177,9 @@ function withFurther(times, impacts) {
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
-/** Return the frames per second on the screen: FRAME_RATE, or as many as the fastest sine that drives an input needs. */
+/**
+ * Return the wanted frames per second on the screen: FRAME_RATE, or as many as the fastest sine needs that drives an input up to `stop`.
+ */
 function frameRateOf({ parameters }, valueOf, stop) {
   const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {
     const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);

@@ -6,7 +6,7 @@ import { motion, stepsForKernel } from "./motion.js";
 const MOST_BYTES = 500e6; // [byte] largest table of results that a request may ask for
 const MESSAGE_INTERVAL = 15; // [ms] after this computing time the worker looks for messages
 
-/** Let the browser deliver messages that wait. */
+/** Let the worker receive the messages that wait; the returned promise is fulfilled afterwards. */
 function pause() {
   return new Promise((go) => {
     const { port1, port2 } = new MessageChannel();
@@ -15,7 +15,7 @@ function pause() {
   });
 }
 
-/** Return the requested outputs of the FMU at the communication points of a run. */
+/** Run the scene, and return its outputs (those in `names`, or all) at the communication points. */
 function* rows(kernel, values, { names, inputSteps = {} }) {
   const outputs = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
@@ -28,14 +28,14 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
   return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
 
-/** Run once for each row of values of some parameters, and return words of the record at the end of each run. */
+/** Run once for each row of values (`each`) of the parameters `names`, and return `words` of the record at the end of each run. */
 function* study(kernel, values, { names, each, words }) {
   const endTime = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
   const endTimes = new Float64Array(each.length / names.length).fill(endTime);
   return { rows: yield* kernel.runEach(values, names, each, endTimes, words) };
 }
 
-/** Return the memory of a result's columns, which is handed over to the page, not copied. */
+/** Return the buffers of a result's columns, which the worker transfers to the page, so that they are not copied. */
 function columnsOf({ time, columns = {}, rows: runs }) {
   return [time, runs, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
 }

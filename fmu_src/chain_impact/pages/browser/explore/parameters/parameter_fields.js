@@ -4,7 +4,9 @@ import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { shortText, valueText } from "../../scene/angles.js";
 
-/** Call the function `change`; if it refuses the field's value, mark the field, and show the reason in its row. */
+/**
+ * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in its row.
+ */
 export function attempt(field, change) {
   try {
     field.setCustomValidity("");
@@ -15,7 +17,7 @@ export function attempt(field, change) {
   explain(field.closest(".main-parameter, .parameter"));
 }
 
-/** Return an element for a row that can show why the row's value is refused. */
+/** Return an empty element for a row, in which `explain` shows why the row's value is refused. */
 export function refusal() {
   const message = make("p", { className: "refusal" });
   message.setAttribute("role", "alert");
@@ -38,8 +40,8 @@ export function presentUnit(changes, name, values = changes.values) {
 }
 
 /**
- * Return a field for a number or a choice, with two functions: `write` writes a value into it, and `refresh` the present value. A field
- * shows all digits of its value only while it has the focus.
+ * Return a `field` for a parameter, which is a number or a choice, with two functions: `write` writes a value into it, and `refresh` the
+ * parameter's present value. A field shows all digits of its value only while it has the focus.
  */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;

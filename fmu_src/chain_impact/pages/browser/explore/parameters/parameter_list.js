@@ -5,8 +5,8 @@ import { breakable, readable } from "../../base/format.js";
 import { explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
- * Fill the list of all parameters when the reader first opens it. Its field `search` keeps only parameters whose name and meaning contain
- * all the words in the field.
+ * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. Its field `search` keeps only the
+ * parameters whose name and meaning contain all the words in the field.
  */
 export function showParameterList(details, changes) {
   const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
@@ -28,7 +28,7 @@ export function showParameterList(details, changes) {
   };
   details.addEventListener("toggle", () => {
     fill();
-    if (details.open) details.firstElementChild.scrollIntoView(); // the list is below the fold
+    if (details.open) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
   });
   search.addEventListener("input", filter);
   changes.onOpen(() => {

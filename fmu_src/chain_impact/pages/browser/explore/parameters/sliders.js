@@ -25,7 +25,10 @@ const STEPS = 400; // number of positions of a slider
 // keys of a signal whose default is 0: such a key has a slider only if the signal gives another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
-/** Return two functions, from the position of a slider (0 to 1) to the value of its parameter, and back. */
+/**
+ * Return two functions for the slider of an entry (`MAIN_PARAMETERS`): `toValue`, from its position (0 to 1) to the value of the parameter,
+ * and `toPosition`, back. `start`: the parameter's value in the scene.
+ */
 function scaleOf({ ends, logarithmic, decades, spread }, start) {
   if (logarithmic) {
     const middle = Math.log10(start);
@@ -39,12 +42,15 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
 }
 
-/** Return a value rounded to the digits that neighbouring positions of a slider can differ in. */
+/** Return a value rounded to three digits: neighbouring positions of a slider differ by less than a further digit would show. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
 
-/** Return the label of a main parameter, a function that returns its unit, and a function that shows the unit beside a text. */
+/**
+ * Return the `label` element of a main parameter, `text`, a function that returns its unit, and `showUnit`, a function that shows the unit
+ * in the label, unless the text in the field contains it.
+ */
 function labelOf(changes, { name, label: words }) {
   const text = () => presentUnit(changes, name);
   const textContent = words.replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
@@ -59,8 +65,9 @@ function labelOf(changes, { name, label: words }) {
 }
 
 /**
- * Return the row of a main parameter: label, field, reset button, and a slider for a number or a sentence on a choice. `now` is a function
- * that returns the present time and whether the motion plays: while it plays, the slider of an input acts from this time on.
+ * Return the row of a main parameter (label, field, reset button, and a slider for a number or a sentence on a choice), with functions that
+ * bring it up to date. `now` is a function that returns the present time and whether the motion plays: while it plays, the slider of an
+ * input acts from this time on.
  */
 function mainParameter(changes, entry, now) {
   const { name } = entry;
@@ -99,7 +106,7 @@ function idleUnder(changes, name) {
   return SHARED.laws[law]?.impulsive ? law : "";
 }
 
-/** Return the element with the sentence on the present choice of a parameter, and a function that shows the sentence. */
+/** Return an element for the sentence on a parameter's choice, and `show`, a function that writes the sentence on the present choice. */
 function choiceSentence(changes, { name, items }) {
   const element = make("p", { className: "sentence" });
   return { element, show: () => {
@@ -108,8 +115,8 @@ function choiceSentence(changes, { name, items }) {
 }
 
 /**
- * Return the slider of a parameter, and two functions that set it: `follow` to the value at the present time, `show` to the value after a
- * change.
+ * Return the slider of a parameter, and two functions that set slider and field: `follow` to the value at the present time, `show` to the
+ * same value after a change, when a refusal is forgotten.
  */
 function slider(changes, entry, { field, write, now, unit }) {
   const { name } = entry;
@@ -159,8 +166,8 @@ function inputSliders({ scene, starts }) {
 }
 
 /**
- * Return the ends of the slider for a number of a signal, which follow from its key, its value, similar values `beside` it, and the stop
- * time [s].
+ * Return the ends of the slider for a number of a signal, which follow from its key, its value in the scene, similar numbers of the signal
+ * (`beside`), and the stop time [s].
  */
 function endsOfSignal(key, value, beside, stop) {
   if (key === "phase") return [-Math.PI, Math.PI];
