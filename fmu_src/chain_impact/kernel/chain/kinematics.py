@@ -38,7 +38,7 @@ def set_polar(radius, y, first, horizontal, vertical):
     # The angles are copied to ``vertical``: so the compiler knows that no result overwrites an angle that is
     # still to be read.
     copy_entries(y, first, count, vertical)
-    # with the copy, the compiler computes several angles of this loop at once
+    # with the copy, the compiler lets the processor compute several angles of this loop at once
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine

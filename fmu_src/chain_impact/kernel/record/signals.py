@@ -39,7 +39,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # for a channel: the signal drives the position (0), the velocity (1) or the acceleration (2)
         ("order", bounded(0, 2), (signals,)),
         ("first", INTEGER, (signals,)),  # index of the signal's first knot in `knot`
-        ("last", bounded(0, knots - 1), (signals,)),  # index of its last knot in `knot`
+        ("last", bounded(0, knots - 1), (signals,)),  # index of the signal's last knot in `knot`
         ("period", REAL, (signals,)),  # s, time after which a table repeats; 0: the table does not repeat
         ("gain", REAL, (signals,)),  # change of a table's value from one period to the next
         ("value", REAL, (signals,)),  # value of a constant, in the unit of the input
@@ -80,5 +80,6 @@ def knot_dtype(knots: int) -> np.dtype:
         # values of a signal of steps from its given times on, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time at which the knot's polynomial begins
-        ("powers", REAL, (knots, SIGNAL_DEGREE + 1)),  # polynomial's coefficients, in time since the knot
+        # coefficients of the knot's polynomial in the time since the knot, one for each power
+        ("powers", REAL, (knots, SIGNAL_DEGREE + 1)),
     )
