@@ -1,9 +1,9 @@
-"""The scene in a file that this package has written, completed by the elements of the file.
+"""A scene that is read from an MJCF file of this package: the scene in the file, with the user's changes.
 
-Two conversions are compared: of the elements in the file, and of the elements that the scene gives. Where the
-two are the same, the scene's values hold, because they are exact and include values that MJCF cannot hold.
-Elsewhere a user has changed the file, or has chosen other axes or joints; there the elements in the file
-hold.
+Such a file has elements for MuJoCo, and beside them the data of the scene. Two conversions are compared: of
+the elements in the file, and of the elements that the scene gives. Where both are the same, the scene's
+values hold, because they are exact, and include values that MJCF cannot hold. Where they differ, a user has
+changed the elements, or has chosen other axes or joints; there the values of the file's elements hold.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from chain_impact.recording.text import few
 from chain_impact.scene.names import input_key
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 
-# the largest difference of two numbers, absolute or relative, that counts as round-off
+# two numbers that differ by at most SAME, absolutely or relatively, are the same up to round-off
 SAME = 1e-12
 ABSENT: Any = object()
-"""The mark of a value that does not exist."""
+"""Stands for a value that does not exist."""
 BODY = ("shape", "height", "points")
-"""The keys of a link for its outline and points."""
+"""The keys of a link for its outline and its points."""
 
 
 class Carried(NamedTuple):
-    """The scene in a file of this package.
+    """The scene in a file of this package, and what its elements would give.
 
     Attributes:
-        scene: the scene.
-        written: the conversion of the elements that the scene gives.
+        scene: the scene, from the data in the file.
+        written: the conversion back from MJCF of the elements that this package writes for the scene.
     """
 
     scene: Scene
@@ -43,7 +43,9 @@ class Carried(NamedTuple):
 
 
 def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
-    """Return the scene with some data and a name; ``source`` is the file's name for messages.
+    """Return the scene with the data ``data`` and the name ``name``, and its conversion.
+
+    ``source`` is the file's name for messages.
 
     Raises:
         SceneError: when the data are not a scene.
@@ -53,7 +55,10 @@ def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
 
 
 def with_carried(found: Converted, carried: Carried, choices: Choices) -> Converted:
-    """Return the conversion ``found`` of a file's elements with some choices, completed by its scene."""
+    """Return the conversion ``found`` of a file's elements, with the values of the scene in the file.
+
+    ``choices`` are the user's choices for ``found``; see the head of this module.
+    """
     scene, written = carried
     merger = _Merger(scene, written.data, found.data, choices)
     data = merger.data()
@@ -76,11 +81,11 @@ def with_carried(found: Converted, carried: Carried, choices: Choices) -> Conver
 
 
 class _Merger:
-    """A merger of a scene with two conversions: of the scene's own elements, and of the elements in the file.
+    """A merger of three tables: a scene, and the conversions ``written`` and ``found`` (see ``Carried``).
 
     Attributes:
-        alike: whether both conversions have the same base and as many links.
-        changed: the keys whose values are those of the file's elements.
+        alike: whether both conversions have the same kind of base and the same number of links.
+        changed: the keys whose values come from the file's elements.
         lost: the tables of the scene that are left out.
         missing: the inputs, signals and derivatives of the scene whose wall or motor the file does not have.
     """
@@ -101,7 +106,7 @@ class _Merger:
         self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
 
     def data(self) -> dict[str, Any]:
-        """Return the data of the merged scene."""
+        """Return the merged tables."""
         ours = scene_to_dict(self.scene)
         data: dict[str, Any] = self._merged("", *map(_mergeable, (ours, self.written, self.found)))
         if self.found["chain"]["base"] != "slider":
@@ -119,7 +124,7 @@ class _Merger:
         return data
 
     def _leave_out_inputs(self, data: dict[str, Any]) -> None:
-        """Remove inputs, signals and derivatives that need a wall or a motor which the file does not have."""
+        """Remove inputs, signals and derivatives from ``data`` whose wall or motor the file lacks."""
         inputs, walls = data["inputs"], {*data["box"], *(wall["name"] for wall in data["walls"])}
         gone = [name for name in inputs["wall_motion"] if name not in ("*", *walls)]
         inputs["wall_motion"] = [name for name in inputs["wall_motion"] if name not in gone]
@@ -144,14 +149,15 @@ class _Merger:
             self.missing.append("outputs.sensitivities")
 
     def _is_of_lost_signal(self, name: str, signals: Mapping[str, Any]) -> bool:
-        """Return whether a name is that of a parameter of a signal that is left out."""
+        """Return whether ``name`` is a parameter of a signal of the scene that is not in ``signals``."""
         of, _, rest = name.partition(".")
         return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
-        """Return the scene's value if the two conversions have the same value, else the value in the file.
+        """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
 
-        Tables, and lists of equal length, are merged entry by entry.
+        Tables, and lists of equal length, are merged entry by entry. ``key`` is the name of the value for
+        messages.
         """
         if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
             self.changed.append(key)
@@ -174,7 +180,10 @@ class _Merger:
         return found
 
     def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
-        """Return the table of contacts; planes with another coefficient of friction have it as a material."""
+        """Return the table ``contact`` of the scene, with the changed coefficients of friction of the file.
+
+        A coefficient of a wall is written to the wall's table in ``contact.wall``.
+        """
         before, now = _frictions(self.written), _frictions(self.found)
         removed = before.keys() - now.keys()
         walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}
@@ -182,15 +191,16 @@ class _Merger:
             if not _same(before.get(name), friction):
                 self.changed.append(f"contact.wall.{name}.friction")
                 walls.setdefault(name, {})["friction"] = friction
-                # MJCF has a single coefficient of friction, so the static one is not compared
+                # MJCF has only one coefficient of friction, which replaces both coefficients of the scene
                 if "static_friction" in walls[name]:
                     walls[name]["static_friction"] = friction
         return {**ours, "wall": walls}
 
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
-        """Return the tables of the links, and the ends that touch walls.
+        """Return the tables of the links, and the numbers of the joints and ends that touch walls.
 
-        The ends are None if they are those of the scene.
+        The numbers are None if the joints and ends of the scene touch. ``ours`` are the scene's tables of
+        links.
         """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
@@ -218,7 +228,13 @@ class _Merger:
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
     ) -> tuple[list[dict[str, Any]], set[int]]:
-        """Return the points of link ``i``, and its ends that touch walls."""
+        """Return the tables of the points of link ``i``, from 0, and the ends of the link that touch walls.
+
+        Args:
+            i: the index of the link.
+            tables: its points in the conversion of the file's elements.
+            length: the length of the link [m].
+        """
         points, ends = list[dict[str, Any]](), set[int]()
         first = len(self.scene.chain.links) + 1
         before = {
@@ -243,20 +259,26 @@ class _Merger:
         return points, ends
 
     def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
-        """Return the table of a point of the scene, in which unchanged numbers are those of the scene."""
+        """Return the table of a scene's point, with the scene's numbers where the file's are the same.
+
+        Args:
+            table: the point in the conversion of the file's elements.
+            known: the point in the conversion of the scene's elements.
+            index: index of the point in ``scene.chain.sites``.
+        """
         site = self.scene.chain.sites[index][1]
         kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _same(table[key], known[key])}
         return {**table, **kept, "name": site.name}
 
 
 def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene without links and contacts, with its walls as tables by name."""
+    """Return the data of a scene in a form that can be merged: walls by name, no links and no contacts."""
     walls = {wall["name"]: wall for wall in data.get("walls", [])}
     return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}
 
 
 def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
-    """Return the friction of each wall of a conversion."""
+    """Return the coefficient of friction of each wall of a conversion, by the wall's name."""
     names = [*data.get("box", {}), *(wall["name"] for wall in data.get("walls", []))]
     materials = data.get("contact", {}).get("wall", {})
     return {name: materials.get(name, {}).get("friction", 0.0) for name in names}
@@ -267,7 +289,7 @@ def _without(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are the same, except for round-off of numbers."""
+    """Return whether two values are the same, where numbers may differ by SAME."""
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):

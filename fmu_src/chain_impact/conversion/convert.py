@@ -1,4 +1,4 @@
-"""The conversion of a file: URDF or MJCF to a scene, a scene to MJCF."""
+"""The conversion of a file: of a robot in URDF or MJCF to a scene, or of a scene to MJCF."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ ALL = Choices()
 
 
 def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
-    """Return the scene of a robot in URDF or MJCF, and the conversion that made the scene.
+    """Return the scene of a robot in URDF or MJCF, and the remarks of the conversion.
+
+    ``choices`` are the user's choices for the conversion.
 
     Raises:
         SceneError: when the file has no planar chain, or the choices do not fit the file.
@@ -33,7 +35,7 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
         OSError: when the file cannot be read.
     """
     with warnings.catch_warnings():
-        # the checks of a scene would warn of numbers of a robot that are right, but unusual for a scene
+        # numbers that are unusual for a scene, of which its checks would warn, are usual for a robot
         warnings.simplefilter("ignore", SceneWarning)
         robot = read_robot(path, choices.keyframe)
 
@@ -51,7 +53,10 @@ def of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """Read the robot in a file; the errors are those of ``of_robot``."""
+    """Read a robot from a file, at the start that ``keyframe`` gives.
+
+    The errors are those of ``of_robot``.
+    """
     if path.name in model_names() or path.suffix == ".toml":
         raise SceneError(f"{path} is a scene; its MJCF is written to a file that ends in .xml")
     root = local_name(xml_of(path).tag)
@@ -70,9 +75,9 @@ def _scene(done: Converted, path: Path) -> Scene:
 
 
 def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
-    """Write the MJCF of a scene if the output ends in .xml, else the scene of a robot; return the conversion.
+    """Write a scene as MJCF if ``output`` ends in .xml, else a robot as a scene; return the conversion.
 
-    A scene file has the remarks of the conversion as comments at its beginning. Errors are those of
+    A written scene has the remarks of the conversion as comments at its beginning. The errors are those of
     ``of_robot`` and ``load_scene``.
     """
     if output.suffix.lower() == ".xml":
@@ -89,10 +94,7 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
 
 
 def remark_lines(done: Converted) -> list[tuple[str, str]]:
-    """Return the remarks of a conversion, each with a title.
-
-    Differences that change the motion come first.
-    """
+    """Return the remarks of a conversion as pairs of title and sentence, warnings first."""
     titles = (WARNING, DIFFERS, LEFT_OUT, "note")
     remarks = (done.warnings, done.differs, done.left_out, done.notes)
     return [(title, line) for title, lines in zip(titles, remarks, strict=True) for line in lines]

@@ -1,4 +1,4 @@
-"""The differences between a robot's file and its scene, each as one line, with the largest effect first."""
+"""The differences between a robot and its scene, each a line of text, with the largest effect first."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from enum import IntEnum
 
 from chain_impact.recording.text import few
 
-# the largest relative size of a difference (`Difference.size`) that is negligible, and so gives no warning
+# a difference whose `size` is at most NEGLIGIBLE gives no warning, unless it always changes the motion
 NEGLIGIBLE = 0.02
-LINE_NAMES = 6  # largest number of names in a line
-WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # the titles of reports
+LINE_NAMES = 6  # largest number of names in a line; of more names, the line gives only how many there are
+WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
 
 class Effect(IntEnum):
-    """The effects that a difference may have, in the order in which they are reported."""
+    """What a difference changes, in the order in which differences are reported."""
 
     MASS = 0
     MOTION = 1
@@ -32,16 +32,16 @@ class Difference:
 
     Attributes:
         kind: the kind of element in the file, such as ``joint``.
-        name: the name of the element; empty if the kind suffices.
-        text: the sentence on the difference, after kind and name.
-        effect: the effect of the difference.
+        name: the name of the element; "" if ``kind`` says enough.
+        text: the rest of the sentence on the difference, after kind and name.
+        effect: what the difference changes.
         differs: True if the scene has the part in another form, False if the scene does not have it.
-        size: how large the difference is relative to the link, such as a distance divided by the link's
-            length; 0 if unknown. The largest difference comes first.
-        joints: names of joints; the difference has no effect if all these joints are held. Without names it
-            always has an effect.
-        bodies: indices of bodies, −1 for the world; the difference has no effect if all these bodies are in
-            the same link. Without indices it always has an effect.
+        size: how large the difference is, such as a distance divided by the length of its link; 0 if unknown.
+            Differences are reported from the largest one.
+        joints: names of joints; if all of them are held, the difference has no effect and is not reported.
+            Without names it is always reported.
+        bodies: indices of bodies, −1 for the world; if all of them belong to the same link, the difference
+            has no effect and is not reported. Without indices it is always reported.
     """
 
     kind: str
@@ -55,13 +55,16 @@ class Difference:
 
     @property
     def title(self) -> str:
-        """The title of the report; a warning if the motion changes by more than a negligible amount."""
+        """The title under which the difference is reported.
+
+        It is a warning if the difference changes the motion, or has a ``size`` of more than NEGLIGIBLE.
+        """
         if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 
     def matters(self, held: Collection[str], link_of: dict[int, int]) -> bool:
-        """Return whether the difference has an effect on the scene.
+        """Return whether the difference has an effect on the scene, and so must be reported.
 
         Args:
             held: names of the joints that are held.
@@ -73,14 +76,14 @@ class Difference:
 
 
 def of_joint(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:
-    """Return a difference of a joint, which has no effect if the joint is held."""
+    """Return a difference of the joint ``name``, which is not reported if this joint is held."""
     about = frozenset([name])
     return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=about)
 
 
 @contextmanager
 def collected_warnings(package: str) -> Iterator[list[Difference]]:
-    """Collect the warnings in the ``with`` block as differences; the list is filled at its end."""
+    """Context that collects Python warnings of a package as differences; the list is filled at its end."""
     differences: list[Difference] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -90,10 +93,9 @@ def collected_warnings(package: str) -> Iterator[list[Difference]]:
 
 
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
-    """Return sentences on the differences that have this ``title`` in the report.
+    """Return a sentence for each group of differences with this ``title`` that differ only in their names.
 
-    The sentences are in the order of ``Effect``; for one effect, the largest difference is first. Differences
-    that differ only in their names share a sentence.
+    The sentences are in the order of ``Effect``; for the same effect, the largest difference comes first.
     """
     ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}
@@ -104,7 +106,7 @@ def lines(differences: Iterable[Difference], title: str) -> list[str]:
 
 
 def line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
-    """Return a sentence on some elements of a kind."""
+    """Return the sentence "<kind> <names>: <text>", with at most ``shown`` names."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"

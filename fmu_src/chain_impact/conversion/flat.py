@@ -1,4 +1,4 @@
-"""The plane in which a chain moves, and the directions of its axes in space."""
+"""The plane in space in which a chain moves, and the directions of the scene's axes in it."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ import numpy as np
 from chain_impact.conversion.joints import PARALLEL
 from chain_impact.scene.reading import SceneError
 
-ZERO_LENGTH = 1e-9  # [m] the largest length that counts as 0, because it may be round-off
-NUMBER_ROUND_OFF = 1e-14  # the largest number that counts as 0; the round-off of numbers near 1 is smaller
+ZERO_LENGTH = 1e-9  # [m] a length up to ZERO_LENGTH counts as 0, because it may be round-off
+# a number up to NUMBER_ROUND_OFF counts as 0; the round-off of numbers near 1 is smaller
+NUMBER_ROUND_OFF = 1e-14
 X, Y, Z = np.eye(3)
 
 
 class Plan(NamedTuple):
-    """The plane in which the chain moves.
+    """The plane in which a chain moves, by the directions of the scene's axes.
 
     Attributes:
-        x: direction, in the robot's axes, of the scene's x axis.
-        y: direction, in the robot's axes, of the scene's y axis.
-        axis: axis about which the scene's angles are positive.
+        x: unit vector, in the robot's axes, along the scene's x axis.
+        y: unit vector, in the robot's axes, along the scene's y axis.
+        axis: unit vector, in the robot's axes, about which the scene's angles are positive: x × y.
     """
 
     x: np.ndarray
@@ -28,22 +29,22 @@ class Plan(NamedTuple):
     axis: np.ndarray
 
     def flat(self, point: np.ndarray) -> np.ndarray:
-        """Return the coordinates in the plane of points in space, shape (…, 2) [m]."""
+        """Return the scene's coordinates of points or vectors in space, shape (…, 2)."""
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
     @property
     def remark(self) -> str:
-        """A sentence on the directions of the scene's axes."""
+        """A sentence on the directions of the scene's axes, for the user."""
         axes = [" ".join(f"{part:.4g}" for part in axis) for axis in (self.x, self.y)]
         return f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})"
 
 
 def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
-    """Return the plane that is normal to the axes of the joints.
+    """Return the plane at right angles to ``axis``, the direction of the joints' axes.
 
-    By default y points up, and x points along the robot's x axis if possible, else along the robot's y axis.
-    If the axes of the joints are vertical, x and y point along the robot's x and y axes. ``directions``, for
-    example ``-x,z``, replace this default.
+    By default y points up, and x points along the robot's x axis or, if y and ``axis`` exclude this
+    direction, along the robot's y axis. If ``axis`` is vertical, x and y point along the robot's x and y
+    axes. ``directions``, such as ``-x,z``, replace this default.
 
     Raises:
         SceneError: when the directions are not two directions at right angles to each other and to the axes.
@@ -62,7 +63,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
 
 
 def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Return the part of a direction that is normal to an axis."""
+    """Return the part of a vector that is at right angles to a unit vector ``axis``."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
 
@@ -91,11 +92,11 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
 
 
 def near(value: float) -> float:
-    """Return a number, or 0 if the number is so small that it may be round-off."""
+    """Return a number, but 0 in place of a number that may be round-off."""
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 
 
 def _cleaned(axis: np.ndarray) -> np.ndarray:
-    """Return a direction without round-off, so that a direction along an axis of the robot is exact."""
+    """Return a direction without round-off, so that one along an axis of the robot has components 0 and 1."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0

@@ -1,4 +1,4 @@
-"""The joints of a robot that form a planar chain, and their positions before any joint moves."""
+"""The joints of a robot that form a planar chain, and their places before any joint of the chain moves."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
-PARALLEL = 1e-6  # [rad] the largest angle between axes that count as parallel
+PARALLEL = 1e-6  # [rad] axes count as parallel if the angle between them is at most PARALLEL
 
 
 class NoChainError(SceneError):
-    """Raised when the joints of a robot form no planar chain.
+    """Raised when the moving joints of a robot form no planar chain.
 
     Attributes:
-        joints: names of joints; if one of these joints is held, the others may form a chain.
+        joints: names of joints; if one of them is held, the others may form a chain. ``proposals`` tries
+            this.
     """
 
     def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
@@ -31,7 +32,10 @@ class NoChainError(SceneError):
 
 @dataclass(frozen=True)
 class Moving:
-    """A joint of the chain with its body, and its position and axis in space before any joint moves."""
+    """A joint of the chain, its body, and a point on its axis and the direction of its axis in space.
+
+    The point and the direction are those before any joint of the chain moves.
+    """
 
     joint: Joint
     body: int
@@ -43,8 +47,8 @@ class Chosen(NamedTuple):
     """The joints that form a chain.
 
     Attributes:
-        poses: rotation and position of each body in space, with held joints at their start and the others at
-            zero.
+        poses: rotation and position of each body in space, with held joints at their start and all other
+            joints at zero.
         hinges: the hinges, from the base to the tip.
         slides: two slides for a free base, one slide for a sliding base, else none.
         held: names of the joints that do not move.
@@ -62,7 +66,11 @@ class Chosen(NamedTuple):
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """Return the joints that form the chain; ``planar_chain`` describes the arguments and errors."""
+    """Return the joints that form the chain; refuse a robot whose moving joints form none.
+
+    ``wanted`` are the names of the joints that move; without names all joints move. ``source`` is the file's
+    name for messages.
+    """
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
     slides = [moved for moved in moving if moved.joint.kind == "slide"]
@@ -83,16 +91,16 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
 
 
 def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
-    """Return the poses of the bodies, with some joints held at their start, and the joints that can move.
+    """Return the pose of each body, and the joints that can move.
 
-    A pose is a rotation and a position.
+    A pose is a rotation and a position in space. The joints ``held`` are at their start, all others at zero.
     """
     poses = _poses(robot, held)
     return poses, [moved for moved in _placed(robot, poses) if moved.joint.name not in held]
 
 
 def joints_at_start(robot: Robot) -> list[Moving]:
-    """Return all joints with their positions and axes at the start."""
+    """Return all joints of a robot with their places in space at the start."""
     return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
 
 
@@ -104,7 +112,7 @@ def _placed(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterato
 
 
 def joint_names(robot: Robot) -> list[str]:
-    """Return the names of all joints, in the order of the bodies."""
+    """Return the names of all joints of a robot, in the order of its bodies."""
     return [joint.name for body in robot.bodies for joint in body.joints]
 
 
@@ -121,7 +129,7 @@ def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
 def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the rotation and position of each body in space.
 
-    Held joints are at their start, the others at zero.
+    The joints ``held`` are at their start, all others at zero.
     """
     poses: list[tuple[np.ndarray, np.ndarray]] = []
     for body in robot.bodies:
@@ -142,7 +150,7 @@ def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Return the rotation matrix of an angle about an axis of length 1 (Rodrigues)."""
+    """Return the rotation matrix for an angle [rad] about a unit vector, by Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
@@ -169,7 +177,7 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
 
 
 def parallel(hinges: Sequence[Moving]) -> list[list[Moving]]:
-    """Return the groups of joints whose axes are parallel."""
+    """Return groups of joints; the axes of all joints in a group are parallel."""
     groups: list[list[Moving]] = []
     for hinge in hinges:
         group = next((g for g in groups if _parallel(g[0].axis, hinge.axis)), None)
@@ -185,9 +193,10 @@ def _parallel(first: np.ndarray, second: np.ndarray) -> bool:
 
 
 def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
-    """Refuse slides that a scene cannot have.
+    """Refuse sliding joints that a scene cannot have.
 
-    A scene can have one slide, or two at right angles, in the plane of the motion and before the first hinge.
+    A scene can have one slide in the plane of the motion, or two at right angles in this plane, before the
+    first hinge. ``order`` are all moving joints, in the order of the bodies.
     """
     first = next(moved for moved in order if moved.joint.kind == "hinge")
     before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]
@@ -220,7 +229,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
 
 
 def above(robot: Robot, b: int) -> Iterator[int]:
-    """Yield the index of a body, and the indices of all bodies between this body and the world."""
+    """Yield the index ``b`` of a body, then the indices of the bodies between this body and the world."""
     while b >= 0:
         yield b
         b = robot.bodies[b].parent

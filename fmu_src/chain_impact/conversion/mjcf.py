@@ -1,4 +1,4 @@
-"""A robot from MJCF, read by MuJoCo, whose compiler resolves defaults, angles and inertias."""
+"""The reader of robots in MJCF, which uses MuJoCo: its compiler applies defaults and computes inertias."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from chain_impact.extras import require
 from chain_impact.scene.reading import SceneError, UnknownNameError
 
 CARRIED = "chain_impact"
-"""The name of a text element in files of this package; the text has, as JSON, the data of the scene."""
-# [rad] or [m] the limit that stands for a missing one, if a joint has only one limit: MJCF needs both limits
+"""The name of the text element in files of this package that holds the data of the scene as JSON."""
+# [rad] or [m] MJCF needs both limits of a joint that has one; this number stands for the missing one
 UNLIMITED = 1e9
 NO_KEYFRAME = "none"
-"""The user gives this name in place of a keyframe if the robot shall start in the pose of the file."""
+"""The word that a user gives in place of a keyframe's name, so that the robot starts in the file's pose."""
 
 
 class Start(NamedTuple):
-    """The state of a robot at the start."""
+    """The state of a robot at the start, in MuJoCo's arrays."""
 
     positions: np.ndarray
     speeds: np.ndarray
@@ -41,9 +41,9 @@ class Start(NamedTuple):
 
 
 def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot of an MJCF file at the start that a keyframe gives, by default the first keyframe.
+    """Return the robot of an MJCF file, at the start that a keyframe gives; by default the first keyframe.
 
-    Files of meshes and pictures may be missing if nothing needs them.
+    Files of meshes and pictures may be missing if no mass depends on them.
 
     Raises:
         SceneError: when MuJoCo cannot read the file, or the file does not have the keyframe.
@@ -56,7 +56,7 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
 
 
 def read_mjcf_text(text: str) -> Robot:
-    """Return the robot of MJCF that this package has written; errors are those of ``read_mjcf``."""
+    """Return the robot from the text of MJCF that this package has written for a scene."""
     mujoco = require("mujoco", "convert")
     spec = mujoco.MjSpec.from_string(text)
     file = Compiled(spec, spec.compile(), set(), [])
@@ -65,7 +65,10 @@ def read_mjcf_text(text: str) -> Robot:
 
 
 def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[Start, list[str]]:
-    """Return the state at the start, and a note on its keyframe, if any; refuse an unknown keyframe."""
+    """Return the state at the start, and a list with a note on the keyframe, empty if the file has none.
+
+    A keyframe that the file does not have is refused.
+    """
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
     if wanted != NO_KEYFRAME and wanted not in names:
@@ -82,7 +85,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
 
 
 def _carried(text: str, source: str) -> dict[str, Any]:
-    """Return the data of the scene in a file of this package; files of older versions have two parts."""
+    """Return the data of the scene from the text element of a file; older versions wrote two parts."""
     try:
         data = json.loads(text)
         return {**data["tables"], **data["numbers"]} if "numbers" in data else dict(data)
@@ -91,7 +94,7 @@ def _carried(text: str, source: str) -> dict[str, Any]:
 
 
 class _Reader:
-    """A reader of a compiled model, which collects the parts that a scene cannot have."""
+    """A reader of a compiled model, which collects what a scene cannot have as differences."""
 
     def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
@@ -102,7 +105,7 @@ class _Reader:
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
-        """Return the robot with a given name or, without a given name, with the name in the file."""
+        """Return the robot, named as in the file or, if the file has no name, ``name``."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
         weightless = self._off("GRAVITY")
@@ -124,12 +127,12 @@ class _Reader:
         )
 
     def _off(self, *flags: str) -> bool:
-        """Return whether the file disables one of several features."""
+        """Return whether the file disables at least one of several features, given by MuJoCo's flags."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
 
     def body(self, b: int) -> Body:
-        """Return body ``b`` of the model in the form of a robot; the world is body 0."""
+        """Return body ``b`` of MuJoCo's model, where body 0 is the world."""
         model = self.model
         inertial = self._axes(model.body_iquat[b])
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
@@ -151,10 +154,10 @@ class _Reader:
         )
 
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the position and quaternion of body ``b``.
+        """Return the position and the quaternion of body ``b`` relative to its parent.
 
-        For a free joint or a mocap body the values are those at the start; otherwise they are those in the
-        file.
+        For a body with a free joint, and for a mocap body, these are values of the state at the start; for
+        any other body, they are those in the file.
         """
         model, j = self.model, self.model.body_jntadr[b]
         if model.body_mocapid[b] >= 0:
@@ -166,7 +169,7 @@ class _Reader:
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
-        """Return joint ``j`` with its drives, in the units of a scene."""
+        """Return joint ``j`` with its drives; angles and positions count from the pose in the file."""
         model, kinds = self.model, self.mujoco.mjtJoint
         at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
@@ -207,7 +210,7 @@ class _Reader:
         self.differences.append(of_joint(joint, text, Effect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
-        """Yield a difference with the number of elements that only measure or show, if there are any."""
+        """Yield one difference with the numbers of sensors, cameras, lights and skins, if there are any."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})

@@ -1,4 +1,4 @@
-"""The possible contacts of an MJCF model by MuJoCo's rules, and their friction."""
+"""The contacts that are possible in an MJCF model by MuJoCo's rules, and their friction."""
 
 from __future__ import annotations
 
@@ -11,26 +11,29 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
-POINT = re.compile(r"point\[\d+\]")  # pattern of the name that ``point_name`` gives to a point
-BITS = 16  # MuJoCo writes an excluded pair of bodies as one number: (first << BITS) + second
+POINT = re.compile(r"point\[\d+\]")  # matches the names that ``point_name`` gives to shapes
+BITS = 16  # MuJoCo stores a pair of bodies that may not touch as one number: (first << BITS) + second
 
 
 def point_name(number: int) -> str:
-    """Return the name of the shape of a point in files of this package."""
+    """Return the name of the shape that stands for point ``number`` in files of this package."""
     return f"point[{number}]"
 
 
 class Contacts:
-    """The shapes of a MuJoCo model and their possible contacts.
+    """The shapes of a MuJoCo model, and which of them can touch.
 
-    ``differences`` describes the contacts that a scene cannot have, or has in another form.
+    ``differences`` describes contacts that a scene cannot have, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
-        """Find the shapes of a model.
+        """Divide the shapes of a model into those that move and those that do not.
 
-        ``stand_ins`` are the names of meshes that replace missing files; their corners have no meaning.
-        ``ours``: whether this package wrote the file.
+        Args:
+            mujoco: the package.
+            model: the compiled model.
+            stand_ins: names of meshes that replace missing files; their corners have no meaning.
+            ours: whether this package wrote the file.
         """
         self.mujoco, self.model, self.ours = mujoco, model, ours
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
@@ -54,8 +57,8 @@ class Contacts:
     def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes can touch by MuJoCo's rules.
 
-        They can touch if they are a listed pair. They also can if ``contype`` of one shape and
-        ``conaffinity`` of the other shape have a bit in common, and their bodies are neither excluded nor
+        They can if the file lists them as a pair. Otherwise they can if ``contype`` of one shape and
+        ``conaffinity`` of the other have a bit in common, and their bodies are neither an excluded pair nor
         fixed to each other.
         """
         model = self.model
@@ -70,11 +73,11 @@ class Contacts:
         return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
 
     def _rubs(self, geom: int, other: int) -> float:
-        """Return the coefficient of friction of two shapes, by MuJoCo's rules.
+        """Return the coefficient of friction between two shapes, by MuJoCo's rules.
 
-        A listed pair has its own coefficient. Otherwise the shape with the higher priority has the
-        coefficient of the pair; with equal priorities, the larger coefficient counts. The model's override
-        replaces both; shapes without friction have 0.
+        A listed pair has its own coefficient. Otherwise the shape with the higher priority determines it;
+        with equal priorities, the larger coefficient counts. If the model has an override, its coefficient
+        replaces these. A contact with ``condim`` 1 has no friction, and the coefficient 0.
         """
         model = self.model
         if frozenset((geom, other)) in self.pairs:
@@ -89,7 +92,7 @@ class Contacts:
         return friction if rubs else 0.0
 
     def planes(self) -> Iterator[Plane]:
-        """Yield the planes that do not move."""
+        """Yield the planes that do not move, with the bodies that can touch each."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in filter(self._is_wall, self.still):
@@ -106,7 +109,7 @@ class Contacts:
             )
 
     def shapes(self, b: int) -> list[LinkShape]:
-        """Return the shapes of body ``b``, except planes that become walls."""
+        """Return the shapes of body ``b``, except planes that do not move."""
         model = self.model
         geoms = (g for g in range(model.ngeom) if model.geom_bodyid[g] == b and not self._is_wall(g))
         return [self._shape(g) for g in geoms]
@@ -123,11 +126,11 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # an ellipsoid is replaced by the box that encloses it
+        else:  # an ellipsoid is replaced by the box around it
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         walls = list(filter(self._is_wall, self.still))
-        # a scene without walls keeps its points, although nothing touches them
+        # if a scene of this package has no walls, its points touch nothing, but must be kept
         is_point = self.ours and bool(POINT.fullmatch(name))
         alone = is_point and not walls and self.works
         return LinkShape(
@@ -142,9 +145,10 @@ class Contacts:
         )
 
     def differences(self) -> Iterator[Difference]:
-        """Yield a difference for each shape at rest that moving bodies touch and that becomes no wall.
+        """Yield a difference for each shape that does not move, touches moving bodies, and is no plane.
 
-        A further difference says that contacts with walls are soft in MuJoCo.
+        Only planes become walls. If there are walls, a further difference says that their contacts are soft
+        in MuJoCo.
         """
         model = self.model
         walls = False

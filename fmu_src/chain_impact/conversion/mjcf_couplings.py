@@ -1,6 +1,6 @@
-"""The couplings between joints and bodies of an MJCF model: equalities, tendons, flexes.
+"""Couplings between joints and bodies of an MJCF model, which scenes do not have.
 
-Scenes have no couplings.
+They are equalities, tendons and flexes.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ FORCES = {
     "tendon_limited": "LIMIT",
     "tendon_armature": None,
 }
-"""Field with which a tendon acts on a joint → flag that disables this action; None if no flag does."""
+"""Field with an effect of a tendon → flag that disables this effect; None if no flag does."""
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
-    """Yield the couplings between joints or bodies, which a scene cannot have."""
+    """Yield a difference for each active coupling between joints or bodies of a model."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
     if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
@@ -38,7 +38,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
-    """Return the difference for an equality that is active at the start."""
+    """Return the difference for equality ``e``, which is active at the start."""
     kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
     kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
     joints, bodies = frozenset[str](), frozenset[int]()
@@ -59,10 +59,10 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 
 
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
-    """Yield a difference of the scene, which has no tendons, from the file if tendon t acts on the motion.
+    """Yield a difference for tendon ``t`` if the tendon has an effect on the motion.
 
-    A tendon acts if one of its values in FORCES is not 0 and the file does not switch this kind of force off;
-    ``off`` has the names of the flags for the kinds that are off.
+    It has one if one of its fields in FORCES is not 0 and the file does not disable this effect. ``off`` has
+    the names of all flags that the file sets.
     """
     acting = [
         field.removeprefix("tendon_")

@@ -1,4 +1,4 @@
-"""The effects of MJCF's actuators at a joint: motors, and servos, which are springs and dampers."""
+"""MJCF's actuators at a joint as drives of a scene: motors, and servos, which are springs and dampers."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, Effect, of_joint
 from chain_impact.conversion.robot import Joint
 
-# [rad/s] a speed that joints of robots hardly reach: a limit of torque that limits a damper's torque only
-# above this speed does not matter
+# [rad/s] A speed that joints of robots hardly reach. If a limit of torque acts on a damper only above this
+# speed, the difference has no effect.
 FAST = 20.0
-ALIKE = 1e-9  # the largest difference of two limits that count as equal, relative to the larger limit
+ALIKE = 1e-9  # two limits count as equal if they differ by at most ALIKE × the larger one
 
 
 @dataclass(frozen=True)
 class Drive:
     """The torque of an actuator at a joint: ``torque − stiffness q − damping q̇``.
 
-    q is MuJoCo's angle [rad] or position [m] of the joint. For a slide the units have N and m.
+    q is MuJoCo's angle [rad] or position [m] of the joint. The units are those of a hinge; a slide has N and
+    m in place of N·m and rad.
 
     Attributes:
         name: the name of the actuator.
-        torque: part of the torque that does not depend on q, with the control at the start [N·m].
-        gain: the change of the torque for a change of the control by 1.
-        stiffness: [N·m/rad].
-        damping: [N·m·s/rad].
+        torque: the part of the torque that does not depend on q, with the control at the start [N·m].
+        gain: the change of the torque if the control changes by 1 [N·m].
+        stiffness: of the actuator as a spring [N·m/rad].
+        damping: of the actuator as a damper [N·m·s/rad].
         low: least torque [N·m], −∞ if there is none.
         high: largest torque [N·m], ∞ if there is none.
     """
@@ -44,18 +45,21 @@ class Drive:
 
     @property
     def is_servo(self) -> bool:
-        """Whether the actuator controls an angle or a speed."""
+        """Whether the actuator is a servo, which controls an angle or a speed, and not a motor."""
         return self.stiffness > 0.0 or self.damping > 0.0
 
 
 class Drives:
-    """The actuators of a model, and the ``differences`` between them and the drives of a scene.
+    """The actuators of a model as drives of a scene.
 
-    ``differences`` collects the parts of them that a scene lacks or has otherwise.
+    ``differences`` collects what a scene cannot have of the actuators, or has in another form.
     """
 
     def __init__(self, mujoco: Any, model: Any, control: np.ndarray, activation: np.ndarray) -> None:
-        """Find the actuators of a model, with the controls and activations at the start."""
+        """Find the actuators of each joint.
+
+        ``control`` and ``activation`` are MuJoCo's arrays at the start.
+        """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
         self.differences: list[Difference] = []
         self.at: dict[int, list[int]] = {}
@@ -69,7 +73,7 @@ class Drives:
                 self._tell_other(a)
 
     def _active(self, a: int) -> bool:
-        """Return whether an actuator can act: whether it is neither disabled nor without effect."""
+        """Return whether actuator ``a`` can act: neither all actuators nor its group are disabled."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
         return self.works and not off
@@ -85,9 +89,9 @@ class Drives:
         )
 
     def _tell_other(self, a: int) -> None:
-        """Report an actuator that acts on something other than a joint."""
+        """Report actuator ``a``, which acts on something other than a joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        sticks = kind == "body"  # sticks: the actuator makes touching bodies adhere
+        sticks = kind == "body"  # an actuator on a body makes this body adhere to the bodies that it touches
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
@@ -95,9 +99,9 @@ class Drives:
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
-        """Return joint ``j`` with its actuators.
+        """Return ``joint``, MuJoCo's joint ``j``, with all its actuators.
 
-        ``zero`` is MuJoCo's angle or position of the joint at which the scene's angle or position is 0.
+        ``zero`` is MuJoCo's angle or position of the joint where the scene's angle or position is 0.
         """
         for a in self.at.get(j, []):
             joint = self._geared(joint, a)
@@ -112,9 +116,9 @@ class Drives:
         return joint
 
     def _geared(self, joint: Joint, a: int) -> Joint:
-        """Return a joint with the damping and the rotor inertia of actuator ``a`` added.
+        """Return a joint to which the damping and the rotor inertia of actuator ``a`` are added.
 
-        At the joint both are multiplied by the square of the gear ratio.
+        They act at the joint multiplied by the square of the gear ratio.
         """
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
@@ -134,10 +138,10 @@ class Drives:
         return float(self.model.actuator_gear[self.model.actuator_outadr[a], 0])
 
     def _drive(self, joint: Joint, a: int) -> Drive | None:
-        """Return actuator ``a`` as a motor or a servo; None if the actuator is neither.
+        """Return actuator ``a`` as a motor or a servo; None, after a report, if it is neither.
 
         In MuJoCo, force = gain · control + b₀ + b₁ · length + b₂ · velocity, with b₀, b₁ and b₂ from
-        ``biasprm``. The length is gear · q, for the angle or position q of the joint; the torque is gear ·
+        ``biasprm``. With the joint's angle or position q, the length is gear · q, and the torque is gear ·
         force.
         """
         model, kinds = self.model, self.mujoco
@@ -169,9 +173,9 @@ class Drives:
         return Drive(self._name(a), torque, scale, float(stiffness), float(damping), low, high)
 
     def _control(self, joint: Joint, a: int) -> float:
-        """Return the control at the start; report a delay and an activation, which a scene cannot have.
+        """Return the control of actuator ``a`` at the start.
 
-        Report a delay and an activation, which a scene cannot have.
+        Report a delay and an activation, which a scene does not have; an activation replaces the control.
         """
         model, kinds = self.model, self.mujoco.mjtDyn
         value = float(self.control[model.actuator_ctrladr[a]])
@@ -191,14 +195,17 @@ class Drives:
         return value
 
     def _clamps(self, a: int) -> bool:
-        """Return whether the control of an actuator has limits."""
+        """Return whether the control of actuator ``a`` is limited."""
         model, flag = self.model, self.mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
         return (
             bool(model.actuator_ctrllimited[model.actuator_ctrladr[a]]) and not model.opt.disableflags & flag
         )
 
     def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
-        """Return the least and the largest torque of an actuator."""
+        """Return the least and the largest torque of actuator ``a`` at the joint.
+
+        They follow from the limits of its force and, for a motor, from the limits of its control.
+        """
         model, low, high = self.model, -math.inf, math.inf
         if model.actuator_forcelimited[a]:
             low, high = (float(force) for force in model.actuator_forcerange[a])
@@ -209,14 +216,11 @@ class Drives:
         return low, high
 
     def _with(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
-        """Return a joint with its drives: one spring and one damper stand for all springs and dampers.
-
-        One spring and one damper take the place of all springs and dampers.
-        """
+        """Return a joint with its drives; all springs become one spring, and all dampers one damper."""
         stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
         damping = joint.damping + sum(drive.damping for drive in drives)
-        # Springs with stiffness kᵢ and rest angle rᵢ, and a torque τ, act like one spring with k = Σ kᵢ.
-        # Its rest angle is r = (Σ kᵢ rᵢ + τ) / k, because Σ kᵢ (rᵢ − q) + τ = k (r − q).
+        # Springs with stiffnesses kᵢ and rest angles rᵢ, and a torque τ, act like one spring with the
+        # stiffness k = Σ kᵢ and the rest angle r = (Σ kᵢ rᵢ + τ) / k, because Σ kᵢ (rᵢ − q) + τ = k (r − q).
         torque = sum(drive.torque - drive.stiffness * zero for drive in drives)
         rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
         servo = any(drive.is_servo for drive in drives)
@@ -242,7 +246,11 @@ class Drives:
     def _drive_differences(
         self, joint: Joint, j: int, drives: list[Drive], stiffness: float, torque: float
     ) -> Iterator[Difference]:
-        """Yield the differences of the drives at a joint."""
+        """Yield differences of the drives at a joint: a torque at the start, and the controls of servos.
+
+        ``stiffness`` is that of all springs of the joint together; ``torque`` is the torque of all drives at
+        q = 0.
+        """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
@@ -262,7 +270,10 @@ class Drives:
         self.differences.append(of_joint(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float) -> None:
-        """Report that the limit of a scene's drives also limits the spring and the damper of the joint."""
+        """Report that the limit of a scene's drives also limits the spring and the damper at the joint.
+
+        In MuJoCo the limit acts on the actuators only.
+        """
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
             way = f"{limit / joint.stiffness:.3g} {unit}"
@@ -274,9 +285,10 @@ class Drives:
             self._tell_joint(joint, text, Effect.MOTION if speed < FAST else Effect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
-        """Return the largest torque of all drives together; None if there is no limit.
+        """Return the largest torque of all drives of a joint together; None if there is no limit.
 
-        A scene has the same limit in both directions, so the larger limit counts.
+        A limit of a scene is the same in both directions; if the two directions differ, the larger limit is
+        used and the difference reported.
         """
         low, high = (sum(drive.low for drive in drives), sum(drive.high for drive in drives))
         if self.model.jnt_actfrclimited[j]:
@@ -291,5 +303,5 @@ class Drives:
 
 
 def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
-    """Return the remark that the control of an actuator in the file differs from the target of a joint."""
+    """Return the difference that the control of a servo in the file is not just the scene's target."""
     return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)

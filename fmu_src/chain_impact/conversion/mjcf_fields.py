@@ -1,4 +1,8 @@
-"""The treatment of each field of MuJoCo's compiled model and options: used, reported, or without effect."""
+"""How the conversion treats each field of MuJoCo's compiled model and options.
+
+A field is used, or reported if it is not the default, or known to have no effect here. A field of a newer
+MuJoCo that is none of these is reported if it is not 0.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +32,8 @@ USED_FIELDS = """
     tendon_stiffnesspoly tendon_dampingpoly names name_actuatoradr opt
     opt.gravity opt.disableflags opt.enableflags opt.disableactuator opt.o_friction
 """
-"""The fields that the conversion reads: their values are in the scene, or are reported by the code that reads
-them."""
+"""The fields that the conversion reads: their values are in the scene, or the code that reads a field reports
+it."""
 
 WITHOUT_EFFECT = {
     "counts, addresses and names": """
@@ -69,7 +73,8 @@ WITHOUT_EFFECT = {
         opt.solver opt.cone opt.o_margin
     """,
 }
-"""Reason why fields have no effect here → names of these fields, in which ``*`` stands for any text."""
+"""Reason why some fields have no effect here → the names of these fields, in which ``*`` stands for any
+text."""
 DISABLED = {
     "CONSTRAINT": "no contacts, limits, dry friction and equalities",
     "EQUALITY": "no equalities",
@@ -82,27 +87,28 @@ DISABLED = {
     "CLAMPCTRL": "no limits of controls",
     "ACTUATION": "no actuators",
 }
-"""Flag with which a file disables a feature → words for the report; the scene lacks this feature, too."""
+"""Flag by which a file disables a feature → words for the note; the scene does not have this feature
+either."""
 WITHOUT_EFFECT_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
-"""Flags that need no report: they concern the search for contacts, soft contacts or time steps.
+"""Flags that need no note, because they concern the search for contacts, soft contacts or time steps.
 
-The flag OVERRIDE also replaces the friction of all contacts; mjcf_contacts.py reads this friction.
+OVERRIDE also replaces the friction of all contacts, which mjcf_contacts.py takes into account.
 """
 MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
 class FieldRemark(NamedTuple):
-    """A field that is reported if its value is not the default.
+    """A field that is reported for each element in which its value is not the default.
 
     Attributes:
         field: the name of the field.
-        kind: the kind of element to which the field belongs.
-        default: the default, a number.
-        effect: the effect of another value.
-        text: the sentence on the element.
+        kind: the kind of element that has the field.
+        default: the default value.
+        effect: what another value changes.
+        text: the rest of the sentence on the element, after its kind and name.
         differs: True if the scene has the element in another form, False if the scene does not have it.
     """
 
@@ -168,7 +174,7 @@ FIELD_REMARKS = (
 
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
-    """Yield a difference for each value of a compiled model that a scene cannot have, or that is unknown."""
+    """Yield a difference for each value of a model that a scene cannot have, or that is unknown here."""
     values = dict(fields(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:
@@ -197,7 +203,10 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 
 
 def _about(model: Any, row: FieldRemark, i: int) -> Difference:
-    """Return the remark on element ``i`` of the file, with the joint or body to which the element belongs."""
+    """Return the difference for element ``i`` of the kind ``row.kind``.
+
+    It is not reported if the joint of the element is held, or if its body does not move.
+    """
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
         return Difference(kind="option", name=row.field[4:], **common)
@@ -213,9 +222,10 @@ def _about(model: Any, row: FieldRemark, i: int) -> Difference:
 
 
 def treatments(field: str) -> list[str]:
-    """Return the treatments of a field of the model, or of an option ``opt.name``; empty if unknown.
+    """Return how a field is treated: "used", "remarked", or reasons why it has no effect.
 
-    A pattern does not apply to a field that is used or reported by name.
+    ``field`` is a field of the model, or ``opt.<name>`` for an option; the list is empty if the field is
+    unknown. The patterns of WITHOUT_EFFECT do not apply to a field that is used or reported by its name.
     """
     named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS
@@ -229,7 +239,7 @@ def treatments(field: str) -> list[str]:
 
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the fields of a model and of its options, with their values."""
+    """Yield name and value of each field of a model and, as ``opt.<name>``, of its options."""
     for prefix, part in (("", model), ("opt.", model.opt)):
         for name in dir(part):
             if not name.startswith("_") and not callable(value := getattr(part, name)):
@@ -237,7 +247,7 @@ def fields(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def flag_notes(mujoco: Any, model: Any) -> Iterator[str]:
-    """Yield a note on the features that flags in the file disable; the scene does not have these features."""
+    """Yield a note on the features that the file disables, and that the scene does not have either."""
     flags = model.opt.disableflags
     disabled = [
         text for name, text in DISABLED.items() if flags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}")

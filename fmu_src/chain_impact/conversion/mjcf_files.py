@@ -1,4 +1,7 @@
-"""An MJCF file that MuJoCo compiles, if necessary with stand-ins for missing files."""
+"""Compiles an MJCF file with MuJoCo, if necessary with stand-ins for files that are missing.
+
+A stand-in is a part that replaces a mesh, a picture or another part whose file is missing.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +13,17 @@ from chain_impact.scene.reading import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-"""The faces of the tetrahedron that replaces a missing mesh, each with the indices of three corners."""
+"""The faces of the tetrahedron that stands in for a missing mesh, each as the indices of three of its
+CORNERS."""
 
 
 class Compiled(NamedTuple):
-    """A compiled file.
+    """A compiled MJCF file.
 
     Attributes:
         spec: the elements of the file.
         model: MuJoCo's compiled model.
-        stand_ins: names of the meshes and other parts that are replaced because their files are missing.
+        stand_ins: names of the meshes and other parts that stand-ins replace.
         differences: the parts that could not be read, and MuJoCo's warnings.
     """
 
@@ -30,10 +34,10 @@ class Compiled(NamedTuple):
 
 
 def compiled(mujoco: Any, path: Path) -> Compiled:
-    """Return a file, compiled; the warnings of MuJoCo are part of the differences.
+    """Return an MJCF file, compiled.
 
     Raises:
-        SceneError: when MuJoCo cannot read the file, or a body has its mass only from a missing mesh.
+        SceneError: when MuJoCo cannot read the file, or a body would get all its mass from a missing mesh.
     """
     try:
         with collected_warnings("MuJoCo") as differences:
@@ -61,10 +65,10 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
-    """Replace each part whose file is missing, so that MuJoCo can compile the rest.
+    """Replace each part whose file is missing by a stand-in, so that MuJoCo can compile the rest.
 
-    If no file is missing, a file has a fault; then all parts with files are replaced. The result maps the
-    name of each replaced part to its file.
+    If no file is missing, some file has a fault; then all parts with files are replaced. Return name of a
+    replaced part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]
@@ -88,10 +92,7 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
 
 
 def _file(asset: Any) -> str:
-    """Return the file of a part, or "" for a part without a file.
-
-    A cube with several pictures has several files; the first one is returned.
-    """
+    """Return the file of a part, or "" if it has none; of a cube with several pictures, the first file."""
     return str(asset.file or next(filter(None, getattr(asset, "cubefiles", ())), ""))
 
 
@@ -101,9 +102,9 @@ def _found(spec: Any, path: Path, file: str) -> bool:
 
 
 def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
-    """Set the mass of each shape with a missing mesh to 0, because the stand-in has another mass.
+    """Set the mass of each shape with a missing mesh to 0, as the stand-in would give it a wrong mass.
 
-    Return the bodies that lose mass in this way, each with the name of the mesh.
+    Return the bodies that lose mass by this, each with the name of the mesh.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
@@ -120,7 +121,8 @@ def _weightless(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[An
 def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
     """Return the compiled model.
 
-    If MuJoCo refuses a body without mass, the error names the missing meshes that would give the mass.
+    If MuJoCo refuses a body because it has no mass, the error names the missing meshes that would give the
+    mass.
     """
     try:
         return spec.compile()

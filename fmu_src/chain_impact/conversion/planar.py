@@ -1,4 +1,4 @@
-"""The conversion of a robot in space to a planar chain, whose joints have parallel axes."""
+"""The conversion of a robot in space to a planar chain; the axes of the robot's joints must be parallel."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ from chain_impact.conversion.walls import Walls
 from chain_impact.recording.text import few
 from chain_impact.scene.reading import UnknownNameError
 
-# number of digits of numbers in a scene; robot files have fewer digits, so digits beyond these are round-off
+# number of digits of each number in a scene; robot files have fewer digits, so that further ones are
+# round-off
 DIGITS = 14
 
 
@@ -36,8 +37,8 @@ class Choices(NamedTuple):
     Attributes:
         joints: names of the joints that move; all other joints are held at their start. Without names all
             joints move.
-        plane: directions, in the robot's axes, of the scene's x and y axes, for example ``-x,z``; None for
-            the default of ``plan_of``.
+        plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
+            default of ``plan_of``.
         tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
         keyframe: the keyframe at which the robot starts; None for the first one of the file.
     """
@@ -49,14 +50,15 @@ class Choices(NamedTuple):
 
 
 class Converted(NamedTuple):
-    """The result of a conversion.
+    """A scene and the remarks on its conversion.
 
     Attributes:
         data: the data of the scene.
         warnings: sentences on differences that change the motion, with the largest effect first.
-        differs: sentences on other parts of the robot that the scene has in another form.
-        left_out: sentences on other parts of the robot that the scene does not have.
-        notes: sentences on the relation of the scene to the robot.
+        differs: sentences on parts of the robot that the scene has in another form; the motion does not
+            change.
+        left_out: sentences on parts of the robot that the scene does not have; the motion does not change.
+        notes: sentences on how the scene was made of the robot.
     """
 
     data: dict[str, Any]
@@ -67,7 +69,7 @@ class Converted(NamedTuple):
 
 
 def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
-    """Return the scene of a robot; ``source`` is the file's name for messages.
+    """Return the scene of a robot, with the remarks; ``source`` is the file's name for messages.
 
     Raises:
         NoChainError: when the robot is not a planar chain.
@@ -77,7 +79,7 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
 
 
 class _Conversion:
-    """One conversion of a robot, which collects notes, and differences between the robot and the scene."""
+    """The conversion of one robot, which collects notes, and differences between robot and scene."""
 
     def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
@@ -128,7 +130,7 @@ class _Conversion:
         return Converted(_rounded(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
-        """Return the table of the inputs that the drives need; a free base has no joint 1."""
+        """Return the table ``inputs`` that drives need, or {}; a free base has no joint 1 to drive."""
         free, slides = self.chosen.base == "free", self.chosen.base == "slider"
         inputs = {name for hinge in self.hinges[free:] for name in hinge.joint.inputs}
         for name in self.slides[0].joint.inputs if slides else ():
@@ -136,12 +138,12 @@ class _Conversion:
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld(self) -> set[str]:
-        """Return the names of the joints that move a free base and have no form in the scene."""
+        """Return the names of the joints that move a free base; the scene does not have them as joints."""
         free = self.chosen.base == "free"
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
 
     def _carriage(self) -> list[int]:
-        """Return the bodies that slide with the base and belong to no link."""
+        """Return the bodies that move with a slide of the base, but belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.link_of[b] < 0 and before & {*above(self.robot, b)}]
@@ -149,7 +151,7 @@ class _Conversion:
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
         """Return body → index of its link, −1 for no link; and the bodies of each link.
 
-        A link has all bodies from one joint of the chain to the next joint.
+        A link consists of all bodies from one hinge of the chain up to the next hinge.
         """
         parts: list[list[int]] = [[] for _ in self.hinges]
         link_of: dict[int, int] = {-1: -1}
@@ -161,9 +163,10 @@ class _Conversion:
         return link_of, parts
 
     def _gravity(self) -> np.ndarray:
-        """Return gravity [m/s²] without the part that the file compensates in all bodies.
+        """Return gravity [m/s²], without the share that the file's gravcomp bears in all moving bodies.
 
-        Other compensations are reported.
+        If gravcomp bears different shares, each of them is reported, and gravity is whole. Masses of bodies
+        that belong to no link are reported, too.
         """
         still = []
         for b, body in enumerate(self.robot.bodies):
@@ -206,10 +209,10 @@ class _Conversion:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
-        """Return the end of the last link, relative to its joint [m].
+        """Return the end of the last link relative to the last joint, in the plane [m].
 
-        It is the chosen or the farthest frame; without frames, it is twice as far from the joint as the
-        centre of mass.
+        It is the frame that the user has chosen, or the frame farthest from the joint; without frames, it is
+        twice as far from the joint as the centre of mass.
         """
         part, hinge = self.parts[-1], self.hinges[-1]
         ends: dict[str, np.ndarray] = {}
@@ -247,14 +250,17 @@ class _Conversion:
         )
 
     def _from(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
-        """Return the position of a point of body ``b`` relative to a joint, in the plane [m]."""
+        """Return a point of body ``b`` relative to a hinge, in the plane [m].
+
+        ``point`` has the coordinates in the body's axes [m].
+        """
         rotation, position = self.poses[b]
         return self.plan.flat(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
-        """Return mass, centre of mass and inertia about this centre of several bodies together.
+        """Return mass, centre of mass and moment of inertia of several bodies together.
 
-        The centre is given relative to a joint.
+        The centre is relative to a hinge, in the plane [m]; the moment is about the centre [kg·m²].
         """
         bodies: list[Body] = [self.robot.bodies[b] for b in part]
         masses = np.array([body.mass for body in bodies])
@@ -268,9 +274,9 @@ class _Conversion:
         return mass, center, about
 
     def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
-        """Return the mass, centre of mass and inertia of a link under the keys of a scene.
+        """Return mass, centre of mass and inertia of a link, by keys of a scene; refuse a link without mass.
 
-        A link without mass is refused.
+        ``along`` is the unit vector along the link.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
@@ -282,9 +288,11 @@ class _Conversion:
         return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
-        """Write damping, stiffness, friction, armature, torque limit and stops of each joint into its link.
+        """Write the values of each joint into its link; return angles and angular velocities of the links.
 
-        The function returns the angles and angular velocities of the links at the start.
+        The values are damping, stiffness, friction, armature, torque limit and stops. The angles [rad] and
+        angular velocities [rad/s] are absolute, at the start. ``directions`` are the angles of the links
+        before any joint moves.
         """
         angle, speed, before = 0.0, 0.0, 0.0
         angles, speeds, turned = [], [], []
@@ -303,9 +311,14 @@ class _Conversion:
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
-        """Write a joint's values into the table of its link, and return the joint's angle at the start.
+        """Write a joint's values into the table of its link; return the joint's angle at the start [rad].
 
-        Without ``grounded`` there is no joint, only link 1 of a free base.
+        Args:
+            link: the table of the link.
+            joint: the joint of the robot.
+            offset: the scene's angle of the joint where the robot's angle is 0 [rad].
+            sign: −1 if the robot's angles count in the other direction, else 1.
+            grounded: False for link 1 of a free base, which has no joint: the values are reported instead.
         """
         start, low, high = (offset + sign * value for value in (joint.start, joint.low, joint.high))
         low, high = (low, high) if sign > 0.0 else (high, low)
@@ -317,7 +330,7 @@ class _Conversion:
         return self._within(joint, low, start, high, "rad")
 
     def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
-        """Return the value at which a joint starts; a start beyond a stop is moved to the stop."""
+        """Return the value at which a joint starts; a start beyond a stop is moved to it, and reported."""
         stop = min(max(start, low), high)
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
@@ -326,7 +339,7 @@ class _Conversion:
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
-        """Report the values of a joint that the scene does not have, because the base is free."""
+        """Report the values and drives of a joint that moves a free base, as the scene does not have them."""
         values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
         lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
         if lost:
@@ -338,7 +351,10 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the key ``slider`` of [chain], if the base slides, and the base's keys of [initial]."""
+        """Return the base's key in [chain], ``slider`` or none, and the base's keys in [initial].
+
+        ``anchor`` is the place of joint 1 before any joint moves, ``gravity`` that of the scene.
+        """
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
@@ -356,7 +372,10 @@ class _Conversion:
         }
 
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
-        """Return the table of a slider, whose position is 0 at the start."""
+        """Return the table of a slider; its position in the scene counts from the start.
+
+        ``way`` is the slide's direction in the plane, ``start`` the joint's position at the start [m].
+        """
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
@@ -365,14 +384,14 @@ class _Conversion:
             self._tell("joint", joint.name, text, effect, differs=True)
         values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {
-            "angle": math.atan2(way[1], way[0]) + 0.0,  # adding 0.0 turns −0 into 0
+            "angle": math.atan2(way[1], way[0]) + 0.0,  # 0.0 is added, because a file would show −0
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{name: value for key, value in values.items() if (name := JOINT_KEYS[key].slider)},
         }
 
 
 def _rounded(data: Any) -> Any:
-    """Return data with numbers of DIGITS digits; further digits are round-off."""
+    """Return data in which each number has DIGITS digits; further digits are round-off."""
     if isinstance(data, dict):
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):

@@ -1,4 +1,4 @@
-"""The points with which a link touches walls, from the shapes of the link's bodies."""
+"""The points with which a link touches walls, computed from the shapes of the link's bodies."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from chain_impact.conversion.joints import PARALLEL
 from chain_impact.conversion.robot import LinkShape
 
 OUTLINED = ("sphere", "capsule", "box", "cylinder")
-"""The kinds of shapes that points can replace, because the shape is the convex hull of balls or discs."""
-# [rad] the directions of walls for which the points of a link are chosen
+"""The kinds of shapes that points can replace, because each is the convex hull of some balls or discs."""
+# [rad] the directions from a link to a wall for which the link's points are chosen
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 DIRECTIONS = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
-# [rad] angles of the points that replace the rim of a disc; for a disc that is seen from the side, two points
-# suffice
+# [rad] where points lie on the rim of a disc that they replace, for a disc that is not seen exactly from the
+# side
 RIM = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
 
 class Ball(NamedTuple):
-    """A ball that may touch a wall.
+    """A ball that may touch a wall; its centre and radius become those of a point.
 
     Attributes:
-        at: centre in the plane, shape (2,) [m].
+        at: centre in the plane before any joint moves, shape (2,) [m].
         radius: radius [m].
-        name: name of its shape.
-        blur: distance [m] within which places count as equal, because directions that differ by ``PARALLEL``
-            count as parallel.
-        is_point: whether it is a point, also if others lie further out.
+        name: name of the shape from which the ball comes.
+        blur: distance [m] up to which places count as equal; it follows from ``PARALLEL``, the angle up to
+            which directions count as parallel.
+        is_point: whether the shape is a point of a scene, which is kept even if it never touches a wall
+            first.
     """
 
     at: np.ndarray
@@ -43,15 +44,19 @@ class Ball(NamedTuple):
 
 
 def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
-    """Yield the balls whose convex hull is the projection of a shape onto the plane of the motion."""
+    """Yield balls whose convex hull is the projection of a shape onto the plane of the motion.
+
+    ``pose`` is rotation and position of the shape's body. The rim of an oblique disc is replaced by single
+    points.
+    """
     rotation, position = pose
     centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
-    # a bound on the distance of any two corners: twice the largest distance from the first corner
+    # no two corners are farther apart than twice the largest distance from the first corner
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL * float(size))
     if shape.disc is not None:
-        # the projection of `disc` onto the plane; the vector `disc` is parallel to the axis, with the radius
-        # as its length
+        # `disc` is parallel to the axis of the disc and as long as its radius; here it is projected onto the
+        # plane
         along = plan.flat(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL * size:
@@ -68,9 +73,10 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
 
 
 def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
-    """Return the extent [m] of a shape from its centre in each direction; None if balls replace it exactly.
+    """Return how far a shape extends in each of DIRECTIONS, shape (directions,) [m]; for oblique discs only.
 
-    A disc whose axis has the angle γ to a direction reaches radius · sin γ from its centre in this direction.
+    The result is None if the balls of ``balls_of`` are exact. A disc of radius r whose axis has the angle γ
+    to a direction extends r sin γ from its centre in this direction.
     """
     if shape.disc is None:
         return None
@@ -84,16 +90,20 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
-    """Return the extent [m] of each ball in each direction, shape (directions, balls)."""
+    """Return how far each ball extends from the origin in each of DIRECTIONS [m].
+
+    The shape is (directions, balls).
+    """
     centers = np.array([ball.at for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return the fewest balls with which a straight wall in any direction touches first.
+    """Return the fewest balls of a link that walls in all directions touch first.
 
-    A ball is left out if every wall that the ball touches first touches other balls at the same time, up to
-    round-off. Of balls at the same place, only the first one in the file is left.
+    A ball is left out if each wall that touches it first touches another ball at the same time, up to
+    round-off. Of balls at the same place, only the first one in the file stays. Balls with ``is_point``
+    always stay.
     """
     if not balls:
         return []
@@ -107,17 +117,20 @@ def outermost(balls: Sequence[Ball]) -> list[Ball]:
 
 
 def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
-    """Return whether a ball of a link is inside a ball of the next link, whatever the angle between them."""
+    """Return whether a ball of a link lies in a ball of its neighbour for every angle of the joint between.
+
+    ``joint`` is the position of this joint.
+    """
     away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
     return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)
 
 
 def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
-    """Return the balls of each link without those that are always inside a ball of a neighbouring link.
+    """Return the balls of each link, without those that always lie inside a ball of a neighbouring link.
 
     Args:
         balls: the balls of each link, from the base to the tip.
-        places: positions of the joints and the tip [m].
+        places: positions of the joints and the tip, before any joint moves [m].
     """
     kept = [list(found) for found in balls]
     for i in range(1, len(kept)):
@@ -133,7 +146,11 @@ def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) ->
 
 
 def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
-    """Return the tables of the points of a link that begins at a joint and points along a direction."""
+    """Return the tables of a link's points.
+
+    ``joint`` is the position of the joint at which the link begins, and ``along`` the unit vector along the
+    link.
+    """
     counts, seen = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []
     for ball in balls:

@@ -1,4 +1,4 @@
-"""Proposals of joints that form a planar chain, for a robot whose joints together form none."""
+"""Proposals of joints that form a planar chain, for a robot whose moving joints together form none."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.reading import SceneError
 
-TRIALS = 200  # largest number of conversions that are tried for a proposal; each takes a few ms
+TRIALS = 200  # largest number of conversions that are tried to find a proposal; each takes a few ms
 
 
 def chain_of(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
 ) -> Converted:
-    """Return the scene of a robot; ``check`` may raise further errors.
+    """Return the scene of a robot; if there is none, the error proposes joints to move.
 
-    ``source`` is the file's name for messages.
+    ``source`` is the file's name for messages; ``check`` may refuse a scene by an error.
 
     Raises:
         NoChainError: when the robot is not a planar chain; the message names joints that would form a planar
-            chain, if there are such joints.
-        SceneError: when the choices do not fit the robot.
+            chain, if some are found.
+        SceneError: when the choices do not fit the robot, or from ``check``.
     """
     try:
         done = planar_chain(robot, choices, source)
@@ -39,7 +39,10 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """Return the names of the largest set of joints that a trial converts to a scene; None if none does."""
+    """Return the names of the largest set of joints that a trial converts to a scene; None if none does.
+
+    If a trial fails because of some joints, sets without one of them are tried next.
+    """
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
@@ -61,10 +64,10 @@ def _proposed(
 
 
 def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
-    """Yield names of joints to try, the longest list first.
+    """Yield lists of joints to try, by name, from the longest path of hinges.
 
-    The hinges of a list have parallel axes and follow one another from the base outwards. Lists with the
-    slides before the first hinge come before the same lists without them.
+    The hinges of a list have parallel axes and follow one another from the base outwards. A list with the
+    slides before its first hinge comes before the list without slides.
     """
     pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
     paths: list[list[Moving]] = []
@@ -79,7 +82,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
-    """Yield the joints of a group from the base to each last joint, which no other joint follows.
+    """Yield the paths of a group of joints: for each outermost joint, the joints from the base up to it.
 
     The joints of the group are in the order from the base outwards.
     """

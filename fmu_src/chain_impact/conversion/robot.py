@@ -1,4 +1,4 @@
-"""A robot in the form of its file: a tree of bodies in space, before the conversion to a planar chain."""
+"""A robot as its file describes it: a tree of bodies in space, before the conversion to a planar chain."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from chain_impact.conversion.differences import Difference
 
 
 def identifier(name: str, prefix: str) -> str:
-    """Return a name of letters, digits and _.
+    """Return a name that consists of letters, digits and _, made from ``name``.
 
-    The prefix is put before a digit at the beginning, and in place of an empty name.
+    ``prefix`` comes before a digit at the beginning, and replaces an empty name.
     """
     plain = re.sub(r"\W+", "_", name, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z_]", plain) else f"{prefix}_{plain}"
@@ -24,24 +24,26 @@ def identifier(name: str, prefix: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
-    """A joint between a body and its parent. Angles count from the pose that the file gives.
+    """A joint between a body and its parent; its angle or position is 0 in the pose that the file gives.
+
+    Where two units are given, the first is for a hinge, and the second for a slide.
 
     Attributes:
         name: the name in the file.
         kind: ``hinge``, ``slide`` or another kind that no scene has.
-        axis: direction of the joint's axis, in the body's axes.
+        axis: unit vector along the joint's axis, in the body's axes.
         anchor: a point on the axis, in the body's axes [m].
-        low: least angle [rad] or position [m]; −∞ without a limit.
-        high: largest angle or position; ∞ without a limit.
-        damping: [N·m·s/rad]; for a slide [N·s/m], and the other units in the same way.
-        stiffness: [N·m/rad].
-        rest: angle at which the spring has no moment [rad].
-        friction: dry friction [N·m].
-        armature: [kg·m²].
-        torque_limit: [N·m]; None without a limit.
-        start: angle [rad] or position [m] at the start.
-        speed: rate of the angle or position at the start.
-        turn: rotation at the start of a ball joint, shape (3, 3); None for other joints.
+        low: least angle or position [rad or m]; −∞ without a limit.
+        high: largest angle or position [rad or m]; ∞ without a limit.
+        damping: [N·m·s/rad or N·s/m].
+        stiffness: of the joint's spring [N·m/rad or N/m].
+        rest: angle or position at which the spring has no moment or force [rad or m].
+        friction: dry friction [N·m or N].
+        armature: inertia of the rotor at the joint [kg·m² or kg].
+        torque_limit: limit of all drives [N·m or N]; None without a limit.
+        start: angle or position at the start [rad or m].
+        speed: rate of the angle or position at the start [rad/s or m/s].
+        turn: rotation of a ball joint at the start, shape (3, 3); None for other joints.
         inputs: keys of ``[inputs]`` that the joint's drives need.
         drives: names of the drives.
     """
@@ -66,12 +68,12 @@ class Joint:
 
 
 class JointKey(NamedTuple):
-    """The names of one quantity of joints.
+    """The names under which one quantity of a joint is written.
 
     Attributes:
-        link: the key of a link.
-        slider: the key of a slider; "" if a slider has no such key.
-        attribute: the attribute of MJCF; "" if the attribute has another form.
+        link: the key in the table of a link.
+        slider: the key in the table of a slider; "" if a slider has no such key.
+        attribute: the attribute of a joint in MJCF; "" if MJCF has no attribute with just this number.
     """
 
     link: str
@@ -89,19 +91,20 @@ JOINT_KEYS = {
     "low": JointKey("joint_min", "min"),
     "high": JointKey("joint_max", "max"),
 }
-"""Attribute of ``Joint`` → its names. The armature of a sliding base is part of the carriage's mass."""
+"""Attribute of ``Joint`` → the names of this quantity. A slider has no armature: it is part of the carriage's
+mass."""
 
 
 def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str, float]:
-    """Return the values of a joint that a scene has: attribute of ``Joint`` → value.
+    """Return the values of a joint that a scene gives, as attribute of ``Joint`` → value.
 
     Args:
         joint: the joint.
-        rest: the angle or position in the scene at which the joint's spring has no moment [rad or m].
+        rest: angle or position of the scene at which the joint's spring has no moment or force [rad or m].
         low: its least angle or position in the scene; −∞ without a stop.
         high: its largest angle or position in the scene; ∞ without a stop.
     """
-    # 0 is replaced by None, because it is the default of a scene
+    # a value of 0 is left out, as None, because a scene has it without a key
     values = {key: getattr(joint, key) or None for key in JOINT_KEYS}
     values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
     values |= {"low": low, "high": high}
@@ -110,19 +113,19 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
 
 @dataclass(frozen=True, kw_only=True)
 class LinkShape:
-    """A shape of a body, which may touch other shapes or is only visible.
+    """A shape of a body, which may touch other shapes or is only seen.
 
     Attributes:
         kind: the kind of shape, such as ``capsule``.
         touches: whether the shape can touch anything.
-        name: a name of letters, digits and _, or empty.
+        name: a name of letters, digits and _, or "".
         walls: whether the shape can touch a plane that does not move.
-        is_point: whether the shape is a point of a scene, also if other points lie further out.
-        corners: points of the body [m], shape (n, 3); the shape is the convex hull of balls around these
-            points.
+        is_point: whether the shape is a point of a scene of this package; such a point is always kept.
+        corners: points in the body's axes [m], shape (n, 3). The shape is the convex hull of balls of the
+            same size around these points, or of discs.
         radius: radius of the balls [m].
-        disc: None for balls. If discs replace the balls, as for a cylinder: a vector along the axis of the
-            discs, as long as the discs' radius [m].
+        disc: None if the shape consists of balls; for a cylinder, the vector along the axis of the discs that
+            is as long as their radius [m], in the body's axes.
     """
 
     kind: str
@@ -136,7 +139,7 @@ class LinkShape:
 
 
 def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
-    """Return corners, radius and disc (see ``LinkShape``) of a shape about its own centre.
+    """Return corners, radius and disc (see ``LinkShape``) of a shape whose centre is at the origin.
 
     Args:
         kind: sphere, capsule or cylinder; any other kind is replaced by a box.
@@ -156,20 +159,20 @@ def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """A rigid body.
+    """A rigid body of a robot.
 
     Attributes:
         name: the name in the file.
         parent: index of the parent in ``Robot.bodies``, −1 for the world.
         rotation: rotation of the body's axes relative to the parent's axes, shape (3, 3).
-        position: position of the body's origin in the parent [m].
+        position: position of the body's origin in the parent's axes [m].
         mass: [kg].
         center: centre of mass in the body's axes [m].
         inertia: inertia about the centre of mass in the body's axes, shape (3, 3) [kg·m²].
-        joints: the joints, in the order in which they act.
-        frames: named points [m] in the body's axes, of which one may be the tip.
+        joints: the joints between the body and its parent, in the order in which they act.
+        frames: named points in the body's axes [m], at one of which the last link may end.
         shapes: the shapes of the body.
-        borne: part of the weight that the file compensates.
+        borne: the share of the body's weight that the file compensates (gravcomp); 1 for all of it.
     """
 
     name: str
@@ -187,13 +190,13 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class Plane:
-    """A plane that does not move; its normal points to the free side.
+    """A plane that does not move; bodies are on the side to which its normal points.
 
     Attributes:
         name: the name in the file.
-        point: a point on the plane [m].
-        normal: unit vector.
-        touching: indices of the bodies that can touch the plane, with the friction of each.
+        point: a point on the plane, in space [m].
+        normal: unit vector, in space.
+        touching: pairs of the index of a body that can touch the plane, and the coefficient of friction.
     """
 
     name: str
@@ -204,14 +207,14 @@ class Plane:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A tree of bodies, parents first.
+    """A tree of bodies in space; each parent comes before its children.
 
     Attributes:
         name: the name of the model.
         bodies: the bodies.
-        gravity: [m/s²].
+        gravity: acceleration by gravity in the world's axes [m/s²].
         planes: the planes that do not move.
-        carried: the data of the scene from which this package wrote the file; None for other files.
+        carried: the data of the scene from which this package wrote the file; None for any other file.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene has, or only in another form.
     """

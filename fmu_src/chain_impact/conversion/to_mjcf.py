@@ -1,4 +1,4 @@
-"""A scene as MJCF: elements for MuJoCo, and a text element with the data that MJCF cannot hold."""
+"""A scene as MJCF: elements for MuJoCo, and a text with the data of the scene, which MJCF cannot hold."""
 
 from __future__ import annotations
 
@@ -16,16 +16,20 @@ from chain_impact.recording.text import few
 from chain_impact.scene.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
 
-# the axis of a hinge: the motion is in the plane x–z, because z points upward in MuJoCo's pictures
+# axis of a hinge: the chain moves in the plane of x and z, as z points up in MuJoCo's pictures
 HINGE = "0 -1 0"
-LEAST_INERTIA = 2e-15  # [kg·m²] the smallest inertia that MuJoCo accepts
-# radius of points without a radius, relative to the longest link, because MuJoCo needs a radius above 0
+# [kg·m²] the smallest moment of inertia that MuJoCo accepts; smaller ones are replaced by it
+LEAST_INERTIA = 2e-15
+# radius of points that have none in the scene, divided by the length of the longest link; MuJoCo needs one
+# above 0
 LEAST_RADIUS = 1e-4
-LARGEST_STEP = 2e-3  # [s] MuJoCo's default time step; with larger steps MuJoCo would be too inaccurate
+# [s] MuJoCo's default time step; a larger step of the scene is replaced by it, since MuJoCo would be too
+# inaccurate
+LARGEST_STEP = 2e-3
 
 
 def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
-    """Return the MJCF of a scene, and sentences on what differs in MuJoCo, and on what is left out."""
+    """Return the MJCF of a scene, sentences on what MuJoCo does differently, and on what it does not have."""
     root = Element("mujoco", model=scene.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(
@@ -56,7 +60,7 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
 
 
 def _add_walls(world: Element, scene: Scene) -> None:
-    """Add a plane for each wall; the plane's z axis is the normal."""
+    """Add a plane for each wall; its normal, the z axis of the plane, points to the side of the chain."""
     points = {wall.name: wall.point for wall in scene.walls}
     size = sum(link.length for link in scene.chain.links)
     for name, plane in scene.half_planes.items():
@@ -82,7 +86,10 @@ def _add_walls(world: Element, scene: Scene) -> None:
 
 
 def _add_chain(world: Element, scene: Scene) -> None:
-    """Add a body for each link, with its origin in the proximal joint, and x along the link."""
+    """Add a body for each link.
+
+    Its origin is the joint at which the link begins, and its x axis is along it.
+    """
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
@@ -95,7 +102,7 @@ def _add_chain(world: Element, scene: Scene) -> None:
     for i, link in enumerate(links, 1):
         body = SubElement(parent, "body", name=f"link[{i}]", pos=position)
         _add_inertial(body, link.mass, (link.center_of_mass, link.center_of_mass_offset), link.inertia)
-        # MuJoCo does not accept a body without mass, so the carriage needs a link's mass
+        # MuJoCo accepts no body without mass, so without a carriage's mass the first link itself slides
         if slider is not None and slider.mass == 0.0 and i == 1:
             _add_slide(body, slider)
         if free and i == 1:
@@ -116,14 +123,14 @@ def _add_chain(world: Element, scene: Scene) -> None:
 
 
 def _add_inertial(body: Element, mass: float, center: tuple[float, float], inertia: float) -> None:
-    """Add the mass, centre of mass and inertia of a body."""
+    """Add mass, centre of mass and moment of inertia (about the centre, in the plane) to a body."""
     x, y = center
     about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
     SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
 
 
 def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
-    """Add a sphere for a point that touches walls."""
+    """Add a sphere for point ``number``, which touches walls; ``at`` is its centre in the body's axes [m]."""
     x, y = at
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
@@ -131,7 +138,7 @@ def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float
 
 
 def _add_slide(body: Element, slider: Slider) -> None:
-    """Add the joint of a sliding base."""
+    """Add the sliding joint of a base to a body."""
     axis = _numbers(math.cos(slider.angle), 0.0, math.sin(slider.angle))
     names = {key.slider: key.attribute for key in JOINT_KEYS.values() if key.slider and key.attribute}
     keys = _attributes(slider, names, slider.min, slider.max, slider.force_limit)
@@ -139,7 +146,7 @@ def _add_slide(body: Element, slider: Slider) -> None:
 
 
 def _joint(link: Link) -> dict[str, str]:
-    """Return the values of a link's joint as attributes of the joint's element."""
+    """Return the values of the joint at which a link begins, as attributes of MJCF."""
     names = {key.link: key.attribute for key in JOINT_KEYS.values() if key.attribute}
     return _attributes(link, names, link.joint_min, link.joint_max, link.joint_torque_limit)
 
@@ -151,7 +158,15 @@ def _attributes(
     high: float | None,
     limit: float | None,
 ) -> dict[str, str]:
-    """Return the values of a joint as attributes of the joint's element."""
+    """Return the values of a joint as attributes of MJCF.
+
+    Args:
+        table: the link or slider with the values.
+        names: key of the table → attribute.
+        low: least angle or position [rad or m]; None without a stop.
+        high: largest angle or position [rad or m]; None without a stop.
+        limit: limit of the drives [N·m or N]; None without a limit.
+    """
     attributes = {name: repr(value) for key, name in names.items() if (value := getattr(table, key))}
     if low is not None or high is not None:
         attributes["range"] = _numbers(
@@ -161,7 +176,7 @@ def _attributes(
 
 
 def _add_start(root: Element, scene: Scene) -> None:
-    """Add the state at the start, as a keyframe."""
+    """Add the positions and velocities at the start, as a keyframe."""
     start = scene.initial
     places, rates = {
         "pinned": ((), ()),
@@ -183,7 +198,7 @@ def _steps(values: tuple[float, ...]) -> Iterator[float]:
 
 
 def _differences(scene: Scene) -> Iterator[str]:
-    """Yield sentences on the features that MuJoCo treats in another way than the scene."""
+    """Yield a sentence for each feature that MuJoCo treats in another way than the scene."""
     links = scene.chain.links
     if scene.half_planes and 0.0 in _radii(scene):
         radius = LEAST_RADIUS * max(link.length for link in links)
@@ -199,7 +214,7 @@ def _differences(scene: Scene) -> Iterator[str]:
 
 
 def _left_out(scene: Scene) -> Iterator[str]:
-    """Yield sentences on features that MuJoCo does not have."""
+    """Yield a sentence for each feature of the scene that MuJoCo does not have."""
     if scene.half_planes and _radii(scene):
         law = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
         yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
@@ -218,13 +233,16 @@ def _left_out(scene: Scene) -> Iterator[str]:
 
 
 def _radii(scene: Scene) -> list[float | None]:
-    """Return the radii of all points that can touch walls [m]."""
+    """Return the radii [m] of all points that can touch walls; None for a point with the default."""
     contact = scene.contact
     return [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
 
 
 def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
-    """Yield the names and values of the limits of all drives; None for no limit."""
+    """Yield name and value of the limit of each joint's drives [N·m or N].
+
+    The value is None without a limit.
+    """
     for i, link in enumerate(scene.chain.links, 1):
         yield f"link[{i}].joint_torque_limit", link.joint_torque_limit
     if scene.chain.slider:
@@ -232,4 +250,5 @@ def _limits(scene: Scene) -> Iterator[tuple[str, float | None]]:
 
 
 def _numbers(*values: float) -> str:
-    return " ".join(repr(float(value) + 0.0) for value in values)  # adding 0.0 turns −0.0 into 0.0
+    # 0.0 is added, because MJCF would show −0.0
+    return " ".join(repr(float(value) + 0.0) for value in values)

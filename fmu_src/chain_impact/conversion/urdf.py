@@ -1,4 +1,4 @@
-"""The reader of robots in URDF, which uses yourdfpy."""
+"""The reader of robots in URDF, which uses the package yourdfpy."""
 
 from __future__ import annotations
 
@@ -29,19 +29,18 @@ from chain_impact.recording.text import few
 from chain_impact.scene.reading import SceneError
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
-"""Type of a moving joint in URDF → kind of joint; a fixed joint merges two bodies."""
+"""Type of a moving joint in URDF → ``Joint.kind``; a fixed joint only joins two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
-"""Gravity of all robots [m/s²], because a URDF file does not give gravity; its z axis points up."""
+"""Gravity of every robot [m/s²], because URDF gives none; by convention, its z axis points up."""
 XACRO = "xacro"
-# the largest error of a moment of inertia that counts as round-off, relative to the largest moment of the
-# body
+# an error of the moments of inertia up to this part of the largest moment of the body counts as round-off
 INERTIA_ROUND_OFF = 1e-6
 
 
 def read_urdf(path: Path) -> Robot:
     """Return the robot of a URDF file.
 
-    The meshes of the file may be missing, because shapes and colours are not loaded.
+    Files of meshes may be missing, because meshes and colours are not read.
 
     Raises:
         SceneError: when the file does not contain a robot.
@@ -59,7 +58,7 @@ def read_urdf(path: Path) -> Robot:
         by_parent.setdefault(joint.parent, []).append(joint)
         if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
-    # a joint may name a parent without an element <link>, such as "world"; this parent is a body, too
+    # the parent of a joint may have no element <link>, as "world" often has not; it is a body, too
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
@@ -84,11 +83,14 @@ def read_urdf(path: Path) -> Robot:
 
 
 def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
-    """Return the links and joints, read by yourdfpy; if it fails, the error names the faulty part."""
+    """Return links and joints as yourdfpy reads them.
+
+    If it cannot, the error names the part with the fault.
+    """
     options = dict.fromkeys(("load_meshes", "load_collision_meshes", "build_scene_graph"), False)
     try:
         return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
-    except Exception:  # lxml and yourdfpy raise errors of many kinds
+    except Exception:  # lxml and yourdfpy raise errors of many classes
         for part in root:
             alone = Element("robot", name="alone")
             alone.append(part)
@@ -101,7 +103,7 @@ def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
 
 
 def _check_parts(root: Element, path: Path) -> None:
-    """Refuse links and joints without the attributes that yourdfpy needs, and names that occur twice."""
+    """Refuse links and joints without an attribute that yourdfpy needs, and two with the same name."""
     for kind in ("link", "joint"):
         names = [part.get("name") for part in root.findall(kind)]
         for name in names:
@@ -124,7 +126,7 @@ def _check_parts(root: Element, path: Path) -> None:
 
 
 def xml_of(path: Path) -> Element:
-    """Return the root of an XML file, which may use prefixes without declaring them.
+    """Return the root element of an XML file; prefixes of names need not be declared in the file.
 
     Raises:
         SceneError: when the file is not XML.
@@ -151,10 +153,10 @@ def local_name(tag: str) -> str:
 
 
 def urdf_of(path: Path) -> Element:
-    """Return the root element of a file, without namespaces.
+    """Return the root element of a URDF file, without prefixes of names.
 
     Raises:
-        SceneError: when the file is not XML, or xacro must expand the file first.
+        SceneError: when the file is not XML, or must first be expanded by xacro.
     """
     root = xml_of(path)
     for element in root.iter():
@@ -173,7 +175,7 @@ def urdf_of(path: Path) -> Element:
 
 
 def moving_parts(root: Element) -> bytes:
-    """Return the links and joints of a file, without shapes."""
+    """Return the XML text with only the links and joints of a file, without shapes, for yourdfpy."""
     bare = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
@@ -184,7 +186,7 @@ def moving_parts(root: Element) -> bytes:
 
 
 def _shapes(link: Element) -> Iterator[LinkShape]:
-    """Yield the shapes of a link, with corners only for those that can touch."""
+    """Yield the shapes of a link; shapes that are only seen have no corners."""
     for what in GEOMETRIES:
         for part in link.iter(what):
             geometry = next(iter(part.findall("geometry/*")), None)
@@ -197,7 +199,10 @@ def _shapes(link: Element) -> Iterator[LinkShape]:
 
 
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
-    """Return corners, radius and disc of a shape; nothing for a mesh, or for sizes that are no numbers."""
+    """Return corners, radius and disc (see ``LinkShape``) of a shape, in the axes of its link.
+
+    The result is empty for a mesh, and for a shape with sizes that are no numbers.
+    """
 
     def numbers(element: Element | None, key: str, count: int = 1) -> np.ndarray:
         text = "0 " * count if element is None else element.get(key, "0 " * count)
@@ -222,7 +227,11 @@ def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
 
 
 def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield every link that follows a link, with the joint before it; parents come before children."""
+    """Yield the link ``name`` and all links after it, each with the joint before it, parents first.
+
+    ``joint`` is the joint before the link ``name``, or None; ``by_parent`` has for each link the joints that
+    follow.
+    """
     waiting = [(name, joint)]
     while waiting:
         link, before = waiting.pop()
@@ -252,7 +261,7 @@ def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
 
 
 def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
-    """Yield a difference for each body with an inertia that no rigid body can have.
+    """Yield a difference for each body whose moments of inertia no rigid body can have.
 
     The principal moments A ≤ B ≤ C of a rigid body obey A ≥ 0 and A + B ≥ C.
     """
@@ -289,9 +298,9 @@ def _joint(joint: Any) -> Joint:
 
 
 def _range(joint: Any) -> tuple[float, float]:
-    """Return the smallest and largest value of a joint.
+    """Return the least and the largest angle or position of a joint [rad or m]; ∓∞ without limits.
 
-    If the file gives only one limit, the other limit is 0.
+    If the file gives only one of the two, the other is 0.
     """
     limit = joint.limit
     if limit is None or joint.type == "continuous" or (limit.lower is None and limit.upper is None):
@@ -300,7 +309,7 @@ def _range(joint: Any) -> tuple[float, float]:
 
 
 def _limits(joint: Any) -> Iterator[Difference]:
-    """Yield the differences between the limits of a joint in the file and in the scene."""
+    """Yield differences for limits of a joint that the scene does not have, or has in another form."""
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
         return

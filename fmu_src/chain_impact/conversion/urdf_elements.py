@@ -1,4 +1,4 @@
-"""The elements and attributes of URDF, and the treatment of each; unknown elements are reported."""
+"""How the conversion treats each element and attribute of URDF; any other one is reported."""
 
 from __future__ import annotations
 
@@ -22,19 +22,23 @@ USED_ATTRIBUTES = {
     "robot/joint/limit": "lower upper effort velocity",
     "robot/joint/dynamics": "damping friction",
 }
-"""Path of an element that the conversion reads → attributes whose values are in the scene or are reported."""
+"""Path of an element that the conversion reads → the attributes that it reads or reports itself."""
 GEOMETRIES = ("visual", "collision")
-"""Elements of a link that are counted and reported together."""
+"""Elements of a link with shapes; urdf.py reads them, and their attributes are not reported."""
 NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
-"""Attributes without effect in any element."""
+"""Attributes that have no effect in any element."""
 UNUSED_ELEMENTS = ("material",)
-"""Elements without effect anywhere: colours."""
+"""Elements that have no effect in any place; a material is a colour."""
 MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
-"""Element of a joint → its effect on the motion, which the scene does not have."""
+"""Element of a joint that changes the motion → rest of the sentence on it; a scene does not have the
+element."""
 
 
 def other_elements(root: Element) -> Iterator[Difference]:
-    """Yield the parts of a robot's file that the scene does not have and that may have an effect."""
+    """Yield a difference for each element or attribute of a file that the conversion does not read.
+
+    Elements and attributes without effect are left out.
+    """
     yield from _attributes(root, "robot", root)
     for part in root:
         if not isinstance(part.tag, str) or part.tag in UNUSED_ELEMENTS:
@@ -54,9 +58,10 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 
 def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
-    """Yield all elements inside an element.
+    """Yield path and element for all elements inside an element.
 
-    Elements inside a part that is reported as a whole are left out.
+    What is inside an element that is not in USED_ATTRIBUTES is left out, because such an element is reported
+    as a whole.
     """
     for element in part:
         if isinstance(element.tag, str):

@@ -1,4 +1,4 @@
-"""The walls in a robot's surroundings, and the points of the chain that touch them."""
+"""The walls around a robot, and the points of the chain that touch them."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.rows.geometry import NORMALS, OVERLAP, WALLS
 
 Points = list[dict[str, Any]]
-"""The tables of the points of a link."""
+"""The tables of the points of one link."""
 
 
 @dataclass
 class Walls:
-    """The conversion of walls.
+    """The conversion of planes and shapes of a robot to walls and points of a scene.
 
-    ``differences`` collects the differences in the scene: planes that become no wall, points that are left
-    out or smaller, shapes that do not touch.
+    ``differences`` collects the differences: planes that become no wall, points that are left out or smaller
+    than in the file, shapes that do not touch in the scene.
 
     Attributes:
         robot: the robot, with planes and shapes.
@@ -58,11 +58,11 @@ class Walls:
     walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Store the link to which each body belongs."""
+        """Store the link of each body that belongs to one."""
         self.link_of = {b: i for i, part in enumerate(self.parts) for b in part}
 
     def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
-        """Return the scene's tables for walls, the points of each link, and differences in contacts."""
+        """Return the scene's tables with walls and contacts, the points of each link, and the differences."""
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
         materials: dict[str, dict[str, float]] = {}
@@ -87,7 +87,7 @@ class Walls:
             if boxed:
                 box[name] = float(point[0] if name.startswith("x") else point[1])
             else:
-                angle = math.atan2(-normal[0], normal[1]) + 0.0  # adding 0.0 turns −0 into 0
+                angle = math.atan2(-normal[0], normal[1]) + 0.0  # 0.0 is added, because a file would show −0
                 walls.append({"name": name, "point": point.tolist(), "angle": angle})
             friction = self._friction(plane)
             if friction > 0.0:
@@ -109,13 +109,13 @@ class Walls:
         )
 
     def _links(self, plane: Plane) -> set[int]:
-        """Return the indices of the links that can touch a plane."""
+        """Return the indices of the links whose bodies can touch a plane."""
         return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
-        """Return the friction of a plane with the bodies that can touch it, or the largest of several.
+        """Return the coefficient of friction between a plane and the links.
 
-        The largest value, if it varies.
+        If it is not the same for all bodies, the largest one is returned, and the difference reported.
         """
         coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
         if len(coefficients) > 1:
@@ -127,11 +127,11 @@ class Walls:
         return coefficients[-1]
 
     def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
-        """Return the key ``points`` for [contact]: the joints and ends that touch walls.
+        """Return the key ``points`` of [contact], the numbers of joints and ends that touch walls.
 
-        Only links that touch walls and have no balls touch with joints and ends, unless the joint is inside a
-        ball of the next link. The result is empty if all joints and ends touch or no link touches, which
-        needs no key.
+        A link that can touch walls and has no balls touches them with its two ends, except a joint that lies
+        inside a ball of a neighbouring link. The result is empty if the scene's default is right: if there
+        are no balls at all, and all links touch walls, or none does.
         """
         if not any(balls) and len(touching) in (0, len(self.parts)):
             return {}
@@ -140,7 +140,7 @@ class Walls:
         return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
 
     def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
-        """Return whether a joint or end is inside a ball of one of the links that it joins."""
+        """Return whether a joint or end of the chain lies in a ball of a link that begins or ends there."""
         point = Ball(self.places[end], 0.0, "")
         around = chain(*balls[max(end - 1, 0) : end + 1])
         return any(is_within(point, ball, point.at) for ball in around)
@@ -148,14 +148,16 @@ class Walls:
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
-        The kind of such a shape is in ``OUTLINED``, and the shape can touch a wall or, without walls,
-        anything.
+        They do if its kind is in OUTLINED, and it can touch a wall or, for a robot without planes, anything.
         """
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
     def _balls(self, i: int, touching: set[int]) -> list[Ball]:
-        """Return the balls of link ``i`` that can touch, except a ball around the pivot of a pinned base."""
+        """Return the balls of link ``i``, from 0, that can touch walls.
+
+        For a pinned base, a ball with its centre at the first joint is left out, because it cannot move.
+        """
         if self.robot.planes and i not in touching:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
@@ -168,10 +170,10 @@ class Walls:
         return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
 
     def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
-        """Return the tables of the points of each link.
+        """Return the tables of the points of each link, such that no point starts inside a wall.
 
-        A point that starts partly inside a wall gets a smaller radius. A point whose centre is inside a wall
-        is left out.
+        A point that reaches into a wall gets a smaller radius; a point whose centre is inside a wall is left
+        out.
         """
         at, points = np.array(self.start[0]), []
         for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
@@ -186,9 +188,16 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether a point starts outside of all walls, if necessary with a smaller radius.
+        """Return whether the centre of a point starts outside of all walls; give it a radius that does, too.
 
-        A smaller radius is written to ``table``, and reported, as is a point inside a wall.
+        A smaller radius, written to ``table``, and a point inside a wall are reported.
+
+        Args:
+            i: index of the link.
+            table: the table of the point.
+            joint: position of the joint where the link begins, at the start [m].
+            along: unit vector along the link at the start.
+            length: length of the link [m].
         """
         at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
         for name, point, normal in self.walls:
@@ -218,7 +227,7 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Report shapes that points do not replace, and their extents beyond the scene's points."""
+        """Report shapes that points do not replace, and how far shapes reach beyond the scene's points."""
         shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "do not touch as shapes: only points, joints and the tip touch walls"),
@@ -245,9 +254,9 @@ class Walls:
                 )
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
-        """Report the extents of a link's shapes beyond the link's points or ends, which touch walls.
+        """Report how far the shapes of a link reach beyond the points, or ends, with which it touches walls.
 
-        Points on the rim of an oblique cylinder lie inside its outline between them.
+        The difference includes oblique cylinders, whose outline lies outside of the points on their rim.
         """
         ends = self.places[i : i + 2]
         touching = balls or [Ball(end, 0.0, "") for end in ends]
