@@ -1,8 +1,8 @@
-"""The slave, which pythonfmu's wrapper calls in the importing process; it passes each call on to the kernel.
+"""The slave of an FMU, which pythonfmu's wrapper calls in the importing process, and which calls the kernel.
 
-The slave needs only Python 3.8 and its standard library. The kernel is also the binary of native FMUs: the
-kernel knows the states of an instance and checks each call. A refused call raises a SlaveError and is fatal;
-the only alternative would be to discard a step, at which fmpy ends without a message.
+The slave needs only Python 3.8 and its standard library. The kernel is the same library as in native FMUs: it
+knows the state of each instance, and checks each call. A refused call raises SlaveError, which is fatal for
+the instance; FMI would also allow to discard a step, but fmpy then ends without a message.
 """
 
 from __future__ import annotations
@@ -23,15 +23,17 @@ from xml.etree import ElementTree
 
 from pythonfmu.fmi2slave import Fmi2Slave, Fmi2Status
 
-# values of fmi2Status: WARNING is the worst status of a successful call, PENDING the status of an unfinished
-# step
+# values of fmi2Status: WARNING, the worst status of a call that succeeds; PENDING, that of a step that goes
+# on
 WARNING, PENDING = 1, 5
-# the messages of the kernel, separate for each thread: status and text; the text is a format of printf
+# the kernel's messages in the calling thread, pairs of status and text; the text is a format of printf
 SAID = threading.local()
-WRAPPERS: set[Path] = set()  # the libraries of pythonfmu that have made instances in this process
-RESOURCES = Path(__file__).absolute().parent  # the folder of this module; a process imports this module once
+# the libraries of pythonfmu that have made instances here; ``_release`` needs them
+WRAPPERS: set[Path] = set()
+# the folder of this module; each FMU is unpacked to another folder, and has a module of another name
+RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # the wrapper does not pass on the GUID, but importers read it from this file
+with suppress(OSError):  # importers take the GUID from this file; pythonfmu's wrapper does not pass it on
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p
@@ -41,25 +43,25 @@ _log = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)(
 
 
 class SlaveError(Exception):
-    """Raised for a refused call of slaves, with the kernel's last message or another reason."""
+    """Raised when the kernel refuses a call; its text is the kernel's last message, or ``reason``."""
 
     def __init__(self, *slaves: ChainImpact, reason: str = "") -> None:
         super().__init__(reason or vars(SAID).pop("messages")[-1][1])
-        # pythonfmu 0.7.0 drops its references at an exception, and a second time when the importer frees the
-        # slave, so keep one more
+        # At an exception, pythonfmu 0.7.0 gives up its references to a slave, and once more when the importer
+        # frees the slave. One reference more for each keeps Python from freeing the slave too early.
         for kept in [kept for slave in slaves for kept in (slave, type(slave), slave.log_queue)]:
             ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        # Python writes this text to stderr; by default a user of fmpy would only see "status 4 (fatal)"
+        # Python logs this text to stderr, because fmpy itself shows only "status 4 (fatal)" by default
         text = str(self).replace("%%", "%").replace("##", "#")
         logging.getLogger("chain_impact.fmu").error("%s: %s", NAME, text)
 
-    __repr__ = Exception.__str__  # the wrapper logs this text, as a format of printf
+    __repr__ = Exception.__str__  # the wrapper logs the repr as a format of printf
 
 
 _functions = (_log, ctypes.pythonapi.PyMem_RawCalloc, ctypes.pythonapi.PyMem_RawFree)
 _callbacks = (c_void_p * 5)(*(ctypes.cast(function, c_void_p).value for function in _functions))
 _given = (b"first", 1, GUID.encode(), RESOURCES.as_uri().encode(), _callbacks, 0, 1)
-# the first instance; all other instances share its table of the scene
+# the first instance reads the table of the scene; all others share it
 FIRST = c_void_p(KERNEL.fmi2Instantiate(*_given))
 if not FIRST:
     raise SlaveError
@@ -67,24 +69,28 @@ if not FIRST:
 
 @atexit.register
 def _release() -> None:
-    """Release, at the process's end, the data that pythonfmu 0.7.0 would release in freed memory."""
+    """At the end of the process, let pythonfmu 0.7.0 release its data while its library is still loaded.
+
+    Otherwise it would release them later, in memory that is no longer valid.
+    """
     for wrapper in WRAPPERS:
-        # the call fails on Windows, or when the library has been unloaded
+        # Windows has no RTLD_NOLOAD (AttributeError); OSError means that the library is no longer loaded
         with suppress(AttributeError, OSError):
             ctypes.CDLL(str(wrapper), mode=os.RTLD_NOLOAD).finalizePythonInterpreter()
 
 
 class State(c_void_p):
-    """A saved state, which the kernel keeps as long as a reference to this object exists."""
+    """A saved state of an instance; the kernel keeps it as long as this object exists."""
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeFMUstate(FIRST, byref(self))
 
 
 def _access(function: str, code: str = "") -> Any:
-    """Return a method that gets or sets values of a type.
+    """Return a method that gets or sets the values of variables of one type by a function of the kernel.
 
-    ``code`` is the type's code in the module ``array``; "" for a type that no variable has.
+    ``code`` is the code of the type in Python's module ``array``; "" for a type that no variable of the FMU
+    has.
     """
     getattr(KERNEL, function).argtypes = (c_void_p, c_void_p, c_size_t, c_void_p)
     zero = array(code or "i", [0])
@@ -98,23 +104,23 @@ def _access(function: str, code: str = "") -> Any:
 
 
 class ChainImpact(Fmi2Slave):  # type: ignore[misc]
-    """One instance of the FMU; a reset makes a new instance."""
+    """One instance of the FMU; a reset of the FMU makes a new one."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         WRAPPERS.add(Path(self.resources).parent / "binaries" / "linux64" / f"{NAME}.so")
         self.component = c_void_p(KERNEL.another_fmi2_instance(FIRST, self.instance_name.encode()))
         if not self.component:
-            raise SlaveError  # pythonfmu's wrapper has no slave yet
+            raise SlaveError  # raised without a slave, because pythonfmu's wrapper does not have it yet
 
     def __del__(self) -> None:
         KERNEL.fmi2FreeInstance(self.component)
 
     def _call(self, function: str, *arguments: Any) -> None:
-        """Call a function of the kernel with this instance, and pass on the kernel's messages."""
+        """Call a function of the kernel for this instance; pass on its messages to the importer."""
         call, status = getattr(KERNEL, function), PENDING
         try:
-            while status == PENDING:  # Python handles signals, for example of Ctrl-C, between two calls
+            while status == PENDING:  # between two calls Python handles signals, such as that of Ctrl-C
                 status = call(self.component, *arguments)
         except KeyboardInterrupt:
             raise SlaveError(self, reason=f"{function}: interrupted") from None
@@ -124,12 +130,12 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             self.log(text, Fmi2Status(level))
 
     def setup_experiment(self, start: float, stop: float | None, tolerance: float | None) -> None:
-        """Take the start and stop time [s]; the tolerance is not used."""
+        """Set the start and stop time [s]; the kernel does not use the tolerance."""
         given = (tolerance is not None, c_double(tolerance or 0.0), c_double(start))
         self._call("fmi2SetupExperiment", *given, stop is not None, c_double(stop or 0.0))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by a step from the present communication point; both arguments are in seconds."""
+        """Advance from the communication point ``current_time`` by ``step_size``, both in seconds."""
         self._call("fmi2DoStep", c_double(current_time), c_double(step_size), 0)
         return True
 
@@ -153,7 +159,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         return data.raw
 
     @staticmethod
-    # a static method: the calling instance is not known in this call
+    # static, because pythonfmu calls it without an instance
     def _fmu_state_from_bytes(data: bytes) -> State:
         if KERNEL.fmi2DeSerializeFMUstate(FIRST, data, c_size_t(len(data)), byref(state := State())):
             raise SlaveError(*(one for one in gc.get_objects() if isinstance(one, ChainImpact)))

@@ -1,6 +1,7 @@
 """chain-impact: the impact dynamics of planar robotic chains, in Python, on the command line and as FMUs.
 
-A public name is imported from its module at its first use, because importing all modules takes long.
+A public name is imported from its module when it is used for the first time, since importing all modules
+takes long.
 """
 
 from importlib import import_module
@@ -84,14 +85,14 @@ _MODULES = {
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
 }
-"""Module → the public names that the module defines."""
+"""Module → the public names that it defines."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - the names of the table
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name at its first use."""
+    """Import a public name when it is used for the first time."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = exported = getattr(import_module(_HOMES[name]), name)
@@ -99,5 +100,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return only the public names; modules can still be imported."""
+    """Return the public names only, for completion; modules of the package can be imported all the same."""
     return list(__all__)

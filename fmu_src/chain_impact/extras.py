@@ -1,4 +1,4 @@
-"""Optional packages, which only some users need: the extras of pyproject.toml."""
+"""Optional packages: they are in the extras of pyproject.toml, because only some users need them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from chain_impact.system import quoted
 class MissingExtraError(ImportError):
     """Raised when an optional package is not installed.
 
-    The message is one line and says how to install it.
+    The message is one line, with the command that installs the package.
     """
 
 
 def require(package: str, extra: str) -> Any:
-    """Import a package that belongs to an extra.
+    """Import a package that belongs to an extra, and return it.
 
     Raises:
         MissingExtraError: when the package is not installed.
@@ -29,14 +29,15 @@ def require(package: str, extra: str) -> Any:
     try:
         return import_module(package)
     except ModuleNotFoundError as error:
-        if error.name != package.partition(".")[0]:  # an error from inside the package is raised unchanged
+        # if the installed package lacks another one, the error is raised as it is
+        if error.name != package.partition(".")[0]:
             raise
         how = how_to_install(extra)
         raise MissingExtraError(f"{package} is not installed: {how}", name=package) from None
 
 
 def how_to_install(extra: str) -> str:
-    """Return the command that adds an extra to this installation."""
+    """Return the command that adds an extra to this installation of chain-impact."""
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):

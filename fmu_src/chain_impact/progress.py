@@ -1,4 +1,4 @@
-"""The progress of long work: a callback gets the finished fraction, and a logger gets messages."""
+"""The progress of long work: a callback for the finished fraction, and a logger for messages."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from collections.abc import Callable
 Progress = Callable[[float], None]
 """A callback that gets the finished fraction, from 0 to 1."""
 log = logging.getLogger("chain_impact")
-"""The logger: level INFO for work that takes seconds, DEBUG for the steps of this work."""
+"""The package's logger: INFO tells of work that takes seconds, DEBUG of the single steps of this work."""
 log.addHandler(logging.NullHandler())
 
 
 def log_once(sentence: str, seconds: float) -> None:
-    """Log that work begins whose result is kept for later, and about how many seconds the work takes."""
+    """Log that work of about ``seconds`` begins, which is done once because its result is kept."""
     log.info("%s (about %.0f s, then kept)", sentence, seconds, extra={"seconds": seconds})
 
 
 def silent(_done: float) -> None:
-    """Do nothing: this callback shows no progress."""
+    """Do nothing; used as the callback where no progress is shown."""

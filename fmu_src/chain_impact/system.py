@@ -1,7 +1,7 @@
 """All code that depends on the operating system or the processor.
 
-Two other parts also depend on system and processor, but cannot use this module because they run without this
-package: the slave of an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
+Two other parts depend on them, too, but run without this package and so cannot use this module: the slave of
+an FMU (slave.py), and the C interface of native FMUs (compilation/c_interface/).
 """
 
 from __future__ import annotations
@@ -31,13 +31,15 @@ class Platform(NamedTuple):
     """A system and a processor for which kernels can be compiled.
 
     Attributes:
-        system: Python's name of the system.
-        machine: Python's name of the processor on this system.
-        suffix: the suffix of a shared library's file.
-        fmi3: FMI 3.0's name of the platform (2.5.1.4.1).
-        target: zig's name of the platform, with the oldest version of the C library or of macOS.
-        cpu: zig's name of the oldest processor that runs the code: all processors then give equal bits.
-        tag: a wheel's name of the platform, with the same oldest version.
+        system: the system's name in Python, ``platform.system()``.
+        machine: the processor's name in Python on this system, ``platform.machine()``.
+        suffix: the suffix of the file of a shared library.
+        fmi3: the platform's name in FMI 3.0 (2.5.1.4.1).
+        target: the platform's name for zig, with the oldest version of the C library or of macOS that runs
+            the code.
+        cpu: zig's name of the oldest processor that runs the code. Code for it gives equal bits on all
+            processors.
+        tag: the platform's name in a wheel's file name, with the same oldest version.
         has_pythonfmu: whether pythonfmu has a wrapper for the platform.
     """
 
@@ -51,7 +53,7 @@ class Platform(NamedTuple):
     has_pythonfmu: bool = False
 
 
-# the oldest processors that run the code: every x86 since 2009, and every 64-bit ARM
+# zig's names of the oldest processors that run the code: nearly every x86-64 since 2009, and every 64-bit ARM
 X86, ARM = "x86_64_v2", "generic"
 PLATFORMS = {
     "linux64": Platform(
@@ -102,29 +104,35 @@ PLATFORMS = {
         tag="macosx_11_0_arm64",
     ),
 }
-"""All platforms, by name: the first three names are from FMI 2.0, the others from FMI 3.0."""
+"""All platforms, by the names that users give: for the first three, these are those of FMI 2.0.
+
+The further names are those of FMI 3.0.
+"""
 
 
 def _host(system: str, machine: str, word: int) -> str:
-    """Return the key in ``PLATFORMS`` of a system and a processor.
+    """Return the name in ``PLATFORMS`` of a system and a processor; "" if there is none.
 
-    Returns "" if there is none, or if addresses, of ``word`` bytes, are not of 64 bits.
+    ``word`` is the size of an address [byte]; only 8 bytes are supported.
     """
     names = (name for name, host in PLATFORMS.items() if (host.system, host.machine) == (system, machine))
     return next(names, "") if word == struct.calcsize("q") else ""
 
 
 def _machine() -> str:
-    """Return the processor for which this Python is made; on ARM, Windows may run a Python for x86-64."""
+    """Return the name of the processor for which this Python is built.
+
+    On ARM, Windows can also run a Python that is built for x86-64, which needs libraries for x86-64.
+    """
     return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
 
 
 HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
-"""The name of the platform on which this Python runs; "" if no kernels exist for it."""
+"""The name of the platform on which this Python runs; "" if kernels do not exist for it."""
 
 
 def nowhere() -> str:
-    """Return the sentence, with a remedy, for a machine for which no kernels exist."""
+    """Return the sentence, with a remedy, for a platform on which kernels do not exist."""
     platforms = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
         f"chain-impact runs on {platforms}, not on {platform.platform()} ({sysconfig.get_platform()}): use "
@@ -133,8 +141,9 @@ def nowhere() -> str:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # of the supported systems only Linux has this function
+    """Return the number of cores that this process may use, which may be fewer than the machine has."""
+    # of the supported systems, only Linux can limit a process to some cores, and has this function
+    affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
@@ -142,7 +151,7 @@ def cores() -> int:
 
 
 def cache_folder() -> Path:
-    """Return the user's folder for files that the program can make again.
+    """Return the user's folder for files that the program can make again, such as compiled kernels.
 
     Raises:
         RuntimeError: when the user has no home folder.
@@ -153,16 +162,20 @@ def cache_folder() -> Path:
 
 
 def included(in_package: str, in_repository: str) -> Path:
-    """Return the path of a file or folder that a wheel has in the package, and the repository elsewhere."""
+    """Return the path of a file or folder that a wheel contains inside the package.
+
+    Without a wheel, the path is that in the repository.
+    """
     installed = Path(__file__).parent / in_package
     return installed if installed.exists() else Path(__file__).parents[2] / in_repository
 
 
 def others_can_write(status: os.stat_result) -> bool:
-    """Return whether another user of this machine, except root, can put files into a folder.
+    """Return whether another user of this machine, except root, can write into a folder.
 
-    On many systems a group with the same number as the user contains only this user. On Windows, other users
-    cannot write to the user's own folder.
+    ``status`` is the folder's. A folder of yet another user counts as writable. A group's right to write does
+    not count for the group of root and a group with the user's own number, to which only this user belongs on
+    many systems. On Windows the result is False, because a user's own folder is closed to others.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -171,15 +184,15 @@ def others_can_write(status: os.stat_result) -> bool:
 
 
 def remove_lock(lock: Any) -> None:
-    """Release a lock of filelock and remove its file.
+    """Release a lock of the package filelock, and remove the lock's file.
 
-    Windows does not remove an open file. On other systems the file is removed first, so that no other process
-    takes the lock in between.
+    The file is removed before the release, so that no other process takes the lock in between; on Windows
+    after it, because Windows does not remove an open file.
     """
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # the removal fails if another process holds the lock at this moment
+        with suppress(OSError):  # another process may hold the lock just now, and its file cannot be removed
             file.unlink()
     else:
         file.unlink(missing_ok=True)
@@ -188,9 +201,10 @@ def remove_lock(lock: Any) -> None:
 
 @contextmanager
 def removal() -> Iterator[None]:
-    """Explain why files cannot be removed: Windows keeps a library that a program has loaded.
+    """Context that removes files; on Windows, an error tells that a program has loaded one of them.
 
-    On other systems such a file is removed, and the program still has the library until it ends.
+    Windows refuses to remove a library that a program has loaded. On other systems the file is removed, and
+    the program keeps its library until it ends.
 
     Raises:
         PermissionError: when a file cannot be removed; on Windows with a remedy.
@@ -206,7 +220,7 @@ def removal() -> Iterator[None]:
 
 # --- the console -------------------------------------------------------------------------------------------
 
-LISTEN = 0.2  # [s] a program that waits looks for Ctrl-C at these intervals
+LISTEN = 0.2  # [s] a program that waits checks for Ctrl-C at these intervals
 
 
 def has_screen() -> bool:
@@ -218,10 +232,10 @@ def has_screen() -> bool:
 
 
 def prepare_console() -> None:
-    """Let the console print a question mark for a character that its encoding lacks, instead of an error.
+    """Let the console print a question mark for a character that its encoding lacks, instead of failing.
 
-    In the locale POSIX, standard output accepts bytes of file names, but any other character would end the
-    program.
+    In the locale POSIX, such a character would end the program, except for bytes of file names, which Python
+    can print.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
@@ -229,19 +243,20 @@ def prepare_console() -> None:
 
 
 def quoted(word: str) -> str:
-    """Return a word of a command as the shell of this system needs it."""
+    """Return a word of a command in the form that the shell of this system reads as one word."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)
 
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Yield a path to write to; the written file appears at ``path`` when it is complete, or not at all.
+    """Context that yields a path to write to; at its end, the file appears at ``path`` in one step.
 
-    If ``path`` is a link, a device or another thing that is not a file, it is written to directly.
+    If the writing fails, ``path`` stays as it was. If ``path`` is a link, a device or anything else that is
+    no plain file, the path that is yielded is ``path`` itself.
     """
     try:
         if path.is_symlink() or (path.exists() and not path.is_file()):
-            # /dev/stdout and similar files cannot be replaced, so the caller writes to them directly
+            # a device such as /dev/stdout cannot be replaced by a file
             yield path
             return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
@@ -251,6 +266,6 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise
-        # the new error names the user's path, not the scratch folder; EIO takes the place of a missing error
-        # number
+        # the error names the user's path instead of the temporary one; EIO replaces a missing number of the
+        # error
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None

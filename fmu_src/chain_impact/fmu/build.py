@@ -1,4 +1,7 @@
-"""The build of an FMU from a scene: its files are packed into a reproducible zip, which is validated."""
+"""The build of an FMU from a scene: its files are packed into a zip, which is then validated.
+
+Equal scenes give zips with equal bytes.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,9 @@ TARGETS = {
     "pythonfmu": tuple(name for name, platform in PLATFORMS.items() if platform.has_pythonfmu),
     "native": tuple(PLATFORMS),
 }
-"""Kind of FMU → platforms for which this kind exists."""
+"""Kind of FMU → the platforms for which FMUs of this kind can be built."""
 TARGET = "pythonfmu" if HOST in TARGETS["pythonfmu"] else "native"
-"""The default kind of FMU on this machine."""
+"""The kind of FMU that is built on this machine if no kind is given."""
 
 
 def build_fmu(
@@ -98,7 +101,7 @@ def build_fmu(
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
-    """Check an FMU against the FMI standard, without a run of the FMU; return a sentence for each fault."""
+    """Check an FMU against the FMI standard without running it; return a sentence for each fault."""
     try:
         return [str(finding) for finding in description_findings(Path(path))]
     except zipfile.BadZipFile as error:
@@ -106,10 +109,14 @@ def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
 
 
 def _pack(files: Mapping[str, bytes], target: Path) -> None:
-    """Make a compressed zip with sorted names and without dates."""
+    """Write a compressed zip whose bytes depend only on ``files`` (name → content).
+
+    For this purpose its entries are sorted by name, and have no dates.
+    """
     with zipfile.ZipFile(target, "w") as fmu:
         for name, content in sorted(files.items()):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
-            # the entry is an ordinary file, with the permissions of Unix
+            # the entry is a file of Unix that its owner may write and everyone may read, whatever the system
+            # of this machine
             entry.create_system, entry.external_attr = 3, 0o100644 << 16
             fmu.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=9)

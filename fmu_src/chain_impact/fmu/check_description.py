@@ -1,4 +1,7 @@
-"""The check of an FMU's model description against the FMI standard: checks by fmpy, and further checks."""
+"""The check of an FMU's model description against the FMI standard.
+
+fmpy checks it by the XML schema and some rules; this module checks the rules that fmpy does not.
+"""
 
 from __future__ import annotations
 
@@ -35,19 +38,23 @@ LISTS = (
     "ModelVariables/ScalarVariable/Annotations",
     *(f"{mode}/SourceFiles" for mode in FMI_MODES),
 )
-"""Lists in which each name, and each value of an enumeration, may appear only once."""
+"""Paths of elements whose children must all have different names, and different values in an enumeration."""
 _PART = r"""([A-Za-z_]\w*|'([ !#-&(-\[\]-_a-~]|\\['"?\\abfnrtv])+')(\[\d+(,\d+)*\])?"""
 _NAME = rf"{_PART}(\.{_PART})*"
 NAME_PATTERNS = {
     "structured": re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII),
     "flat": re.compile(r"[^\r\n\t]+"),
 }
-"""Naming convention → regular expression of allowed names: FMI 2.0.4, 2.2.9; FMI 3.0, 2.4.7.5.1."""
-_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # finds the name of a variable in fmpy's sentences
+"""Naming convention → regular expression that matches the allowed names.
+
+See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
+"""
+# finds the name of a variable in fmpy's sentence on a fault
+_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
 
 def description_findings(path: Path) -> list[Finding]:
-    """Return the faults of an FMU's zip and model description. Nothing in the FMU is run.
+    """Return the faults of an FMU's zip and model description, without running the FMU.
 
     Raises:
         OSError: when the file does not exist.
@@ -61,7 +68,7 @@ def description_findings(path: Path) -> list[Finding]:
             terminals = {
                 name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
             }
-        # LookupError is raised for an unknown encoding
+        # ElementTree raises LookupError for an encoding that Python does not know
         except (ElementTree.ParseError, LookupError) as error:
             return [Finding(f"is no XML: {error}")]
         except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
@@ -78,30 +85,30 @@ def description_findings(path: Path) -> list[Finding]:
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     structure = Structure(root, variables)
-    # fmpy gets only a description in which each reference leads to a variable; otherwise it would raise
-    # IndexError or KeyError
+    # fmpy would raise IndexError or KeyError for a reference to a variable that does not exist
     if not (lost := list(structure.lost())):
         faults += structure.findings()
         faults += _of_fmpy(path, known=bool(faults))
-    # several references to the same variable may have the same fault, which is listed once
+    # two references to the same variable may give the same finding, which is listed once
     return list(dict.fromkeys(lost + faults))
 
 
 def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
-    """Return the faults that fmpy finds.
+    """Return the faults that fmpy finds in the model description.
 
-    ``known``: whether another fault was found before. If fmpy then fails, that fault is probably the reason,
-    and the failure is not reported.
+    ``known`` tells whether another fault is already known. If fmpy itself then fails, the known fault is
+    probably the reason, so that its failure is not reported.
     """
-    from fmpy.model_description import ValidationError, read_model_description  # this import takes a second
+    # imported here, because the import takes a second
+    from fmpy.model_description import ValidationError, read_model_description
 
     try:
         read_model_description(str(path))
     except ValidationError as error:
         problems = [str(problem) for problem in error.problems]
     except Exception as error:
-        # For a fault that fmpy looks for, it raises Exception itself. An exception of another class, such as
-        # KeyError, shows that fmpy has failed because of a fault for which it does not look.
+        # fmpy raises Exception itself for a fault that it looks for. Another class, such as KeyError, means
+        # that fmpy has failed at a fault for which it does not look.
         plain = type(error) is Exception
         if known and not plain:
             return []
@@ -116,7 +123,10 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
 
 
 def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of lists, FMI modes, types, names of variables, and the default experiment."""
+    """Return the faults of lists, FMI modes, types, names of variables, and the default experiment.
+
+    The FMI modes are co-simulation, model exchange and scheduled execution.
+    """
     repeated = (
         finding
         for path in LISTS
@@ -129,7 +139,7 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
 
 
 def _of_modes(root: Element) -> Iterator[Finding]:
-    """Yield the faults of the FMI modes: none is given, or a model identifier is no name in C."""
+    """Yield a fault if a description has no FMI mode, and for each model identifier that is no name in C."""
     modes = [mode for kind in FMI_MODES for mode in root.iterfind(kind)]
     if not modes:
         yield Finding(f"has none of {', '.join(FMI_MODES)}: it cannot be run", attribute="CoSimulation")
@@ -141,7 +151,7 @@ def _of_modes(root: Element) -> Iterator[Finding]:
 
 
 def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of types: of limits and units, and names that a variable also has."""
+    """Yield the faults of declared types: their limits, their units, and names that a variable has, too."""
     names = {variable.name for variable in variables}
     units = {
         unit.get("name", ""): {display.get("name") for display in unit.iterfind("DisplayUnit")}
@@ -157,7 +167,10 @@ def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]
 
 
 def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of names: several independent variables, and names against the naming convention."""
+    """Yield the faults of names: a second independent variable, and names that the convention forbids.
+
+    ``convention`` is the naming convention that the model description claims to follow.
+    """
     times = [variable.name for variable in variables if variable.causality == "independent"]
     if len(times) > 1:
         fault = f"{', '.join(times)} are independent variables: only one is allowed"
@@ -172,9 +185,11 @@ def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Findin
 def _of_unit(
     variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
 ) -> Iterator[Finding]:
-    """Yield a fault if a type has an undefined unit or display unit.
+    """Yield a fault if the unit or the display unit of a declared type is not defined.
 
-    fmpy itself checks the units of variables.
+    ``variable`` is the type in the form of a variable, ``units`` has for each unit the names of its display
+    units, and ``attribute`` is the path of the type, for the finding. fmpy checks the units
+    of variables.
     """
     unit, display = (variable.attributes.get(key) for key in ("unit", "displayUnit"))
     if unit is not None and unit not in units:
@@ -191,7 +206,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
         start, stop, step, tolerance = (
             float(given.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
-    except ValueError:  # the check by the XML schema reports this fault
+    except ValueError:  # fmpy's check by the XML schema reports a number that is none
         return
     if stop < start:
         yield Finding(
@@ -204,7 +219,10 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
 
 
 def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Finding]:
-    """Yield faults of terminals: missing variables, and names that occur twice (FMI 3.0, 2.4.9.2)."""
+    """Yield the faults of terminals: names of variables that do not exist, and names that occur twice.
+
+    See FMI 3.0, section 2.4.9.2.
+    """
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
             for repeated in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):

@@ -1,4 +1,8 @@
-"""The check of references within a model description, and of its model structure: FMI 2.0.4, 2.2.8."""
+"""The check of the references in a model description and of its model structure (FMI 2.0.4, 2.2.8).
+
+The model structure lists outputs, derivatives and the unknowns at the start, with the variables on which they
+depend.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +18,15 @@ from chain_impact.recording.text import few
 
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}
-"""Name of a list in FMI 2.0 → name of the element in FMI 3.0."""
+"""Name of a list in FMI 2.0 → name in FMI 3.0 of each element that replaces the list."""
 _FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
 
 
 class Structure:
-    """The references in a model description, which are indices in FMI 2.0 and value references in FMI 3.0."""
+    """The references to variables in a model description.
+
+    A reference is the variable's index, from 1, in FMI 2.0, and its value reference in FMI 3.0.
+    """
 
     def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
         """Read the references in a model description."""
@@ -37,12 +44,15 @@ class Structure:
             )
 
     def listed(self, name: str) -> list[str]:
-        """Return the references in a list of the model structure; ``name`` is the list's name in FMI 2.0."""
+        """Return the references in a list of the model structure.
+
+        ``name`` is the name of the list in FMI 2.0, also for a description of FMI 3.0.
+        """
         nodes = self.lists.get(name if self.is_fmi_2 else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 
     def lost(self) -> Iterator[Finding]:
-        """Yield a fault for each reference to a missing variable."""
+        """Yield a fault for each reference to a variable that does not exist."""
         count = f"an index from 1 to {len(self.known)}"
         what = count if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
@@ -62,9 +72,10 @@ class Structure:
                 yield Finding(f"{target!r} must be {what}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
-        """Yield the faults of the model structure.
+        """Yield the faults of the model structure, whose references must all exist (see ``lost``).
 
-        Unknowns may be missing, superfluous, listed twice or not in order, and dependencies may be wrong.
+        An unknown may be missing, superfluous, listed twice or in the wrong place, and a dependency may be
+        wrong.
         """
         variables, derivatives = self.known, set(self.listed(DERIVATIVE_LIST))
         states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}
@@ -82,7 +93,8 @@ class Structure:
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
-            if name == INITIAL_LIST:  # only FMI 2.0 has a list of initial unknowns with this name
+            # FMI 3.0 has no list of this name, and requires no order of its initial unknowns
+            if name == INITIAL_LIST:
                 yield from _rising(self.listed(name), path)
         for path, node in self._nodes():
             yield from self._dependencies(path, node, states)
@@ -96,7 +108,14 @@ class Structure:
     def _complete(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
-        """Yield a fault for the variables that a list lacks, and a fault for superfluous variables."""
+        """Yield a fault for the variables that a list lacks, and one for those that it must not have.
+
+        Args:
+            name: the name of the list in FMI 2.0.
+            needed: references that must be listed.
+            allowed: references that may be listed.
+            what: words for the variables that belong into the list.
+        """
         listed = set(self.listed(name))
         for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
@@ -108,7 +127,7 @@ class Structure:
                 yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
     def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
-        # event indicators are for debugging only, and may also depend on outputs (FMI 3.0, table 23)
+        # FMI lists event indicators for debugging only; they may depend on outputs, too (FMI 3.0, table 23)
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL_LIST[:-1] in path
         yield from twice(depends, self.key, path)
@@ -130,14 +149,17 @@ class Structure:
             yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
-        """Yield each unknown of the model structure as a pair: words that name it, and its element."""
+        """Yield each unknown of the model structure: its path with its reference, and its element."""
         for name, nodes in self.lists.items():
             for node in nodes:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
 def _sizes(variable: Variable) -> list[str]:
-    """Return the value references of an array's sizes; leave out sizes that are numbers."""
+    """Return the value references of the variables that give sizes of an array.
+
+    Sizes that are plain numbers are left out.
+    """
     return [
         size.attrib["valueReference"]
         for size in variable.node.iter("Dimension")
@@ -150,7 +172,7 @@ def _depends(node: Element) -> list[str]:
 
 
 def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
-    """Yield a fault for the first number that is smaller than the number before it."""
+    """Yield a fault for the first of some numbers that is smaller than the number before it."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):
             yield Finding(f"{after} must stand before {before}", attribute=path)
@@ -158,7 +180,7 @@ def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
 
 
 def twice(texts: Iterable[str], what: str, path: str) -> list[Finding]:
-    """Return a finding for each text that occurs more than once in a list."""
+    """Return a finding for each text that occurs more than once in ``texts``."""
     return [
         Finding(f"{what} = {text!r} is listed {count} times", attribute=path)
         for text, count in Counter(texts).items()

@@ -1,4 +1,4 @@
-"""The check of the variables in a model description: whether the attributes of a variable are consistent."""
+"""The check of the variables in a model description: whether each variable's attributes fit together."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Value = float | bool | str
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable as an FMU describes it.
+    """A variable, or a declared type, as a model description has it.
 
     Attributes:
         name: the name.
-        reference: the text of the value reference.
-        type: the tag of the variable's element, such as ``Real`` or ``Float64``.
-        attributes: the variable's own attributes and the attributes of the declared type.
+        reference: the value reference, as text.
+        type: the kind of value: the element's tag without "Type", such as ``Real`` or ``Float64``.
+        attributes: the attributes of the declared type, replaced by the variable's own ones.
         choices: the values of an enumeration.
-        node: the variable's element.
-        size: the number of values; None if it cannot be determined.
+        node: the element with the attributes of the type, such as ``Real``.
+        size: the number of values, 1 for a scalar; None if it cannot be determined.
     """
 
     name: str
@@ -40,12 +40,12 @@ class Variable:
 
     @property
     def causality(self) -> str:
-        """The causality of the variable, from its attribute in FMI."""
+        """The attribute ``causality``, or FMI's default ``local``."""
         return self.attributes.get("causality", "local")
 
     @property
     def start(self) -> list[str]:
-        """The texts of the start values; empty if there are none."""
+        """The texts of the start values, one for each element of an array; empty if there are none."""
         if given := [entry.get("value", "") for entry in self.node.iter("Start")]:
             return given
         text = self.attributes.get("start")
@@ -55,7 +55,7 @@ class Variable:
 
     @property
     def exact(self) -> bool:
-        """Whether the start value is the exact value at the start, and not a guess."""
+        """Whether the start value holds at the start of a run, and is not only a guess for a computation."""
         initial = self.attributes.get("initial", "")
         given = self.causality in ("parameter", "structuralParameter", "input")
         return initial == "exact" or (
@@ -63,9 +63,9 @@ class Variable:
         )
 
     def value(self, text: str) -> Value:
-        """Return the value for a text: a number, a bool or a text.
+        """Return the value that a text stands for: a number, a bool or a text.
 
-        Returns NaN for an invalid number.
+        A text that is no number gives NaN.
         """
         if self.type in TEXTS:
             return text
@@ -77,22 +77,22 @@ class Variable:
             return math.nan
 
     def bound(self, name: str) -> float:
-        """Return the attribute ``min`` or ``max``; −∞ or ∞ if the variable does not have it."""
+        """Return the limit ``min`` or ``max`` (``name``); −∞ or ∞ if the variable does not have it."""
         text = self.attributes.get(name)
         if text is None or self.type in (*TEXTS, "Boolean"):
             return math.inf if name == "max" else -math.inf
         return float(self.value(text))
 
     def beyond(self, value: float) -> str:
-        """Return words for the limit that a value exceeds; "" if no limit is exceeded."""
+        """Return words for the limit that ``value`` is beyond; "" if it is within the limits."""
         low, high = self.bound("min"), self.bound("max")
-        if low > high:  # limits in the wrong order are reported by another check
+        if low > high:  # limits in the wrong order are a fault of their own, which ``limit_findings`` reports
             return ""
         return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
 
 
 def types_of(root: Element) -> list[Variable]:
-    """Return the types that a model description defines, in the form of variables."""
+    """Return the declared types of a model description, each in the form of a variable."""
     return [_variable(node, {}, 1) for node in root.iterfind("TypeDefinitions/*")]
 
 
@@ -105,7 +105,10 @@ def variables_of(root: Element) -> list[Variable]:
 
 
 def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
-    """Return the variable for an element, with the attributes of its declared type."""
+    """Return the variable of an element, with the attributes of its declared type.
+
+    ``types`` has the declared types by name, ``size`` is the number of the variable's values.
+    """
     nested = node.tag in ("ScalarVariable", "SimpleType")
     inner = next((child for child in node if nested and child.tag != "Annotations"), node)
     declared = types.get(inner.get("declaredType", ""))
@@ -123,9 +126,10 @@ def _variable(node: Element, types: Mapping[str, Variable], size: int | None) ->
 
 
 def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
-    """Return the number of a variable's values; None if it cannot be determined.
+    """Return the number of values of a variable or array; None if it cannot be determined.
 
-    A dimension is a number, or the start value of another variable.
+    A dimension is given as a number, or as the value reference of a variable whose start value is the number;
+    ``starts`` has the start value of each reference.
     """
     texts = [
         dimension.get("start") or starts.get(dimension.get("valueReference"), "")
@@ -135,7 +139,7 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
 
 
 def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of attributes, start values, limits and types, and of shared values."""
+    """Return the faults of attributes, start values, limits, types, and of variables that share a value."""
     types = {definition.name: definition.type for definition in types_of(root)}
     findings = [
         Finding(text, variable=variable.name, attribute=attribute)
@@ -151,7 +155,7 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
 
 
 def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
-    """Yield the faults of min and max, as pairs of the attribute and a sentence."""
+    """Yield pairs of an attribute and a sentence for the faults of min and max."""
     low, high = variable.bound("min"), variable.bound("max")
     if low > high:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"
@@ -165,9 +169,9 @@ def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str
 
 
 def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
-    """Yield pairs of an attribute and a sentence, for each attribute that is not allowed.
+    """Yield pairs of an attribute and a sentence, for attributes that the variable must not have.
 
-    The causality of the variable, or the kind of FMU, does not allow it.
+    Its causality does not allow the attribute, or the FMU is not for model exchange.
     """
     of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
     if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:
@@ -198,10 +202,10 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 
 
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
-    """Return the faults of variables that share a value: FMI 2.0, 2.2.7.
+    """Return the faults of aliases, variables with the same value reference (FMI 2.0, 2.2.7).
 
-    Only one of the variables that share a value may be set, and only one may have a start value, unless they
-    are constants of the same value. All variables that share a value must have the same unit.
+    Only one of them may be set from outside, and only one may have a start value, unless they are constants
+    of the same value. All of them must have the same unit.
     """
     first: dict[tuple[str, str], Variable] = {}
     findings = []

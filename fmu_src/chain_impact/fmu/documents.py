@@ -1,4 +1,4 @@
-"""The parts of an FMU that people read: documentation, licenses and icon, and the terminals of FMI 3.0."""
+"""Documents inside an FMU: documentation, licenses and icon for people, and the terminals of FMI 3.0."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
 ICONS = {FMI_2: "model.png", FMI_3: "terminalsAndIcons/icon.png"}
-"""Version of FMI → path of the icon (2.3 in FMI 2.0, 2.5.1 in FMI 3.0)."""
+"""Version of FMI → path of the icon in the FMU (FMI 2.0, 2.3; FMI 3.0, 2.5.1)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse}td,th{border:1px solid #8888;padding:.2em .6em;text-align:left}"
@@ -48,12 +48,12 @@ EVENTS = (
 )
 TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
 EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
-"""The edges of the icon in its coordinate system."""
+"""The corners of the icon in FMI's coordinate system of icons, from −100 to 100 in both directions."""
 
 
 def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
     """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
-    # this import takes a second, so it is not at the top
+    # imported here, because the import takes a second
     from chain_impact.pictures.start import icon
 
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
@@ -123,7 +123,7 @@ def authorship(scene: Scene) -> str:
 
 
 def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
-    """Return the table with a row for each kind of variable, in the order of the kinds' first variables."""
+    """Return the rows of a table with the kinds of variables, ordered by the first variable of each kind."""
     variables_of_kind: dict[str, list[Variable]] = {}
     for variable in variables:
         variables_of_kind.setdefault(variable.kind.pattern, []).append(variable)
@@ -134,7 +134,7 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
 
 
 def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table that unfolds below its title; "" if it has no rows."""
+    """Return the HTML of a table that is folded, so that only its title is seen; "" if it has no rows."""
     return f"<details><summary>{title}</summary>{html_table(head, rows)}</details>" if rows else ""
 
 
@@ -142,11 +142,12 @@ def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]])
 
 
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
-    """Return the terminals: one for each joint and point, the base, the slider, the tip and each wall.
+    """Return the file with the terminals, and the icon.
 
-    A terminal has the inputs and outputs of its owner. The terminals of walls are inside a terminal
-    ``wall``, so that a terminal's path is the first part of the names of its variables. All members are
-    signals; an importer connects members with equal names ("bus").
+    Each joint, each point, the base, the slider, the tip and each wall is the owner of some variables, and
+    has a terminal with the inputs and outputs among them. The terminals of walls are inside a terminal
+    ``wall``, so that the path of a terminal is the first part of its variables' names. All members are
+    signals, of the kind "bus": an importer that connects two terminals connects the members with equal names.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

@@ -1,6 +1,6 @@
-"""Faults of an FMU, each as a sentence with the file and the variable that it concerns.
+"""Findings: the faults of an FMU, each a sentence with the file and the variable in which it is.
 
-Faults of the zip are found before the zip is unpacked.
+This module also finds the faults of the zip, before the zip is unpacked.
 """
 
 from __future__ import annotations
@@ -17,15 +17,17 @@ from chain_impact.recording.text import few
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
-"""A test run writes this word as its last call. Without it, the process ended before the test did."""
+"""The test run of an FMU reports this word as its last call; if it is missing, the process ended too
+early."""
 LARGEST_FILE = 2**30
-"""[byte] the largest size of all unpacked files of an FMU; a larger FMU is refused: it could fill the disk.
+"""[byte] The largest size of all unpacked files of an FMU.
 
-The check uses the sizes that the zip declares. Python never unpacks more than this.
+A larger one is refused, as it could fill the disk. The check adds the sizes that the zip declares; Python
+never unpacks more than the declared size of a file.
 """
-NAMED_VARIABLES = 5  # largest number of variables that one sentence names
-# the largest number of findings with a line of their own; more findings that differ only in the variable
-# share one line
+# largest number of variables that one line names; of more, the line gives only the number
+NAMED_VARIABLES = 5
+# from this number on, findings that differ only in the variable share one line
 MOST_ALIKE_FINDINGS = 10
 
 
@@ -34,10 +36,10 @@ class Finding:
     """A fault of an FMU.
 
     Attributes:
-        text: a sentence that describes the fault.
-        file: the file in the FMU that has the fault; empty for the FMU as a whole.
-        variable: the name of the variable with the fault, if any.
-        attribute: the attribute or element of the model description with the fault, if any.
+        text: a sentence that describes the fault; its subject is the file, variable or attribute.
+        file: the file in the FMU that has the fault; "" for the FMU as a whole.
+        variable: the name of the variable with the fault; "" if it is not one of a variable.
+        attribute: the attribute or element of the model description with the fault, or "".
     """
 
     text: str
@@ -51,11 +53,14 @@ class Finding:
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
-    """Return one line for each finding; many findings that differ only in the variable share one line."""
+    """Return one line for each finding.
+
+    More than MOST_ALIKE_FINDINGS that differ only in the variable share a line.
+    """
     alike: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        # texts of equal faults are equal only without the name and the line of the variable, which fmpy
-        # writes
+        # fmpy writes the variable's name and line into the text; without them, the texts of equal faults are
+        # equal
         text = re.sub(rf'"{re.escape(finding.variable)}" \(line \d+\)', "", finding.text)
         alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []

@@ -1,6 +1,6 @@
-"""fmpy as the importer of an FMU; the streams and the working folder of the process stay unchanged.
+"""The run of an FMU with fmpy, such that several threads may run FMUs at the same time.
 
-Several threads may run FMUs at the same time.
+The streams and the working folder of the process stay unchanged; fmpy alone would change them.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
 
-# number of the status fmi2Warning; only messages with a larger status are kept, because they report faults
+# the number of the status fmi2Warning; messages up to this status are dropped, because they report no fault
 WARNING = 1
 SLAVES = "chain_impact.fmu"
-"""The name of the logger of slaves in Python; see slave.py."""
-_here = threading.local()  # the messages and logs of the FMU that the calling thread runs
+"""The name of the logger to which the slaves in Python (slave.py) write their errors."""
+# the messages of the FMU that the calling thread runs: `logged` by callback, `said` by the logger SLAVES
+_here = threading.local()
 
 
 def read_fmu(path: Path) -> Any:
@@ -41,7 +42,7 @@ def read_fmu(path: Path) -> Any:
     Raises:
         SceneError: when the file is not an FMU.
     """
-    import fmpy  # this import takes half a second
+    import fmpy  # imported here, because the import takes half a second
 
     try:
         for finding in archive_findings(path):
@@ -55,7 +56,7 @@ def read_fmu(path: Path) -> Any:
 
 
 def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
-    """Simulate an FMU of FMI 2.0 or 3.0 with fmpy; return the rows of outputs.
+    """Simulate an FMU of FMI 2.0 or 3.0 with fmpy; return fmpy's rows of outputs over time.
 
     Args:
         path: the FMU.
@@ -76,7 +77,8 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         raise RunError(f"{path}: {missing}")
     with listening() as reasons:
         try:
-            # the unpacked files are removed here, because fmpy does not remove them when a call fails
+            # unpacked here, so that the files are removed in any case: fmpy leaves its own files behind after
+            # a failed call
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 fmpy.extract(str(path), folder)
                 instance = loaded(description, folder)
@@ -87,7 +89,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
                 )
                 instance.freeInstance()
         except Exception as error:  # fmpy's exceptions have no common class
-            # the first message has the reason; later messages may be about calls that fmpy makes after the
+            # the first message has the reason; later ones may come from calls that fmpy makes after the
             # failed call
             reason = [*reasons(), str(error)][0]
             raise RunError(f"{path}: {reason}") from None
@@ -96,9 +98,9 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
 @contextmanager
 def listening() -> Iterator[Callable[[], list[str]]]:
-    """Collect the messages of the FMUs that this thread runs.
+    """Context that collects the messages of FMUs that this thread runs.
 
-    The yielded function returns the messages in the order of time.
+    It yields a function that returns the messages so far, at first those of slaves in Python.
     """
     _here.said, _here.logged = [], []
     try:
@@ -108,18 +110,17 @@ def listening() -> Iterator[Callable[[], list[str]]]:
 
 
 def _log(*call: Any) -> None:
-    """Collect a message that an FMU sends to its importer in the calling thread."""
-    # the callback of FMI 2.0 has the instance's name before these three arguments, that of FMI 3.0 has no
-    # name
+    """Collect a message that an FMU sends by FMI's callback, if the thread runs an FMU in ``listening``."""
+    # FMI 2.0 passes the name of the instance before these three arguments, FMI 3.0 does not
     status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
         _here.logged.append(message.decode(errors="replace"))
 
 
 def _heard(record: logging.LogRecord) -> bool:
-    """Collect a log message of a slave in Python as an error, if this thread runs an FMU.
+    """Collect a log message of a slave in Python, if this thread runs an FMU in ``listening``.
 
-    Returns whether the message shall be logged: only if this thread runs no FMU.
+    As a filter of the logger, it returns whether the message is logged as usual: only if no FMU is run here.
     """
     said = getattr(_here, "said", None)
     if said is not None:
@@ -131,7 +132,7 @@ logging.getLogger(SLAVES).addFilter(_heard)
 
 
 def loaded(description: Any, folder: str) -> Any:
-    """Return an unpacked FMU with its library loaded, before any call of the FMU."""
+    """Return fmpy's object for an unpacked FMU, whose library is loaded but not yet called."""
     from fmpy import fmi2, fmi3, platform
 
     _place_binaries(Path(folder, "binaries"), platform)
@@ -144,7 +145,7 @@ def loaded(description: Any, folder: str) -> Any:
 
 
 def instantiate(fmu: Any) -> None:
-    """Make the instance of a loaded FMU; the FMU's messages go to ``_log``."""
+    """Make the instance of a loaded FMU; messages of the FMU go to ``_log``."""
     from fmpy import fmi2
 
     if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
@@ -156,15 +157,15 @@ def instantiate(fmu: Any) -> None:
 
 
 _ALONE = threading.Lock()
-"""A lock: two threads must not make the callbacks at the same time, because all FMUs share them."""
+"""Held while ``_callbacks`` is called, so that two threads do not make two sets of callbacks."""
 
 
 @cache
 def _callbacks() -> Any:
-    """Return the callbacks for FMUs of FMI 2.0.
+    """Return the callbacks for all FMUs of FMI 2.0.
 
-    All FMUs share one set of callbacks: fmpy's logger library keeps only the last logger that it gets, and
-    would send the messages of all FMUs there.
+    There is only one set, because fmpy's library for messages knows only the logger of the last set, and
+    would send the messages of all FMUs to it.
     """
     from fmpy import fmi2
 
@@ -173,7 +174,8 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    with suppress(Exception):  # on ARM fmpy cannot write values into messages, so the messages have no values
+    # without this library, as on ARM, messages come without the values that should be written into them
+    with suppress(Exception):
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))
@@ -182,12 +184,13 @@ def _callbacks() -> Any:
 
 @cache
 def _in_place(kind: type) -> type:
-    """Return a kind of fmpy's instances that loads its library without a change of the working folder.
+    """Return a class like ``kind``, of fmpy's instances, that does not change the working folder.
 
-    fmpy's constructor changes the working folder of the whole process, and does not restore it after an
-    error. The returned class runs the same constructor with another ``os``, in which ``chdir`` does nothing.
+    fmpy's constructor changes the working folder of the whole process to load the library, and does not
+    restore it after an error. The returned class runs the same code with an ``os`` whose ``chdir`` does
+    nothing.
     """
-    base = kind.__mro__[-2]  # the common base class of all kinds of instances in fmpy
+    base = kind.__mro__[-2]  # the class from which all of fmpy's classes of instances inherit
     fmpys: Any = base.__init__  # type: ignore[misc]
     still = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
     load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still}, "__init__", fmpys.__defaults__)
@@ -195,7 +198,10 @@ def _in_place(kind: type) -> type:
 
 
 def _place_binaries(binaries: Path, folder: str) -> None:
-    """Copy this machine's binaries to the folder where fmpy looks; on ARM this is the folder of x86-64."""
+    """Copy this machine's binaries to the folder ``folder`` of ``binaries``, in which fmpy looks for them.
+
+    On ARM, fmpy looks in the folder of x86-64. Folders named as in FMI 2.0 and as in FMI 3.0 are copied.
+    """
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:
         if (binaries / name).is_dir():

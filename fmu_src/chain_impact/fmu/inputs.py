@@ -1,4 +1,7 @@
-"""The table of inputs of an FMU in fmpy's form, with the derivatives that the user's table leaves out."""
+"""The table with the inputs for the run of an FMU, in fmpy's form.
+
+Derivatives and integrals of an input that the user's table leaves out are computed.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +22,8 @@ from chain_impact.scene.signals import family
 from chain_impact.scene.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 
-# the largest difference of the values just before and just after a row that counts as round-off, relative to
-# the largest value of the input; a larger difference is a jump
+# An input jumps at a row if its values just before and just after the row differ by more than JUMP × the
+# input's largest value; a smaller difference is round-off.
 JUMP = 1e-9
 
 
@@ -31,20 +34,21 @@ def driven_rows(
     experiment: tuple[float, float],
     parameters: Mapping[str, float],
 ) -> tuple[Any, np.ndarray]:
-    """Return a model description for fmpy, and the table of inputs in fmpy's form.
+    """Return the model description for fmpy, and the table of inputs for it.
 
-    The inputs are those of a scene with this table as a signal: rows are interpolated in the same way, and
-    derivatives and integrals of an input follow from it. There is a row for each communication point and each
-    row of the user's table. fmpy joins rows by straight lines, so a jump takes two rows at the same time;
-    there fmpy makes a communication point. Inputs that nothing drives are left out of the description:
-    fmpy would print a warning for each.
+    The inputs have the same values as in a scene in which the user's table is a signal: its rows are
+    interpolated in the same way, and derivatives and integrals of an input are computed from it. The returned
+    table has a row for each communication point and for each row of the user's table. fmpy joins rows by
+    straight lines, so a jump needs two rows at the same time, at which fmpy also makes a communication point.
+    Inputs that nothing drives are left out of the returned description, because fmpy would print a warning
+    for each of them.
 
     Args:
         description: the model description of the FMU, in fmpy's form.
-        file: the table of inputs.
+        file: the user's table of inputs.
         interpolation: ``hold``, ``linear`` or ``spline``; by default the usual interpolation of each input.
         experiment: the end of the run and the communication step [s].
-        parameters: name → value in this run.
+        parameters: name of a parameter → its value in this run.
 
     Raises:
         SceneError: when the table cannot drive the FMU.
@@ -98,10 +102,11 @@ def driven_rows(
 
 
 def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return an input as polynomials in time: their starts [s], and their coefficients.
+    """Return an input as polynomials of time: their start times [s] and their coefficients.
 
-    ``members`` are an input, its integrals and its derivatives, from ``family``. The result is for member
-    ``k``; if it is not in the table, it is computed as a derivative or an integral of a member in the table.
+    ``members`` are an input with its integrals before it and its derivatives after it (``family``). The
+    result is for the member with the index ``k``; if the table does not have it, it is computed from a member
+    that the table has.
     """
     given = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given if j <= k), default=given[0])

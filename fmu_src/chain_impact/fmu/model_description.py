@@ -1,4 +1,4 @@
-"""The modelDescription.xml of a scene's FMU, for FMI 2.0 (section 2.2) and FMI 3.0 (sections 2.4 and 4.4)."""
+"""The file modelDescription.xml of a scene's FMU: FMI 2.0, section 2.2; FMI 3.0, sections 2.4 and 4.4."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from chain_impact.variables.units import UNITS, in_order, unit_of
 from chain_impact.variables.variable import Variable
 
 TOKEN = {FMI_2: "guid", FMI_3: "instantiationToken"}
-"""Version of FMI → name of the root's attribute that identifies the FMU."""
+"""Version of FMI → the attribute of the root element that tells one FMU from another."""
 CAPABILITIES = {
     FMI_2: {
         "needsExecutionTool": "false",
@@ -40,8 +40,8 @@ CAPABILITIES = {
     },
 }
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
-"""Type of a variable here → type in FMI 3.0."""
-# the earliest date that a zip can store; it is the same for all FMUs, so that equal scenes give equal FMUs
+"""Type of a variable in this package → type in FMI 3.0."""
+# the earliest date that a zip can store; every FMU gets this date, so that equal scenes give equal FMUs
 DATE = "1980-01-01T00:00:00Z"
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
@@ -53,11 +53,16 @@ LOG_CATEGORIES = {
 
 
 def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabilities: str) -> Element:
-    """Return the model description, with the start values of a new instance, and without a GUID.
+    """Return the model description, with the start values of a new instance, and an empty GUID.
 
-    Value references are positions in ``prepared.variables``; in FMI 3.0 the reference of the time and the
-    references of ``array_variables(prepared)`` follow. ``tool`` is the program that makes the FMU;
-    ``capabilities`` replace the usual attributes of CoSimulation.
+    The value reference of a variable is its position in ``prepared.variables``. In FMI 3.0, the references of
+    the time and of ``array_variables(prepared)`` follow.
+
+    Args:
+        prepared: the scene.
+        tool: name and version of the program that makes the FMU.
+        fmi: the version of FMI.
+        capabilities: attributes of the element CoSimulation that replace or add to CAPABILITIES.
     """
     root = Element(
         "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(prepared.scene, tool)}
@@ -73,7 +78,10 @@ def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabiliti
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the types of real numbers and of enumerations; in FMI 2.0 each type is inside a SimpleType."""
+    """Add the declared types of real numbers (one for each quantity) and of enumerations.
+
+    FMI 2.0 encloses each type in a SimpleType.
+    """
     types = SubElement(root, "TypeDefinitions")
     for name, attributes in quantities(variables).items():
         if fmi == FMI_2:
@@ -90,7 +98,10 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
-    """Add variables, and each output with its direct inputs, for FMI 2.0, where positions count from 1."""
+    """Add the variables of FMI 2.0, and the outputs with the inputs on which they depend directly.
+
+    FMI 2.0 refers to variables by index, which counts from 1.
+    """
     variables, nodes = prepared.variables, SubElement(root, "ModelVariables")
     indices = {variable.record_path: str(index) for index, variable in enumerate(variables, 1)}
     for reference, (variable, value) in enumerate(zip(variables, values_of(prepared), strict=True)):
@@ -106,7 +117,7 @@ def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
 
 
 def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
-    """Add variables, time, arrays, and each output with the inputs that act on it directly, for FMI 3.0."""
+    """Add the variables of FMI 3.0, the time, the arrays, and the outputs with their direct inputs."""
     variables, arrays, values = prepared.variables, array_variables(prepared), values_of(prepared)
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.record_path: reference for reference, variable in enumerate(variables)}
@@ -141,12 +152,11 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
 
 
 def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
-    """Return the number of each output, and the numbers of the inputs that act on this output directly.
+    """Return for each output its number, and the numbers of the inputs on which it depends directly.
 
-    The number of a variable is its index in FMI 2.0, and its value reference in FMI 3.0.
-
-    These lists are for the time after the start. There is no list for the start: FMI then assumes that an
-    output depends on all known values, which is right.
+    The number of a variable is its index in FMI 2.0, and its value reference in FMI 3.0. These dependencies
+    are those after the start. For the start none are given: FMI then assumes that an output depends on all
+    known values, which is true.
     """
     inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
     return [
@@ -161,10 +171,9 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
 
 
 def about(scene: Scene, tool: str) -> dict[str, str]:
-    """Return the attributes of the root, without the GUID and the version of FMI.
+    """Return the attributes of the root element, except the GUID and the version of FMI.
 
-    ``tool`` is the program that makes the FMU. Author, version, copyright and license of the model come from
-    the scene.
+    ``tool`` is the program that makes the FMU. Author, version, copyright and license are those of the scene.
     """
     said = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
@@ -178,7 +187,7 @@ def about(scene: Scene, tool: str) -> dict[str, str]:
 
 
 def add_units(root: Element, variables: Sequence[Variable]) -> None:
-    """Add the definitions of the units in use."""
+    """Add the definition of each unit that a variable has."""
     used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
     for name in in_order(used):
         powers, definition = unit_of(name).powers, SubElement(units, "Unit", name=name)
@@ -189,7 +198,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
-    """Return the types of real numbers as a dict: name → attributes."""
+    """Return the declared types of real numbers, one for each unit, as name → attributes."""
     used, types = {variable.unit for variable in variables}, {}
     for name in in_order(used):
         quantity = unit_of(name).quantity
@@ -200,7 +209,7 @@ def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
 
 
 def add_categories_and_experiment(root: Element, scene: Scene) -> None:
-    """Add the categories of messages and the default experiment."""
+    """Add the categories of log messages, and the default experiment."""
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
@@ -225,7 +234,7 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
 
 
 def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
-    """Return the attributes for each variable's value: type, unit, range, start and nominal value."""
+    """Return for each variable the attributes of its value: type, unit, limits, start and nominal value."""
     nominal, values = nominal_values(prepared.scene), []
     for variable in prepared.variables:
         value = {}
@@ -235,8 +244,8 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
                 value["nominal"] = repr(nominal[variable.kind.nominal])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
-        # FMI has closed limits only, so an open limit is written as a closed limit; the FMU still refuses the
-        # limit itself
+        # FMI knows only limits that are allowed values. A limit that is not allowed itself is written all the
+        # same, and the FMU refuses a value equal to this limit.
         low = variable.above if variable.minimum is None else variable.minimum
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
@@ -247,7 +256,10 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
 
 
 def rate_of(variable: Variable) -> DataPath | None:
-    """Return the path of the variable whose derivative ``variable`` is, if there is one."""
+    """Return the record path of the variable whose derivative ``variable`` is.
+
+    The result is None if it is no derivative.
+    """
     record, field, *index = variable.record_path
     if field == variable.kind.rate_of == "signal":
         return (*variable.record_path[:-1], int(index[-1]) - 1)
@@ -255,14 +267,14 @@ def rate_of(variable: Variable) -> DataPath | None:
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Return the usual magnitudes of the outputs, by the names in the table of variables.
+    """Return usual magnitudes of outputs, for FMI's attribute ``nominal``, by the names that kinds use.
 
-    Magnitudes of the motion are the absolute scales of the solver, ``longest_link`` and ``energy_scale``.
-    With the length L of the longest link, the whole mass M and the speed v = L / 1 s, they are L, v, M v²,
-    the momentum M v, the angular momentum M v L, the inertial force M v / 1 s and the inertial moment M v L /
-    1 s. Magnitudes of contacts follow from a collision of the whole mass at v without damping. The
-    penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2, with stiffness K and exponent n. Magnitudes of stops follow in
-    the same way from the whole mass at the end of the longest link, at 1 rad/s.
+    Let L be the length of the longest link, M the mass of all links, and v = L / 1 s. The motion has the
+    magnitudes L, v, the energy M v², the momentum M v, the angular momentum M v L, the inertial force M v / 1
+    s and the inertial moment M v L / 1 s. L and M v² are also the solver's absolute scales, ``longest_link``
+    and ``energy_scale``. Magnitudes of contacts are those of an impact of the mass M at v without damping,
+    whose penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2 with stiffness K and exponent n. Magnitudes of stops
+    follow in the same way from an impact of M at the distance L from the joint, at 1 rad/s.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
@@ -278,7 +290,7 @@ def nominal_values(scene: Scene) -> dict[str, float]:
 
 
 def type_name(variable: Variable) -> str:
-    """Return the name of an enumeration's type, for example ContactModel for contact.model."""
+    """Return the name of an enumeration's declared type, such as ContactModel for contact.model."""
     return "".join(part.capitalize() for part in variable.name.split("."))
 
 
@@ -286,12 +298,12 @@ def type_name(variable: Variable) -> str:
 
 
 class Array(NamedTuple):
-    """An array whose elements are also scalar variables.
+    """An array of FMI 3.0, whose elements are also scalar variables.
 
     Attributes:
-        variable: the array as a variable, with the path of the first element.
-        shape: one size for each dimension; from one element in the record to the next, the last index changes
-            fastest.
+        variable: the array in the form of a variable, with the record path of its first element.
+        shape: the sizes of the dimensions; in the record, the elements follow each other in such an order
+            that the last index changes fastest.
     """
 
     variable: Variable
@@ -304,7 +316,7 @@ class Array(NamedTuple):
 
 
 def array_variables(prepared: PreparedScene) -> list[Array]:
-    """Return the arrays of the scene's outputs, in the order of their value references."""
+    """Return the arrays of a scene's outputs, in the order of their value references."""
     groups: dict[str, list[Variable]] = {}
     for variable in prepared.outputs:
         if variable.kind.array:

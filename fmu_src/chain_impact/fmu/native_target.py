@@ -1,4 +1,4 @@
-"""A native FMU: its binary is the kernel's library, and a table describes the scene to the C interface."""
+"""A native FMU: its binary is the kernel's library, and a table describes the scene to this binary."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from chain_impact.variables.variable import TableRow
 
 
 def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
-    """Return all files of the FMU, by their names in the FMU.
+    """Return all files of a native FMU, as path in the FMU → content.
 
     Args:
-        prepared: the scene that the FMU simulates, prepared.
-        kernels: platform → library.
+        prepared: the scene that the FMU simulates.
+        kernels: platform → library of the kernel.
         fmi: the version of FMI, 2 or 3.
     """
-    # this import is not at the top of the module, because the package has no version while its wheel is built
+    # not imported at the top: while the package's wheel is built, the package has no version
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
         description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")

@@ -1,4 +1,4 @@
-"""The platforms for which an FMU has binaries, and the file that an importer loads on this machine."""
+"""The platforms for which an FMU has binaries, and the binary for this machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from chain_impact.system import HOST, PLATFORMS
 def platforms_of(path: str | Path) -> list[str]:
     """Return the platforms for which an FMU has binaries.
 
-    A known platform has its name in ``--platform``, another platform the name of its folder.
+    A platform that this package knows has its name as in ``--platform``, any other the name of its folder in
+    the FMU.
     """
     ours = {platform.fmi3: name for name, platform in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
@@ -22,15 +23,15 @@ def platforms_of(path: str | Path) -> list[str]:
 
 
 def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
-    """Return the file that an importer loads on this machine, and None.
+    """Return the binary that an importer loads on this machine, and None.
 
     If the FMU has no such file, return "" and a finding.
 
     Args:
-        identifier: the attribute ``modelIdentifier``.
-        names: the files and folders in the FMU.
-        is_fmi_2: whether the FMU is of FMI 2.0: then folders with the names of FMI 2.0 are looked for first,
-            else those of FMI 3.0.
+        identifier: the attribute ``modelIdentifier``, the name of the binary without its suffix.
+        names: the paths of files and folders in the FMU.
+        is_fmi_2: whether the FMU is of FMI 2.0: then the folder with the name of FMI 2.0 is looked at first,
+            else that with the name of FMI 3.0.
     """
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
     platforms = platforms if is_fmi_2 else platforms[::-1]
@@ -50,6 +51,6 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
 
 
 def _folders(names: Collection[str]) -> list[str]:
-    """Return the folders of binaries that contain any files."""
+    """Return the names of the folders in ``binaries`` that contain a file."""
     matches = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
     return sorted({file[1] for file in matches if file})

@@ -1,4 +1,4 @@
-"""An FMU that runs in the importer's Python: pythonfmu's binary, a slave in Python, and the kernel."""
+"""An FMU that runs in the importer's Python: pythonfmu's wrapper as binary, slave.py, and the kernel."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from {slave} import ChainImpact
 # pythonfmu 0.7.0 gives these names back once for every instance without having taken them
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 """
-"""The script that pythonfmu's wrapper executes for every new instance.
+"""The script of an FMU, which pythonfmu's wrapper executes again for every new instance.
 
-The wrapper never frees the code and the names of the script. So the script only imports the slave, which
-Python loads once in a process.
+The wrapper never frees the code and the names of an executed script. So this script does nothing but import
+the slave, which Python loads only once in a process.
 """
 
 
 def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
-    """Return all files of the FMU, by their names in the FMU.
+    """Return all files of the FMU, as path in the FMU → content.
 
     Args:
-        prepared: the scene that the FMU simulates, prepared.
-        kernels: platform → library.
+        prepared: the scene that the FMU simulates.
+        kernels: platform → library of the kernel.
     """
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     sources = {"script": SCRIPT.encode(), "slave": slave_source()}
@@ -40,29 +40,29 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     files = with_description(files, prepared, description := model_description(prepared, tool, FMI_2), FMI_2)
-    # a process imports modules by name and may load several FMUs, so the names of script and slave contain a
-    # part of the GUID
+    # The names of script and slave contain a part of the GUID, because a process may load several FMUs, and
+    # Python imports only one module of a name.
     guid = description.attrib["guid"]
     script = f"chain_impact_{guid.replace('-', '')[:16]}"
     modules = {
         f"resources/{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(),
         f"resources/{script}_slave.py": sources["slave"],
-        # the FMU has a script for the wrapper, and data for the slave, because some importers do not unpack
-        # the model description
+        # the wrapper reads the name of the script from this file, and the slave the name of the model and the
+        # GUID, as some importers do not unpack modelDescription.xml
         "resources/slavemodule.txt": "\n".join((script, prepared.scene.name, guid)).encode(),
     }
     return {name: content for name, content in files.items() if name not in sources} | modules
 
 
 def slave_source() -> bytes:
-    """Return the source of the slave, from the installed package or from the repository."""
+    """Return the text of slave.py, from the installed package or from the repository."""
     return included("fmu/slave.py", "fmu_src/slave.py").read_bytes()
 
 
 def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
-    """Return pythonfmu's modules, and pythonfmu's wrappers as the binaries of an FMU with a name."""
-    # The files come from the installed package. The module `pythonfmu` that this process has loaded may be a
-    # copy inside an FMU.
+    """Return pythonfmu's Python modules, and its wrappers as binaries with the name ``name``."""
+    # from the installed package, because a module `pythonfmu` that this process has loaded may come from an
+    # FMU
     folder = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{module.name}": module for module in folder.glob("*.py")}
     for platform in platforms:

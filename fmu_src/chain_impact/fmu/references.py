@@ -1,8 +1,9 @@
-"""Reference results inside the FMU: a table of correct outputs with tolerances, to check an importer.
+"""Reference results in an FMU: a table of correct outputs with tolerances, by which an importer is checked.
 
-The file is CSV. The first row has names: ``time``, the inputs, the outputs. The second row begins with the
+The file is CSV. Its first row has names: ``time``, the inputs, the outputs. The second row begins with the
 word ``tolerance`` and gives the tolerance of each output. Each further row belongs to a communication point.
-An input acts from its row to the next row. An empty cell means that the output is not compared at this time.
+The value of an input acts from its row to the next row. An empty cell tells that the output is not compared
+at this time.
 """
 
 from __future__ import annotations
@@ -29,38 +30,41 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 REFERENCE_FILE = "resources/chain_impact_reference.csv"
-REFERENCE_TOLERANCE = 1e-12  # tolerance of the solver in the run that gives the reference results
-REFERENCE_ROWS = 100  # approximate number of communication steps in the scene's simulated time
-# if at most REFERENCE_ROWS / SHORTER rows are reliable, a table over the scene's time / SHORTER replaces the
-# table
+REFERENCE_TOLERANCE = 1e-12  # the solver's tolerance in the run whose outputs are the reference results
+# approximate number of communication steps of the table, if it covers the whole simulated time of the scene
+REFERENCE_ROWS = 100
+# if not more than REFERENCE_ROWS / SHORTER rows are reliable, a table of a SHORTER-th of the simulated time,
+# with as much shorter steps, is made instead
 SHORTER = 10
-# A chain amplifies an error with each impact. So the table ends where a second run, at the scene's own
-# tolerance, differs from the reference by more than ASTRAY and by more than this tolerance. The allowed error
-# of a user's result is TOLERANCE_FACTOR times the largest difference of the second run before this end, and
-# at least LEAST_TOLERANCE. ASTRAY, the tolerance and LEAST_TOLERANCE are relative to the largest value of all
-# outputs with the same unit.
+# A chain amplifies each error at every impact. So a second run has the scene's own tolerance, and the table
+# ends where its outputs deviate from the reference results by more than this tolerance and by more than
+# ASTRAY. An importer's outputs may deviate by TOLERANCE_FACTOR × the largest deviation of the second run
+# before this end, but always by LEAST_TOLERANCE. The scene's tolerance, ASTRAY and LEAST_TOLERANCE are
+# relative to the largest value of all outputs with the same unit.
 ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
-# The time around the onset or end of a contact in which outputs are not compared, because they change too
-# fast there. This time is relative to the communication step.
+# Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
+# step, because they change too fast there.
 EVENT_DISTANCE = 1e-4
-# a reference run ends when evaluations × links reach this number, which takes about 0.2 s
+# a run ends when its evaluations × the number of links reach MOST_WORK, which takes about 0.2 s
 MOST_WORK = 2_000_000
-SWING = 0.1  # amplitude of torques and forces, relative to the magnitudes in `nominal_values`
-MOVED = 0.01  # amplitude of the motion of a moving base or wall, relative to the length of the longest link
-# FEWEST_ROWS: the smallest number of rows, because the start alone is not a simulation. DIGITS: the number of
-# digits of a value in the file.
+# amplitude of the torques and forces that are given as inputs, relative to the magnitudes of `nominal_values`
+SWING = 0.1
+# amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
+MOVED = 0.01
+# FEWEST_ROWS: a table has at least this number of rows, as the start alone is no simulation; DIGITS: number
+# of digits of each value in the file
 FEWEST_ROWS, DIGITS = 2, 12
 
 
 class Reference(NamedTuple):
-    """The correct outputs of an FMU.
+    """The reference results of an FMU.
 
     Attributes:
         inputs: name of an input → its values, each from one communication point to the next, shape (T,).
         outputs: the names of the M compared outputs.
-        tolerances: the allowed errors of these outputs, shape (M,).
+        tolerances: the allowed errors of these outputs, shape (M,), in their units.
         times: communication points, equally spaced, shape (T,) [s].
-        values: the outputs, shape (T, M); rows of NaN are not to be compared.
+        values: the outputs, shape (T, M); a row of NaN is not compared.
     """
 
     inputs: dict[str, np.ndarray]
@@ -71,7 +75,10 @@ class Reference(NamedTuple):
 
 
 def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
-    """Return the reference file by its path in the FMU; an empty dict if no results are reliable."""
+    """Return the file with the reference results, as path in the FMU → content.
+
+    Empty if none are reliable.
+    """
     try:
         solution = reference(prepared)
     except SimulationError as error:
@@ -91,11 +98,11 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Return the outputs of a scene at a tolerance of 1e-12, as long as they are reliable.
+    """Return the outputs of a scene at REFERENCE_TOLERANCE, for the time in which they are reliable.
 
-    They are reliable until a run at the scene's own tolerance differs.
-
-    If the runs agree only over a small part of the scene's time, this part is simulated with shorter steps.
+    They are reliable as long as a run at the scene's own tolerance gives the same outputs, except for small
+    deviations (ASTRAY). If this is only a small part of the simulated time, a part of this time is computed
+    anew with shorter steps.
 
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
@@ -111,10 +118,10 @@ def reference(prepared: PreparedScene) -> Reference:
 
 
 def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
-    """Return the reference at some communication points [s], equally spaced from 0."""
+    """Return the reference results at the communication points ``times``, equally spaced from 0 [s]."""
     ends = {f"point[{k}].{axis}" for k in (0, prepared.sizes.links) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared.sizes.links)}
-    # a few outputs that together depend on the whole motion of the chain
+    # outputs of the whole chain: energies and numbers of impacts, which depend on every part of the motion
     whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
     chosen = [v for v in prepared.outputs if v.name in ends]
@@ -128,7 +135,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
         for t in (REFERENCE_TOLERANCE, tolerance)
     )
     count = min(len(exact), len(usual))
-    # the end of a contact that lasts is NaN
+    # a contact without an end has the end NaN, which nanmin ignores
     edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
     apart = (
         np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
@@ -157,9 +164,9 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
 def _run(
     scene: Scene, times: np.ndarray, inputs: dict[str, np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the outputs and the impacts of a run.
+    """Return outputs and impacts of a run: the outputs ``names`` at each of ``times`` [s], a row each.
 
-    The run ends when its work reaches MOST_WORK, or at a fault.
+    The run ends early after a fault, or when its work reaches MOST_WORK.
 
     Raises:
         SimulationError: when the first step cannot be taken.
@@ -180,16 +187,17 @@ def _run(
 
 
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
-    """Return a sine with a different frequency for each input, so that exchanged inputs would be noticed.
+    """Return the values of each input at ``times``: a sine whose frequency is different for each input.
 
-    Velocity and acceleration of a moving base or wall are the derivatives of the position. The values are
-    rounded as in the file: the reference run must get exactly the values that an importer reads from it.
+    So an importer that exchanges two inputs is noticed. Velocity and acceleration of a moving base or wall
+    are the derivatives of its position. Values are rounded as in the file, so that the reference run gets
+    exactly the values that an importer will read.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
-    # each joint gets an equal part of the torque, so that the torques move chains of few and of many links
-    # about equally
+    # divided by the number of links, so that all torques together move chains of few and of many links about
+    # equally
     torque = SWING * nominal["inertial_moment"] / prepared.sizes.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
@@ -211,7 +219,7 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
 
 
 def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
-    """Return the time [s] up to which all onsets of two runs agree within ``close`` [s]."""
+    """Return the time [s] up to which the onsets of two runs differ by at most ``close`` [s]."""
     count = min(len(exact), len(usual))
     first = int(np.argmax(np.append(np.abs(exact[:count] - usual[:count]) > close, True)))
     return float(min([math.inf, *exact[first:], *usual[first:]]))
@@ -221,7 +229,7 @@ def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
 
 
 class _Table(NamedTuple):
-    """The reference results as an FMU has them.
+    """The reference results, as they are read from an FMU.
 
     Attributes:
         time: communication points, shape (T,) [s].
@@ -235,7 +243,7 @@ class _Table(NamedTuple):
 
 
 def check_references(path: Path) -> tuple[bool, str] | None:
-    """Simulate an FMU with fmpy, and compare the results with the FMU's reference results.
+    """Simulate an FMU with fmpy, and compare its outputs with the reference results in the FMU.
 
     Returns whether the FMU passed, and a line of text; None if the FMU has no reference results.
     """
@@ -272,7 +280,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
 
 
 def _table_in(text: str) -> _Table:
-    """Return the table in a reference file.
+    """Return the table in the text of a reference file.
 
     Raises:
         ValueError, IndexError, csv.Error: when it is not such a table.
@@ -289,12 +297,12 @@ def _table_in(text: str) -> _Table:
 
 
 def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
-    """Return whether ``results`` agree with a table at the table's times, and a line of text.
+    """Return whether ``results`` agree with the reference results, and a line of text.
 
-    ``results`` belong to the table's times.
+    ``results`` has each output's values at the times of ``table``.
     """
     errors = {name: np.abs(values - table.columns[name]) for name, values in results.items()}
-    # the condition is written so that the comparison also fails for a NaN of the FMU
+    # written with `~(... <= ...)`, so that a NaN of the FMU counts as a deviation
     astray = {
         name: np.flatnonzero(~(error <= table.allowed[name]) & ~np.isnan(table.columns[name]))
         for name, error in errors.items()

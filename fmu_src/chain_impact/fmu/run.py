@@ -1,4 +1,4 @@
-"""The run of an FMU with parameters set by name, as a recording."""
+"""The run of an FMU of a chain, with parameters set by name; the result is a recording."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import EXPERIMENT
 
 TIMES = tuple(kind.name for kind in EXPERIMENT)
-"""Values, in addition to parameters, that can be set for one run of an FMU: stop time and step size."""
+"""Names of the values of an FMU's default experiment that can be set like parameters: stop time, step
+size."""
 
 
 def record_fmu(
@@ -52,12 +53,12 @@ def record_fmu(
     Args:
         path: the FMU.
         settings: name → value, or the text of a value. A name is a parameter, or ``simulation.stop_time`` or
-            ``simulation.step_size`` to replace the default experiment. A contact law or a solver method is
-            given by its name or number.
+            ``simulation.step_size``, which replace the values of the FMU's default experiment. A contact law
+            or a solver method is given by its name or its number.
         progress: called with the finished fraction, 0 to 1, if given.
         inputs: the file of a table of inputs, and the interpolation of its rows: ``hold``, ``linear`` or
-            ``spline``; None for the default of each input. Derivatives follow from the inputs in the table,
-            as in a scene. An FMU gets its inputs at communication points only.
+            ``spline``, or None for the usual interpolation of each input. Derivatives of inputs are computed
+            from the table as in a scene. An FMU gets its inputs at communication points only.
 
     Raises:
         SceneError: when the file is not an FMU of a chain, a name is unknown, a value is not allowed, or the
@@ -76,7 +77,7 @@ def record_fmu(
     if inputs:
         driven, rows_given = driven_rows(description, *inputs, experiment, values)
     recording = partial(_recording, description, data, variables=parameters, outputs=outputs, values=values)
-    # a list for fmpy's recorder, which fmpy gives to the callback after the first step
+    # holds fmpy's recorder after the first step, so that the rows up to a fault can be returned
     recorders: list[Any] = []
 
     def step_finished(time: float, recorder: Any) -> bool:
@@ -101,10 +102,7 @@ def record_fmu(
 
 
 def _chain_of(path: Path) -> Any:
-    """Return the model description of an FMU.
-
-    An FMU that is not a chain, or lacks points or energies, is refused.
-    """
+    """Return the model description of an FMU; refuse an FMU without a chain, points or energies."""
     description = read_fmu(path)
     names = {variable.name for variable in description.modelVariables}
     if "link[1].length" not in names:
@@ -124,7 +122,7 @@ def _parameters(description: Any) -> dict[str, Any]:
 
 
 def _outputs(description: Any) -> list[str]:
-    """Return the outputs without arrays of FMI 3.0, which only repeat the values of scalar outputs."""
+    """Return the names of the outputs that are scalars; arrays of FMI 3.0 only repeat their values."""
     variables = description.modelVariables
     return [v.name for v in variables if v.causality == "output" and not v.dimensions]
 
@@ -132,7 +130,7 @@ def _outputs(description: Any) -> list[str]:
 def _settings(
     path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
-    """Return the stop time and the step size [s], and the start values of the parameters that are set."""
+    """Return stop time and step size [s], and the start value of each parameter that is set."""
     given = {fmu_name(name): value for name, value in settings.items()}
     stop_time, step_size = (
         _positive(name, value_of(given.pop(name, usual)), str(path))
@@ -154,9 +152,15 @@ def _recording(
     outputs: Sequence[str],
     values: Mapping[str, float],
 ) -> Recording:
-    """Return the recording of a run from the rows of ``outputs`` over time.
+    """Return the recording of a run from fmpy's rows of outputs.
 
-    ``variables`` are the parameters in fmpy's form, and ``values`` their values, by their names.
+    Args:
+        description: the model description, in fmpy's form.
+        data: the data on the scene beside the variables.
+        rows: the rows over time.
+        variables: name of a parameter → the parameter in fmpy's form.
+        outputs: names of the outputs in ``rows``.
+        values: name of a parameter → its value in the run.
     """
     walls, stops = _walls(values), ranges_of(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
@@ -178,7 +182,7 @@ def _recording(
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
-    """Return the walls of an FMU from the values of its parameters."""
+    """Return the walls of an FMU, by name, from the values of its parameters."""
     box = {wall: values[f"box.{wall}"] for wall in WALLS if f"box.{wall}" in values}
     lines = {
         name: (wall["x"], wall["y"], wall["angle"])
@@ -215,7 +219,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _start_value(variable: Any, value: Any, source: str) -> float | int:
-    """Return a variable's value in fmpy's form; refuse other values. A choice may be given by name."""
+    """Return a value of a parameter as fmpy needs it, after a check; a choice may be given by its name."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
         number = numbers.get(value) if isinstance(value, str) else value

@@ -1,6 +1,6 @@
-"""The data on a scene that an FMU contains beside its variables.
+"""A file in an FMU with the data on a scene that the variables of the FMU do not tell.
 
-These are the names of points, and the rules by which parameters follow from others.
+These are the names of points, and the rules by which some parameters follow from others.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ SCENE_DATA_FILE = "resources/chain_impact_scene.json"
 
 
 class SceneData(NamedTuple):
-    """The data on the scene of an FMU beside its variables.
+    """The data on a scene that the variables of its FMU do not tell.
 
     Attributes:
-        point_names: number of a point → its name, for the points that have one.
-        rules: name of a parameter → the rule by which its value follows from others unless it is set.
+        point_names: number of a point → its name, for the points that have a name.
+        rules: name of a parameter → the rule by which its value follows from others, unless it is set.
     """
 
     point_names: dict[int, str]
@@ -28,14 +28,14 @@ class SceneData(NamedTuple):
 
 
 def scene_data_file(prepared: PreparedScene) -> dict[str, bytes]:
-    """Return the file with the data on a scene, by its path in the FMU."""
+    """Return the file with these data on a scene, as path in the FMU → content."""
     rules = {variable.name: variable.rule.text for variable in prepared.parameters if variable.rule}
     data = SceneData(prepared.scene.point_names, rules)
     return {SCENE_DATA_FILE: json.dumps(data._asdict(), ensure_ascii=False).encode()}
 
 
 def read_scene_data(fmu: Path) -> SceneData:
-    """Return the data on the scene of an FMU; there are none if the FMU does not have the file."""
+    """Return these data of an FMU; they are empty if the FMU has no such file."""
     with zipfile.ZipFile(fmu) as files:
         if SCENE_DATA_FILE not in files.namelist():
             return SceneData({}, {})

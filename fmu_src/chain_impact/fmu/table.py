@@ -1,4 +1,4 @@
-"""The data that the C interface of an FMU needs: the table resources/model.bin."""
+"""The table for an FMU's C interface: the file resources/model.bin, which describes variables and scene."""
 
 from __future__ import annotations
 
@@ -24,45 +24,47 @@ from chain_impact.variables.variable import TableRow
 MAGIC = b"chaintab"
 TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 VARIABLE = {
-    # lowest and highest value that can be set; both limits are allowed values
+    # the lowest and the highest value that may be set
     **dict.fromkeys(("low", "high"), "d"),
-    # words of the record with the value in use and with the set value; a new value is written to both words
+    # word: where the value in use is; set_word: where the value that was set is; both get a new value
     **dict.fromkeys(("word", "set_word"), "q"),
-    "length": "q",  # number of words from `word` on; more than one for an array
-    # indices of the variable's type in TABLE_TYPES, and of its kind in TABLE_KINDS
+    "length": "q",  # number of words from `word` on: 1, or more for an array
+    # indices in TABLE_TYPES and TABLE_KINDS
     **dict.fromkeys(("type", "kind"), "i"),
-    **dict.fromkeys(("name", "allowed"), "i"),  # offsets of the texts in the table
+    **dict.fromkeys(("name", "allowed"), "i"),  # offsets in bytes of two texts, from `texts_at`
 }
-"""Field of the structure ``Variable`` of the C interface → format. A word is an index in the record, counted
-in doubles."""
+"""Field of the C structure ``Variable`` → its format in Python's module struct.
+
+A word is an index in the instance record, which counts numbers of 8 bytes.
+"""
 HEAD = {
     "magic": "8s",
-    # the size of the whole file, and the checksum of the file after `checksum`
+    # size: of the whole file [byte]; checksum: CRC-32 of everything in the file after `checksum`
     **dict.fromkeys(("size", "checksum"), "Q"),
     "guid": "40s",
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
-    # indices of words of prescribed motions; 0 without such motions
+    # words of prescribed motions; 0 if the scene has none
     **dict.fromkeys(("contradiction_word", "position_word"), "q"),
-    # offsets in bytes from the beginning of the file; offsets of texts are from `texts_at`
+    # offsets in bytes from the beginning of the file
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }
-"""Field of the head of the table → format. packaging/c_header.py writes VARIABLE and HEAD for C."""
+"""Field at the beginning of the table → its format; packaging/c_header.py writes VARIABLE and HEAD for C."""
 CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
 Rows = Sequence[tuple[TableRow, int]]
-"""For each variable: its row of the table, and the number of its values."""
+"""For each variable: its row of the table, and the number of its values (1, or more for an array)."""
 
 
 def with_description(
     files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
 ) -> dict[str, bytes]:
-    """Return the files of an FMU with the model description and the table added.
+    """Return the files of an FMU, with the model description and the table added.
 
     Args:
-        files: the other files of the FMU on which its results depend.
-        prepared: the scene that the FMU simulates, prepared.
-        description: the model description, to which the GUID of all these files is added.
+        files: the other files of the FMU, as path → content, on which its results depend.
+        prepared: the scene that the FMU simulates.
+        description: the model description; its GUID, computed from all these files, is added here.
         fmi: the version of FMI.
         further: variables that only FMI 3.0 has.
     """
@@ -75,7 +77,7 @@ def with_description(
 
 
 def _guid_of(contents: Iterable[bytes]) -> str:
-    """Return a GUID that is computed from all contents of an FMU."""
+    """Return a GUID that is computed from the contents of an FMU, so that equal FMUs have equal GUIDs."""
     digest = hashlib.sha256()
     for content in contents:
         digest.update(len(content).to_bytes(8, "big") + content)
@@ -83,10 +85,10 @@ def _guid_of(contents: Iterable[bytes]) -> str:
 
 
 def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
-    """Return the table with its GUID, and the record with the start values, in the form for the C interface.
+    """Return the table's bytes, with ``guid`` in its head.
 
-    The head, the variables, the texts of statuses and of parts of the scene, the record, and the texts follow
-    each other.
+    In the file, these parts follow each other: the head, the variables, the offsets of the texts of statuses
+    and of parts of the scene, the record with the start values, and the texts.
     """
     texts, record = bytearray(), prepared.start.tobytes()
     variables = [*((prepared.table_row(variable), 1) for variable in prepared.variables), *further]
@@ -120,7 +122,10 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 
 
 def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:
-    """Return a structure as bytes: little-endian, without gaps; in C the fields need no gaps, either."""
+    """Return a structure as bytes, little-endian and without gaps.
+
+    The C compiler puts no gaps into it either, because each field begins at a multiple of its size.
+    """
     return struct.pack("<" + "".join(formats.values()), *(values[name] for name in formats))
 
 
@@ -129,9 +134,9 @@ def _numbers(numbers: Iterable[int]) -> bytes:
 
 
 def _words(prepared: PreparedScene) -> dict[str, int]:
-    """Return the indices of the words of the record that the C interface itself reads or writes.
+    """Return the words of the record that the C interface itself reads or writes, as field of HEAD → word.
 
-    The index of a word of prescribed motions is 0 if there is no such motion.
+    Words of prescribed motions are 0 if the scene has none.
     """
     paths: dict[str, DataPath] = {
         "time_word": ("step", "time"),

@@ -1,10 +1,8 @@
-"""A test run of an FMU's binary in a separate process.
+"""A test run of an FMU in a process of its own: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``.
 
-The command is ``python -m chain_impact.fmu.trial FMU REPORT BINARY``.
-
-The report is a file, because an FMU may print any text. Before each call the program writes a line of JSON,
-so that a reader knows in which call the process ended. Other lines are for findings and for the reference
-results.
+The report goes to a file, because an FMU may print any text. Before each call the program writes a line of
+JSON to the report, so that a reader knows in which call the process ended. Further lines have the findings
+and the verdict on the reference results.
 """
 
 from __future__ import annotations
@@ -27,23 +25,26 @@ from chain_impact.fmu.references import REFERENCE_FILE, check_references
 from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
 
 T = TypeVar("T")
-# the largest relative difference of two values that count as equal: a start value may be written with six
+# two values count as equal up to this relative difference, because a start value may be written with six
 # digits
 START_ROUND_OFF = 1e-6
 TINY = 1e-12
-SAID = 300  # a message of the FMU is cut after this number of characters, because it may be long
+SAID = 300  # a message of the FMU is cut to this number of characters in the report
 SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):
-    """Raised when a call of the FMU fails; no other call is made afterwards."""
+    """Raised when a call of the FMU fails, which ends the test run."""
 
 
 class Trial:
-    """The test calls of an FMU, one after the other."""
+    """The calls of a test run of an FMU, one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
-        """Unpack the FMU to ``folder``, and read its model description."""
+        """Unpack the FMU to ``folder``, and read its model description.
+
+        ``binary`` is the path of the binary in the FMU, for findings; ``tell`` writes a line of the report.
+        """
         import fmpy
 
         fmpy.extract(str(path), folder)
@@ -53,12 +54,13 @@ class Trial:
         self.folder, self.binary, self.tell = folder, binary, tell
 
     def run(self, reasons: Callable[[], list[str]]) -> None:
-        """Load the FMU, instantiate, read the start values, take a step, save and restore the state, free.
+        """Load the FMU, instantiate, read start values, make steps and restore states, terminate and free.
 
-        For model exchange, all values are read in place of the step and the states.
+        An FMU for model exchange has no steps; its values are read once more instead. ``reasons`` returns the
+        messages of the FMU so far.
 
         Raises:
-            CallError: when a call fails, with a sentence.
+            CallError: when a call fails; its text is a sentence.
         """
         self.reasons = reasons
         self.fmu = self.call("the loader", "", loaded, self.description, self.folder)
@@ -80,38 +82,38 @@ class Trial:
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
     def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
-        """Call the FMU, after a line in the report; return the result.
+        """Call a function of the FMU and return its result; the report names the call before it begins.
 
-        If the call fails, the message of the error is "<name> gives <without>": "fmi2Instantiate gives no
-        instance"; or "<name> fails" if ``without`` is empty.
+        If the call fails, the error's sentence begins with "<name> gives <without>", such as "fmi2Instantiate
+        gives no instance", or with "<name> fails" if ``without`` is "".
         """
         name = name if " " in name else f"fmi{FMI_2 if self.is_fmi_2 else FMI_3}{name}"
         self.tell(call=name)
         before = len(self.reasons())
         try:
             return function(*arguments)
-        except Exception as error:  # the errors of fmpy have no common class
+        except Exception as error:  # fmpy's errors have no common class
             otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
             said = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
             raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
 
     def step_size(self) -> float:
-        """Return a step size [s] that the FMU should accept."""
+        """Return a step size [s] that the FMU should accept: its own, or 1/500 of its experiment."""
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
     def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
-        """Write a finding, a fault of the FMU, to the report."""
+        """Write a finding to the report: a fault of a variable or, without ``variable``, of the binary."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
         else:
             self.tell(finding=asdict(Finding(text, self.binary)))
 
     def values(self) -> dict[str, list[Value]]:
-        """Return the values of variables by their names; report a variable that cannot be read."""
+        """Return the values of all variables, by name; report each variable that cannot be read."""
         by_name: dict[str, list[Value]] = {}
         for variable in self.variables:
             size = variable.size
@@ -132,7 +134,7 @@ class Trial:
         return by_name
 
     def compare_starts(self) -> None:
-        """Report the variables whose start values differ between the FMU and its description."""
+        """Report each variable whose start value in the FMU is not that of the model description."""
         values = self.values()
         for variable in self.variables:
             if variable.exact and variable.start and variable.name in values:
@@ -150,7 +152,7 @@ class Trial:
                     )
 
     def steps(self, start: float, step: float) -> None:
-        """Take a step and check limits; if the FMU can restore its state, take another step and repeat it."""
+        """Take a step, and report values beyond their limits; then test restored states, if there are any."""
         self.step(start, step)
         values = self.values()
         for variable in self.variables:
@@ -173,7 +175,10 @@ class Trial:
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
     def restored(self, how: str, state: Any, time: float, step: float) -> None:
-        """Take a step, restore a state and repeat the step: the values must be the same."""
+        """Take a step, restore the state before it, repeat the step, and report a variable that then differs.
+
+        ``how`` names the call whose result, ``state``, is restored; ``time`` and ``step`` are in seconds.
+        """
         self.step(time, step)
         first = self.values()
         self.call("SetFMUState", "", self.fmu.setFMUState, state)
@@ -186,15 +191,15 @@ class Trial:
                     f"after the same step from the restored state ({how})",
                     variable,
                 )
-                return  # one finding is enough, because other findings would have the same cause
+                return  # one finding is enough: further variables differ for the same reason
 
     def step(self, time: float, step: float) -> None:
-        """Let the FMU take a step."""
+        """Let the FMU make a step of ``step`` from the time ``time`` [s]."""
         self.call("DoStep", "", self.fmu.doStep, time, step, False)
 
 
 def _number(holder: Any, name: str, otherwise: float) -> float:
-    """Return a number of a description; ``otherwise`` if the number is missing or invalid."""
+    """Return the attribute ``name`` as a number; ``otherwise`` if it is missing or no finite number."""
     try:
         number = float(getattr(holder, name, None) or otherwise)
     except ValueError:
@@ -218,7 +223,7 @@ def _text(value: Value) -> str:
 
 
 def main() -> None:
-    """Test the FMU that the arguments of the command line name."""
+    """Test the FMU that the arguments of the command line name, and write the report."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
         findings = 0
@@ -233,7 +238,8 @@ def main() -> None:
                 Trial(path, folder, binary, tell).run(reasons)
             except CallError as error:
                 tell(finding=asdict(Finding(str(error), binary)))
-        # the reference run is skipped after a finding, because the FMU has already failed
+        # an FMU with a finding has failed already, so that the longer run with the reference results is
+        # skipped
         if not findings and "--references" in sys.argv:
             tell(call="the run with the reference results")
             passed, text = check_references(path) or (None, "")
@@ -242,7 +248,7 @@ def main() -> None:
             elif text:
                 tell(finding=asdict(Finding(text, REFERENCE_FILE)))
         tell(call=COMPLETE)
-    # this ends the process at once: the behaviour of the FMU at the end of a process is not tested
+    # ends the process at once, because what the FMU does at the regular end of a process is not tested
     os._exit(0)
 
 

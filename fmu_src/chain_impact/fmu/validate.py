@@ -1,4 +1,4 @@
-"""The validation of an FMU: its zip, its description, its binary and its reference results."""
+"""The validation of an FMU: its zip, its model description, its binary and its reference results."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from chain_impact.fmu.platforms import binary_of
 from chain_impact.fmu.versions import is_fmi_2
 
 TIMEOUT = 300.0
-"""[s] default time limit for a run of an FMU's binary."""
+"""[s] Default time limit for the test run of an FMU's binary."""
 _UNTRIED = "ScheduledExecution"
 
 
 @dataclass(frozen=True, slots=True)
 class Validation:
-    """The findings of a validation.
+    """The result of a validation.
 
     Attributes:
         findings: the faults.
-        notes: sentences on checks that passed, and on checks that were not made.
+        notes: sentences on checks that passed, and on checks that could not be made.
     """
 
     findings: Sequence[Finding]
@@ -39,7 +39,7 @@ class Validation:
 
 
 def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
-    """Check an FMU, and run it in a separate process, because the FMU may crash or hang.
+    """Check an FMU, and run its binary in a process of its own, which may crash or hang.
 
     Args:
         path: an FMU of any tool, for co-simulation or model exchange, of FMI 2.0 or 3.0.
@@ -69,7 +69,10 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
 
 
 def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
-    """Run the binary in a separate process; return the findings and notes."""
+    """Run the binary of an FMU in a process of its own (trial.py); return the findings and notes.
+
+    ``references`` tells whether the reference results are compared, too.
+    """
     with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
         report, errors = Path(folder, "report"), Path(folder, "errors")
         command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
@@ -79,7 +82,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stream,
-                # the temporary folder is removed at the end, with all files that a crash leaves in it
+                # temporary files that a crashed FMU leaves behind are removed together with this folder
                 env={**os.environ, "TMPDIR": folder, "TEMP": folder},
             )
             try:
@@ -92,10 +95,11 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
                 process.wait()
         lines: list[dict[str, Any]] = []
         if report.is_file():
-            # the last line is incomplete if the process was killed
+            # what follows the last end of a line is incomplete, as the process may have been killed while it
+            # wrote
             whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
             lines = [json.loads(line) for line in whole.splitlines()]
-    # the same fault of a call that is made several times is listed once
+    # a fault that occurs in several calls is listed once
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
     if COMPLETE not in calls:
@@ -104,7 +108,7 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
 
 
 def _end(code: int, said: str) -> str:
-    """Return words for the way in which a process ended, such as a crash."""
+    """Return words for how a process ended: by a signal, or with an exit code and its last line of errors."""
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = said.strip().splitlines()[-1:]

@@ -7,5 +7,5 @@ VERSIONS = (FMI_2, FMI_3)
 
 
 def is_fmi_2(version: str | None) -> bool:
-    """Return whether a model description is of FMI 2.0; ``version`` is its attribute ``fmiVersion``."""
+    """Return whether a model description is of FMI 2.0, by its attribute ``fmiVersion``."""
     return version == "2.0"

@@ -1,1 +1,1 @@
-"""Files with a user's own contact law: they are read and checked, but not run."""
+"""Files with a user's own contact law: this package reads and checks them, but never runs them."""

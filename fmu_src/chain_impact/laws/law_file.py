@@ -23,13 +23,13 @@ __all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 
 @dataclass(frozen=True)
 class UserLaw:
-    """A user's law and its file.
+    """A user's contact law, as its file defines it.
 
     Attributes:
-        id: the name of the law, of the file and of the function in the file.
+        id: the name of the law, which is also that of the file and of the function in the file.
         source: the text of the file.
-        summary: first line of the function's docstring.
-        arguments: the arguments of the function, some of ``ARGUMENTS``.
+        summary: the first line of the function's docstring.
+        arguments: the names of the function's arguments, each one of ``ARGUMENTS``.
     """
 
     id: str
@@ -39,7 +39,7 @@ class UserLaw:
 
 
 def read_law(path: Path) -> UserLaw:
-    """Return the law of a file; the file is read, but not run.
+    """Return the law of a file; the file is only read and checked, not run.
 
     Raises:
         LawError: when the file does not contain a valid law.
@@ -88,7 +88,9 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
 
 
 def source_of(function: Callable[..., float]) -> str:
-    """Return the text of a law's file for a Python function: ``import math``, then the function's source.
+    """Return the text of a law's file for a Python function: ``import math``, then its source.
+
+    Such a text can be written to a file that defines the same law.
 
     Raises:
         LawError: when the function has no name, or Python does not know its source.

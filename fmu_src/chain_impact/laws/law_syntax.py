@@ -1,8 +1,8 @@
-"""The allowed syntax of a file with a law: a list of allowed forms, so that no file can run anything else.
+"""The check of a law's file: only listed forms of syntax are allowed, so that no file can run anything else.
 
-Python evaluates the constants of a file and the default values of arguments; numba compiles the functions,
-and Python never runs them. A law can use only the names of ``FUNCTIONS``, ``MATH`` and the file, so that all
-its values are numbers, tuples of numbers, or functions with such names.
+Python evaluates only the constants of a file and the default values of arguments. The functions are compiled
+by numba, and never run by Python. A law can use only the names of ``FUNCTIONS``, of ``MATH`` and of its own
+file, so each of its values is a number, a tuple of numbers, or a function with such a name.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from typing import Any
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     function.__name__: function for function in (abs, bool, float, int, max, min, pow, range, round)
 }
-"""The functions of Python that a law can call."""
+"""Name → function: the functions of Python that a law can call."""
 LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
-"""Functions of ``math`` that a kernel does not have, and that can take a long time when Python evaluates
-them."""
+"""Functions of ``math`` that a law cannot use: kernels do not have them, and a constant with one could take
+long."""
 MATH = {name for name in dir(math) if name[0] != "_"} - LONG
-"""The names of ``math`` that a law can use."""
+"""The names of ``math``, functions and constants, that a law can use."""
 ALLOWED = (
     "a law's file can have: import math, constants, and functions with arithmetic, comparisons, if, for, "
     f"while, the functions of math, {', '.join(FUNCTIONS)} and those of the file"
@@ -41,21 +41,22 @@ STATEMENTS = (
 )
 NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
 ANNOTATIONS = {"bool", "float", "int"}
-LONGEST = 40  # largest number of characters that an error shows of a refused text
+LONGEST = 40  # largest number of characters of a refused text that an error shows
 WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
-"""The words that a law can give to ``float``, as in ``float("nan")``. A law has no other texts except
-docstrings."""
+"""The words that a law can write in ``float("…")``; besides docstrings, a law can have no other text."""
 
 
 class LawError(ValueError):
-    """Raised when a file or a function is not a usable law.
+    """Raised for a file or a function that is not a usable law.
 
-    The message is the end of a sentence. The caller puts the subject of the sentence, the law, in front.
+    The message is the end of a sentence whose subject, the law, the caller puts in front.
     """
 
 
 def check_syntax(tree: ast.Module, source: str) -> None:
-    """Refuse a file that contains anything other than a law, before any of it is run.
+    """Refuse a file that contains anything but a law, before any part of the file is evaluated.
+
+    ``tree`` is the syntax tree of the text ``source``.
 
     Raises:
         LawError: with the line, and the allowed syntax.
@@ -71,7 +72,7 @@ def check_syntax(tree: ast.Module, source: str) -> None:
 
 
 def _check_common(node: ast.AST) -> None:
-    """Refuse frequent mistakes, with a special sentence for each."""
+    """Refuse a frequent mistake in a node of the syntax tree with a sentence of its own."""
     imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
     imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
     for module in imported:
@@ -88,7 +89,7 @@ def _line(node: Any) -> int:
 
 
 def _refused(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield each part of a file that is not allowed, as precisely as possible."""
+    """Yield each node of a file's syntax tree that is not allowed; the smallest such nodes."""
     names = _Names(tree)
     for node in ast.walk(tree):
         for child in ast.iter_child_nodes(node):
@@ -108,13 +109,13 @@ def _refused(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def _is_text(statement: ast.AST) -> bool:
-    """Return whether a statement is only a text, such as a docstring."""
+    """Return whether a statement consists of a text only, such as a docstring."""
     value = statement.value if isinstance(statement, ast.Expr) else None
     return isinstance(value, ast.Constant) and isinstance(value.value, str)
 
 
 class _Names:
-    """The names that a file defines, and the rules that depend on these names."""
+    """The names that a file defines, and the rules for syntax that depend on them."""
 
     def __init__(self, tree: ast.Module) -> None:
         self._all = set(_bound(ast.walk(tree)))
@@ -134,7 +135,7 @@ class _Names:
         self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
 
     def allow(self, node: ast.AST) -> bool:
-        """Return whether a node of the syntax tree is allowed; the child nodes are checked elsewhere."""
+        """Return whether a node of the syntax tree is allowed; its children are checked on their own."""
         fine = True
         match node:
             case ast.Name(id=name):
@@ -164,10 +165,10 @@ class _Names:
         return fine
 
     def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
-        """Yield the parts of an expression that are not allowed in a constant.
+        """Yield the parts of an expression that a constant must not have.
 
         Args:
-            value: an expression, or None.
+            value: the expression, or None for a missing one.
             calls: whether the expression may call functions of ``math`` and of Python.
         """
         for node in ast.walk(value) if value else ():
@@ -186,7 +187,7 @@ class _Names:
 
 
 def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
-    """Yield the names that some parts of a file define: variables, arguments, functions, and imports."""
+    """Yield the names that some nodes define: of variables, arguments, functions and imports."""
     for node in nodes:
         match node:
             case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name) | ast.FunctionDef(name=name):
@@ -196,9 +197,9 @@ def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
 
 
 def _texts(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the text that is directly in a node of the syntax tree, if a text is allowed there.
+    """Yield the text that is a direct child of a node, if a text is allowed there.
 
-    A text is allowed as a whole statement, such as a docstring, and as a word in ``float("nan")``.
+    Allowed are a statement that consists of a text, such as a docstring, and the word in ``float("nan")``.
     """
     match node:
         case ast.Expr(value=text) if _is_text(node):
@@ -209,5 +210,5 @@ def _texts(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _is_annotation(kind: ast.AST | None) -> bool:
-    """Return whether ``kind`` is None, for a missing annotation, or names the type of a number."""
+    """Return whether an annotation is missing (None), or is the name of a type of numbers."""
     return kind is None or (isinstance(kind, ast.Name) and kind.id in ANNOTATIONS)
