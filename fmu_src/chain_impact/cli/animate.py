@@ -1,4 +1,4 @@
-"""`chain-impact animate`: write a page for the browser, or a film."""
+"""`chain-impact animate`: write an animation of a run, as a page for the browser or as a film."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
 
-PAGE = FORMATS[0]  # the suffix of a file that is a page for the browser
+PAGE = FORMATS[0]  # suffix of an animation that is a page for the browser; all others are films
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``animate``, with its arguments and options, to the grammar."""
     verb = add_verb(
         verbs,
         "animate",
@@ -80,7 +80,7 @@ def add(verbs: Verbs) -> None:
 
 
 def size(text: str) -> tuple[int, int]:
-    """Return width and height in pixels from the text of an argument."""
+    """Return width and height [pixels] from a text such as 960x540; refuse sizes out of range."""
     least, most = 160, 4096
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
@@ -91,9 +91,9 @@ def size(text: str) -> tuple[int, int]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Get the recording, and write its animation.
+    """Get the recording, and write its animation; return the exit code.
 
-    If a fault ends the run, the animation shows the time before the fault.
+    If a fault ended the run, the animation shows the time before the fault, and then the error is raised.
     """
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
     if options.style and (options.output is None or options.output.suffix.lower() == PAGE):
@@ -122,9 +122,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def record(options: argparse.Namespace) -> Recording:
-    """Return the recording of the source: a scene, an FMU, or a table of an earlier run.
+    """Return the recording of the command's source: of a scene, an FMU, or a table of an earlier run.
 
-    A scene is simulated with additional rows near the impacts, for slow motion; an FMU or a table is not.
+    A scene is simulated with more rows near the impacts, for slow motion; an FMU and a table have the rows
+    they have.
     """
     from chain_impact.studies.animate import record_slowly
 
@@ -146,12 +147,18 @@ def record(options: argparse.Namespace) -> Recording:
 
 
 def is_csv(source: str) -> bool:
-    """Return whether the source is the name of a table."""
+    """Return whether the source of a command is the name of a CSV file."""
     return source.lower().endswith(".csv")
 
 
 def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
-    """Return the recording in a table; the scene, if given, has the walls, which a table lacks."""
+    """Return the recording in a CSV file.
+
+    Args:
+        path: the file.
+        scene: the scene whose walls are drawn, because a CSV file does not contain them; None for no walls.
+        settings: name → value: parameters of this scene.
+    """
     if scene is None:
         if settings:
             raise UsageError(

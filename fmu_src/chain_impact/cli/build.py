@@ -25,11 +25,12 @@ FMU_KINDS = {
     ),
     ("native", FMI_3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""(Target, version of FMI) → where such an FMU runs, and which option makes an FMU for another purpose."""
+"""(Kind of FMU, version of FMI) → a sentence on where such an FMU runs, and which option makes another
+kind."""
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``build``, with its arguments and options, to the grammar."""
     build = add_verb(verbs, "build", "make the FMU of a scene", "pinned_arm --target native -o fmus")
     add_scene(build, "scene")
     build.add_argument(
@@ -69,7 +70,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Build the FMU of a scene; on request, simulate the FMU and draw the result."""
+    """Build the FMU of a scene and, if the options ask for it, simulate the FMU and draw the result."""
     from chain_impact.fmu.build import TARGET, build_fmu
 
     if is_fmu(str(options.output)):
@@ -78,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
-    # with FMI 3.0 there is only one target, ``native``
+    # FMUs of FMI 3.0 are always of the kind ``native``
     target = options.target or (TARGET if options.fmi == FMI_2 else "native")
     with progress():
         fmu = build_fmu(scene, options.output, target=target, fmi=options.fmi, platforms=options.platform)

@@ -1,4 +1,4 @@
-"""`chain-impact cache`: list or remove the compiled kernels."""
+"""`chain-impact cache`: list or remove the kernels that were compiled on this machine."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from chain_impact.compilation import cache, folders, ready
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``cache``, with its arguments and options, to the grammar."""
     kept = add_verb(verbs, "cache", "list the compiled kernels and their folders, or remove them", "--clear")
     kept.add_argument("--clear", action="store_true", help="remove all kernels from the cache")
     kept.set_defaults(run=run, only_prints=True)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the contents of the cache of compiled kernels, or remove them."""
+    """Print the contents of the cache of compiled kernels or, with ``--clear``, remove them."""
     if options.clear:
         say(f"removed {cache.clear() / 1e6:.1f} MB from {folders.base_folder()}")
         return 0
@@ -29,9 +29,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield lines: first one on the kernels that came with the installation, then those on the cache.
+    """Yield lines: on the kernels that came with the installation, on the cache, and on each folder in it.
 
-    The cache has a line for each folder; the folder that this version uses is marked.
+    The folder that this version of the package uses is marked "in use".
     """
     kernels, entries, present = ready.libraries(), cache.entries(), cache.cache_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")

@@ -1,4 +1,7 @@
-"""The grammar of the command line, and its exit codes. Each verb is a module with ``add`` and ``run``."""
+"""The grammar of the command line, and its exit codes.
+
+Each verb is a module with two functions: ``add`` adds it to the grammar, ``run`` executes it.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,7 @@ from chain_impact.system import prepare_console
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
-"""Error number of the operating system → what the user can do if a file cannot be written."""
+"""Error number of the operating system → what a user can do if a file cannot be written for this reason."""
 FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First steps:
 
   chain-impact simulate pinned_arm --plot arm.png   simulate a model: impacts, peak forces, a picture
@@ -49,7 +52,10 @@ VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, 
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; return the exit code."""
+    """Execute one command with the words ``arguments``, by default those of the process.
+
+    Return the exit code.
+    """
     prepare_console()
     grammar = parser()
     completion.answer(grammar)
@@ -81,9 +87,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """In this context, print each warning once, as one line; print none if quiet.
+    """Context that prints each different warning once, as one line; with ``--quiet`` it prints none.
 
-    The line has the text only; Python would add the file, the line number and the line of code.
+    Python alone would add the file, the line number and the line of code to a warning.
     """
     shown = set()
 
@@ -99,17 +105,18 @@ def hints_shown() -> Iterator[None]:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of the command line that reports an error in one line."""
+    """A parser of the command line that reports an error in one line, and proposes what may be meant."""
 
     def error(self, message: str) -> NoReturn:
-        """Print the error as one line, without the usage of the command."""
+        """End the program with exit code 2 and one line: the error, without the usage of the command."""
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse the arguments, and refuse arguments that the verb does not take.
+        """Parse the arguments, and refuse those that the verb does not take.
 
-        This parser knows the options of its verb, so the error can name the most similar one. Argparse would
-        refuse the argument later, in the main parser, which does not know these options.
+        This is the parser of the verb, which knows the verb's options, so that the error can name the most
+        similar one. Without this function, the main parser would refuse the arguments, which does not know
+        these options.
         """
         options, others = super().parse_known_args(args, namespace)
         if others:
@@ -117,7 +124,7 @@ class Parser(argparse.ArgumentParser):
         return options, others
 
     def _fault_of(self, argument: str) -> str:
-        """Return a sentence on an argument that the verb does not take, and on one to write instead."""
+        """Return the sentence on an argument that the verb does not take, and what to write instead."""
         if not argument.startswith("-"):
             sets = "=" in argument and "--set" in self._option_string_actions
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
@@ -130,9 +137,9 @@ class Parser(argparse.ArgumentParser):
         return f"{option} is not an option" + (f"; the nearest is {near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Refuse a value that is not a choice, and name the most similar choice.
+        """Refuse a value that is not among the choices of an argument, and name the most similar choice.
 
-        Without this function, argparse would list all commands.
+        The error of argparse would list all verbs.
         """
         if action.choices is None or value in action.choices:
             return
@@ -143,7 +150,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the grammar of the command line, as a parser."""
+    """Return the parser of the whole command line, with all verbs."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
     whole = Parser(prog="chain-impact", description=purpose)
     whole.set_defaults(run=None, only_prints=False)

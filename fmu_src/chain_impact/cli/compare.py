@@ -25,7 +25,7 @@ from chain_impact.cli.screen import law_table, show
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``compare``, with its arguments and options, to the grammar."""
     compare = add_verb(
         verbs,
         "compare",
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
-    # the table is printed first: the picture may have no room in the size that the user wants
+    # the table is printed before the picture is drawn, which fails if the size in the options is too small
     show(law_table(comparison))
     write_picture(options.plot, options.size, comparison.plot)
     return 0

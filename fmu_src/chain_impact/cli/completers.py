@@ -1,4 +1,4 @@
-"""The names and values, of a scene or an FMU, with which a shell completes an option."""
+"""What a shell offers for an option: names and values that depend on the scene or FMU of the command."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ DEFAULT_SCENE = "four_link_box"
 
 
 class Offer(NamedTuple):
-    """The names that a shell offers at a place of the command.
+    """What a shell offers at the place of the command where the user presses Tab.
 
     Attributes:
-        names: the names.
-        choices: name → values, for each name that has only a few values.
+        names: the names to choose from.
+        choices: name → its possible values, for each name that has only a few.
     """
 
     names: Iterable[str]
@@ -24,26 +24,26 @@ class Offer(NamedTuple):
 
 
 Offers = Callable[[str], Offer]
-"""A function: source → names that a shell offers."""
+"""A function that returns what a shell offers for a source, the name of a scene or FMU."""
 
 
 def complete(
     argument: argparse.Action, offers: Offers, *, listed: bool = False, valued: bool = False
 ) -> None:
-    """Let a shell complete names after an option (cli/completion.py).
+    """Let a shell offer names for an option (see cli/completion.py).
 
     Args:
         argument: the option.
-        offers: function that returns the names for a source.
-        listed: whether the option takes a list of names with commas.
-        valued: whether ``=`` and a value follow a name.
+        offers: function that returns the names for the source of the command.
+        listed: whether the option takes several names, separated by commas.
+        valued: whether each name is followed by ``=`` and a value.
     """
 
     def completer(prefix: str, parsed_args: Any = None, **_: object) -> list[str]:
         source = getattr(parsed_args, "source", None) or DEFAULT_SCENE
         try:
             names, choices = offers(source)
-        except (ValueError, OSError):  # the command does not yet name a scene that can be read
+        except (ValueError, OSError):  # so far the command names no scene or FMU that can be read
             return []
         name, equals, value = prefix.partition("=")
         if valued and equals:
@@ -52,16 +52,17 @@ def complete(
         done = prefix[: prefix.rfind(",") + 1] if listed else ""
         return [f"{done}{name}{'=' if valued else ''}" for name in names]
 
-    vars(argument)["completer"] = completer  # the attribute in which argcomplete looks for the completer
+    # argcomplete looks for the completer of an option in this attribute
+    vars(argument)["completer"] = completer
 
 
 def is_fmu(source: str) -> bool:
-    """Return whether the source is the name of an FMU."""
+    """Return whether the source of a command is the name of an FMU."""
     return source.lower().endswith(".fmu")
 
 
 def settings(source: str) -> Offer:
-    """Return the names that ``--set`` accepts."""
+    """Return the names of a scene or an FMU that ``--set`` accepts, with the values of choices."""
     if is_fmu(source):
         return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
@@ -71,7 +72,7 @@ def settings(source: str) -> Offer:
 
 
 def parameters(source: str) -> Offer:
-    """Return the names that ``--vary`` accepts."""
+    """Return the parameters of a scene that ``--vary`` accepts, with the values of choices."""
     from chain_impact.scene.scene import load_scene
     from chain_impact.studies.sweep.variation import sweepable
 
@@ -79,33 +80,33 @@ def parameters(source: str) -> Offer:
 
 
 def differentiable(source: str) -> Offer:
-    """Return the names that ``--sensitivity`` and ``--free`` accept."""
+    """Return the parameters and inputs of a scene that ``--sensitivity`` and ``--free`` accept."""
     return Offer([*_model(source).differentiable])
 
 
 def outputs(source: str) -> Offer:
-    """Return the outputs of a scene or of an FMU."""
+    """Return the names of the outputs of a scene or an FMU."""
     if is_fmu(source):
         return _of_fmu(source, "output")
     return Offer(_model(source).outputs_by_name)
 
 
 def rankable(source: str) -> Offer:
-    """Return the quantities that ``--rank`` accepts."""
+    """Return the names of quantities by whose change ``--rank`` can rank the parameters of a scene."""
     from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
     return Offer([*PEAKS, JOINT_FORCE, *outputs(source).names])
 
 
 def laws(source: str) -> Offer:
-    """Return the contact laws that a scene can have."""
+    """Return the ids of the contact laws that a scene can have."""
     from chain_impact.scene.scene import load_scene
 
     return Offer(load_scene(source).law_names)
 
 
 def _of_fmu(source: str, causality: str) -> Offer:
-    """Return the variables of an FMU that have the given causality, such as ``input`` or ``output``."""
+    """Return the names of an FMU's variables with a causality, such as ``parameter`` or ``output``."""
     from chain_impact.fmu.importer import read_fmu
 
     return Offer(
@@ -125,7 +126,7 @@ def _model(source: str) -> Any:
 
 
 def _choices(source: str) -> dict[str, list[str]]:
-    """Return name of a parameter → names of its choices, for each parameter that is an enumeration."""
+    """Return for each parameter of a scene that is an enumeration: its name → the names of its choices."""
     return {
         variable.name: [item.name for item in variable.items]
         for variable in _model(source).parameters

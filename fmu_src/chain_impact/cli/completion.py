@@ -1,6 +1,6 @@
-"""`chain-impact completion`: print a script with which a shell completes verbs, options and models.
+"""`chain-impact completion`: print a script by which a shell completes verbs, options and models.
 
-At each press of the Tab key the shell calls this program, and argcomplete answers.
+At each press of the Tab key, the shell then calls this program, and the package argcomplete answers.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from chain_impact.cli.options import Verbs, add_verb
 from chain_impact.cli.progress import say
 
 SHELLS = ("bash", "zsh", "fish")
-ASKED = "_ARGCOMPLETE"  # the environment variable that a shell sets when it asks for completions
+# name of the environment variable that a shell sets if it calls the program for completions
+ASKED = "_ARGCOMPLETE"
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``completion``, with its arguments and options, to the grammar."""
     completion = add_verb(
         verbs,
         "completion",
@@ -34,7 +35,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print a script for the shell."""
+    """Print the script for a shell."""
     from argcomplete.shell_integration import shellcode
 
     say(shellcode(["chain-impact"], shell=options.shell))
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def answer(grammar: argparse.ArgumentParser) -> None:
-    """If a shell asks for completions, print these and end the program."""
+    """If a shell asks for completions, print them and end the program; otherwise do nothing."""
     if ASKED in os.environ:
         import argcomplete
 

@@ -28,11 +28,11 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Option for a choice that ``convert`` makes by default → metavariable and help; each is given once."""
+"""Option that makes a choice for the conversion → its metavariable and its help; it can be given once."""
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``convert``, with its arguments and options, to the grammar."""
     verb = add_verb(
         verbs, "convert", "make a scene from URDF or MJCF, or MJCF from a scene", "robot.urdf -o scene.toml"
     )
@@ -52,7 +52,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert a file, and print a line on each difference, with the largest effect first."""
+    """Convert a file, and print a line for each difference between the two files, warnings first."""
     from chain_impact.conversion.convert import convert, remark_lines
     from chain_impact.conversion.planar import Choices
 

@@ -1,4 +1,4 @@
-"""`chain-impact explore`: write a page that simulates."""
+"""`chain-impact explore`: write a page for the browser that simulates a scene."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DEFAULT = Path("explore.html")
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``explore``, with its arguments and options, to the grammar."""
     verb = add_verb(
         verbs,
         "explore",
@@ -45,7 +45,10 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page; without ``-o``, open it if a user can probably see it."""
+    """Write the page.
+
+    Without ``-o``, open it in a browser if a terminal and a screen show that a user is there.
+    """
     from chain_impact.pages.explore import explore
 
     file = options.output or DEFAULT

@@ -28,8 +28,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.inputs import INTERPOLATIONS
 from chain_impact.simulation.record_scene import with_settings
 
-# If this setting is on the command line, the fit uses only data up to this stop time. The stop time in the
-# scene file does not limit the data.
+# with this setting on the command line, only data up to this time are fitted; the stop time in a scene file
+# limits no data
 STOP_TIME_KEY = "simulation.stop_time"
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
@@ -43,11 +43,11 @@ REPEATED = (
     ),
     ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
 )
-"""The options that can be repeated: name, metavariable and help of each."""
+"""The options that may be given several times: the name, metavariable and help of each."""
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``fit``, with its arguments and options, to the grammar."""
     fit = add_verb(
         verbs,
         "fit",
@@ -88,7 +88,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Fit, print the result, and write the files that the options name."""
+    """Fit the parameters, print the result, and write the files that the options name."""
     from chain_impact.studies.fit.fit import fit
 
     data = [names_in(text) for text in options.data]
@@ -115,14 +115,17 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    # the result is printed first: the picture may have no room in the size that the user wants
+    # the result is printed before the picture is drawn, which fails if the size in the options is too small
     say(repr(result))
     write_picture(options.plot, options.size, result.plot)
     return 0
 
 
 def numbers(name: str, text: str) -> list[float]:
-    """Return the numbers in a text that commas separate."""
+    """Return the numbers in a text, which are separated by commas.
+
+    ``name`` is the parameter with these numbers, for an error.
+    """
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:

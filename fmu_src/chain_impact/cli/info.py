@@ -1,4 +1,4 @@
-"""`chain-impact info`: print the contents of a scene or an FMU."""
+"""`chain-impact info`: print the contents of a scene or an FMU, or a list of models or laws."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
     "models": lambda: {name: load_scene(name).description for name in model_names()},
     "laws": lambda: {law.id: law.source for law in CONTACT_LAWS.values()},
 }
-"""Name of a list → function that returns name → description of each entry."""
+"""Name of a list that ``--list`` prints → function that returns its entries as name → description."""
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``info``, with its arguments and options, to the grammar."""
     info = add_verb(
         verbs,
         "info",
@@ -46,7 +46,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the contents of a scene or an FMU, or the list of models or laws."""
+    """Print the contents of a scene or an FMU or, with ``--list``, the models or laws."""
     if options.list:
         names = LISTS[options.list]()
         width = max(map(len, names))
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
-        # the headline already shows these attributes, so the list leaves them out
+        # attributes that the list leaves out, because the headline shows them
         shown = {"name", "description"}
         derived = scene.derived
         facts += [
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _as_set(value: object) -> object:
-    """Return a value of a scene in the form that ``--set`` accepts."""
+    """Return a value of a scene in a form that ``--set`` accepts when it is printed."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and "e" in (short := f"{value:g}") and float(short) == value:
@@ -94,23 +94,30 @@ def _as_set(value: object) -> object:
 
 
 def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
-    """Return the start value, with the rule by which it follows from other values, if there is one."""
+    """Return an FMU parameter's start value, with the rule by which it follows from others, if there is one.
+
+    ``rules`` has name of a parameter → rule.
+    """
     rule = rules.get(variable.name)
     return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)
 
 
 def _rounded(value: object) -> object:
-    """Return a derived float as text of 15 digits, and any other value as ``--set`` takes it.
+    """Return a value for printing: a number that was computed with 15 digits, which hides its round-off.
 
-    The text has no round-off.
+    Any other value is printed as ``--set`` accepts it.
     """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 
 
 def _start(variable: Any) -> object:
-    """Return the start value; for an enumeration, the name of the choice."""
+    """Return the start value of an FMU's parameter for printing.
+
+    Of an enumeration, the name of the choice.
+    """
     if variable.type in ("Real", "Float64"):
-        with suppress(ValueError):  # an array of FMI 3 has a list of numbers as its start value
+        # the start value of an array in FMI 3.0 is a text of several numbers, which is printed as it is
+        with suppress(ValueError):
             return _as_set(float(variable.start))
     if variable.type != "Enumeration":
         return variable.start

@@ -1,4 +1,4 @@
-"""Arguments that several verbs have in common."""
+"""Arguments that several verbs have in common, and what the verbs do with them."""
 
 from __future__ import annotations
 
@@ -23,22 +23,23 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # at run time argparse's class takes no type parameters, which only type checkers need
+    Verbs = object  # the class of argparse takes a type parameter only in type checkers, not at run time
 
 Inputs = tuple[Path, str | None]
-"""The file of a table of inputs, and its interpolation; None stands for the default interpolation."""
+"""The file of a table of inputs, and the interpolation of its rows; None stands for the usual one of each
+input."""
 OF_TABLES = ("hold", "linear", "spline")
 PICTURES = (".png", ".svg", ".pdf")
-SETTING = "contact.stiffness=1e9"  # the example in error messages about a setting
-MILLIMETRES = (51, 1500)  # the least and the largest length of a side of a picture [mm]
+SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
+MILLIMETRES = (51, 1500)  # the least and the largest width or height of a picture [mm]
 
 
 class UsageError(ValueError):
-    """Raised for an argument that cannot be used; the message is one line."""
+    """Raised for an argument that cannot be used; its text is one line."""
 
 
 def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
-    """Add a verb to the grammar, and return its parser.
+    """Add a verb to the grammar, and return the verb's parser.
 
     Args:
         verbs: the verbs of the command line.
@@ -55,7 +56,10 @@ def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.Argum
 
 
 def add_scene(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the argument for the scene, or for another file that the verb accepts."""
+    """Add the argument ``source``: the scene, or another file that the verb accepts.
+
+    ``what`` are the words for it in the help, such as "scene or FMU".
+    """
     source = command.add_argument(
         "source",
         nargs="?",
@@ -67,7 +71,7 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def complete_scenes(argument: argparse.Action) -> None:
-    """Let a shell complete models, and files and folders that may contain scenes (cli/completion.py)."""
+    """Let a shell offer models, and files and folders that may contain scenes (see cli/completion.py)."""
 
     def completer(prefix: str, **_: object) -> list[str]:
         from argcomplete.completers import FilesCompleter
@@ -75,11 +79,12 @@ def complete_scenes(argument: argparse.Action) -> None:
         files = FilesCompleter(("toml", "fmu", "csv"))(prefix)
         return [*(name for name in model_names() if name.startswith(prefix)), *files]
 
-    vars(argument)["completer"] = completer  # the attribute in which argcomplete looks for the completer
+    # argcomplete looks for the completer of an argument in this attribute
+    vars(argument)["completer"] = completer
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
-    """Add ``--set``, and ``--stop-time`` as a short form for the setting of the stop time."""
+    """Add ``--set``, and ``--stop-time`` as a short form of ``--set simulation.stop_time``."""
     what = "set a value by a name that `info` lists"
     complete(add_repeated(command, "--set", "NAME=VALUE", what, type=setting), settings, valued=True)
     command.add_argument(
@@ -93,7 +98,7 @@ def add_set(command: argparse.ArgumentParser) -> None:
 
 
 def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] = OF_TABLES) -> None:
-    """Add ``--inputs``, a table of inputs, and the option for the interpolation between its rows."""
+    """Add ``--inputs``, a table of inputs, and ``--interpolation``, how inputs change between its rows."""
     command.add_argument(
         "--inputs",
         action=Once,
@@ -109,19 +114,19 @@ def add_inputs(command: argparse.ArgumentParser, interpolations: Sequence[str] =
 
 
 def scene_of_options(options: argparse.Namespace) -> Scene:
-    """Return the scene of a command, with the settings and the inputs of its options."""
+    """Return the scene that the options name, with their settings and their table of inputs."""
     return scene_with(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> Inputs | None:
-    """Return the table of inputs of a command, if there is one, and its interpolation."""
+    """Return the table of inputs that the options name, and its interpolation; None without a table."""
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     return None if options.inputs is None else (options.inputs, options.interpolation)
 
 
 def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:
-    """Return a scene with settings ``NAME=VALUE``, and with a table of inputs."""
+    """Return the scene ``source`` with settings ``NAME=VALUE`` and, if given, a table of inputs."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene
 
@@ -135,7 +140,16 @@ def add_repeated(
     alias: str | None = None,
     type: Callable[[str], str] = str,
 ) -> argparse.Action:
-    """Add an option that can be given several times, optionally with a second name."""
+    """Add an option that may be given several times; its values become a list.
+
+    Args:
+        command: the parser of the verb.
+        option: the name of the option.
+        metavar: the words for its value in the help.
+        what: the help.
+        alias: a second name of the option.
+        type: function that checks and returns the text of a value.
+    """
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
         *names, action="append", default=[], metavar=metavar, type=type, help=f"{what}; can be repeated"
@@ -143,17 +157,17 @@ def add_repeated(
 
 
 class Once(argparse.Action):
-    """The action that stores the value of an option that can be given only once."""
+    """Action of argparse for an option that may be given only once; it stores the value."""
 
     def __call__(self, _parser: Any, options: argparse.Namespace, value: Any, _option: Any = None) -> None:
-        """Store the value, or refuse a second value."""
+        """Store the value of the option, or refuse a second value."""
         if getattr(options, self.dest) is not None:
             raise argparse.ArgumentError(self, "is given twice: give it once")
         setattr(options, self.dest, value)
 
 
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the options for the file and the size of a picture."""
+    """Add the options for a picture: its file, its size and its style; ``what`` it shows is in the help."""
     command.add_argument(
         "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
     )
@@ -168,7 +182,7 @@ def add_plot(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def add_style(command: argparse.ArgumentParser) -> None:
-    """Add the option for the style of a picture."""
+    """Add ``--style``, the style of a picture."""
     command.add_argument(
         "--style",
         action=Once,
@@ -179,8 +193,8 @@ def add_style(command: argparse.ArgumentParser) -> None:
 
 
 def style_name(text: str) -> str:
-    """Return the name of a style of matplotlib after a check."""
-    from matplotlib import style  # this import takes long
+    """Return the name of a style of matplotlib; refuse any other name."""
+    from matplotlib import style  # imported here, because the import takes long
 
     if text not in style.available:
         near = nearest(text, style.available)
@@ -191,7 +205,7 @@ def style_name(text: str) -> str:
 
 @contextmanager
 def style_of(options: argparse.Namespace) -> Iterator[None]:
-    """In this context, draw in the style that the options of a command name, if any."""
+    """Context in which pictures are drawn in the style that the options name, if they name one."""
     name = getattr(options, "style", None)
     if name is None:
         yield
@@ -203,9 +217,9 @@ def style_of(options: argparse.Namespace) -> Iterator[None]:
 
 
 def figure_size(text: str) -> Size:
-    """Return the width and the height of a picture [inches] from a text in millimetres.
+    """Return width and height of a picture [inches] from a text in millimetres, as 84 or 120x150.
 
-    The height is None for a text without height.
+    Without a height in the text, the height is None, and the contents of the picture determine it.
     """
     width, cross, height = text.lower().partition("x")
     least, most = MILLIMETRES
@@ -224,7 +238,7 @@ def figure_size(text: str) -> Size:
 
 
 def check_look(options: argparse.Namespace) -> None:
-    """Refuse the size or the style of a picture if there is no picture."""
+    """Refuse ``--size`` or ``--style`` if no picture is drawn."""
     if options.size and not options.plot:
         raise UsageError("--size: it is the size of a picture: give --plot FILE too")
     if options.style and not (options.plot or getattr(options, "show", False)):
@@ -232,10 +246,10 @@ def check_look(options: argparse.Namespace) -> None:
 
 
 def write_picture(path: Path | None, size: Size | None, plot: Callable[..., object]) -> None:
-    """Draw a picture by ``plot(path, size=size)`` if there is a file for it, and print the file's name.
+    """If ``path`` is given, draw a picture into it by ``plot(path, size=size)``, and print the path.
 
     Raises:
-        UsageError: when the picture has no room; the message is in millimetres, as ``--size`` is.
+        UsageError: when the size is too small; the message gives lengths in millimetres, as ``--size`` does.
     """
     if not path:
         return
@@ -252,14 +266,14 @@ def write_picture(path: Path | None, size: Size | None, plot: Callable[..., obje
 
 
 def add_csv(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the option ``--csv``. The file may have no suffix, for example ``/dev/stdout``."""
+    """Add ``--csv``, the file of a table; it may have no suffix, as ``/dev/stdout`` has none."""
     command.add_argument("--csv", action=Once, metavar="FILE", type=ending("", ".csv"), help=f"write {what}")
 
 
 def ending(*suffixes: str) -> Callable[[str], Path]:
-    """Return a function for argparse that makes a path of a text, and refuses other suffixes than these.
+    """Return a function by which argparse makes a path of a text, and refuses a path with another suffix.
 
-    The suffix "" stands for no suffix.
+    The suffix "" allows a path without a suffix.
     """
 
     def file(text: str) -> Path:
@@ -272,10 +286,10 @@ def ending(*suffixes: str) -> Callable[[str], Path]:
 
 
 def setting(text: str) -> str:
-    """Return the text of an argument ``NAME=VALUE``.
+    """Return the text of an argument ``NAME=VALUE``; refuse a text without ``=``.
 
-    A text without ``=`` is refused here. For ``--set NAME VALUE`` the shell passes the value as a separate
-    argument, and argparse would take this value for the scene.
+    For ``--set NAME VALUE`` the shell passes VALUE as an argument of its own; if the text NAME were accepted,
+    argparse would take VALUE for the scene.
     """
     if "=" not in text:
         raise argparse.ArgumentTypeError(f"{text} must be NAME=VALUE without spaces, for example {SETTING}")
@@ -283,12 +297,15 @@ def setting(text: str) -> str:
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
-    """Return name → value for every ``--set NAME=VALUE``."""
+    """Return the settings as name → value, from texts ``NAME=VALUE``; of equal names the last one counts."""
     return dict(name_and_value("--set", text, SETTING) for text in texts)
 
 
 def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
-    """Return the two sides of one ``NAME=VALUE`` of an option."""
+    """Return name and value of a text ``NAME=VALUE``, the argument of ``option``.
+
+    ``example`` is for the error.
+    """
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
         raise UsageError(f"{option} {text}: must be NAME=VALUE without spaces, for example {example}")
@@ -296,7 +313,7 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
 
 def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
-    """Return name → value for every ``NAME=VALUE`` of an option that takes each name once."""
+    """Return name → value, from texts ``NAME=VALUE`` of an option that takes each name only once."""
     values: dict[str, str] = {}
     for text in texts:
         name, value = name_and_value(option, text, example)
@@ -307,13 +324,16 @@ def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
 
 
 def names_in(*texts: str) -> list[str]:
-    """Return the names, separated by commas, in some texts."""
+    """Return the names in some texts, each of which has several names, separated by commas."""
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
-    """Refuse an output in a missing folder, or in a file that is read; this check comes before any work."""
-    # `scene_path` returns the file of a scene; for any other file, such as an FMU, it returns this file
+    """Refuse an output in a folder that does not exist, and an output that would replace an input.
+
+    Called before any work, which would be lost if the output could not be written.
+    """
+    # `scene_path` returns the file of a scene, and any other path, such as that of an FMU, unchanged
     read = [path for path in map(scene_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():

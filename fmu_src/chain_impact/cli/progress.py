@@ -1,4 +1,4 @@
-"""Messages during long work: the log of the package, and the progress."""
+"""What the command line prints while work takes long: the log of the package, and the progress."""
 
 from __future__ import annotations
 
@@ -12,29 +12,31 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, silent
 
-BRIEF = 1.0  # [s] the longest duration of work that needs no progress bar
-LINES = 10.0  # [s] the time between two lines of progress if there is no terminal
+BRIEF = 1.0  # [s] work that takes less time than this shows no progress bar
+# [s] the least time between two lines of progress, which replace the bar if there is no terminal
+LINES = 10.0
 plain_console = partial(Console, highlight=False, markup=False, emoji=False)
-"""Make a console that prints each text unchanged: brackets are no markup, and :names: no pictures."""
+"""Make a console that prints each text unchanged: neither [brackets] nor :names: have a meaning."""
 out, err = plain_console(), plain_console(stderr=True)
 
 
 def say(text: str) -> None:
-    """Print a text as it is, without markup."""
+    """Print a text on standard output, unchanged."""
     out.print(text, soft_wrap=True)
 
 
 def complain(text: object) -> None:
-    """Print an error, a warning or a message on standard error, after the name of the program."""
+    """Print an error, a warning or a message on standard error, after "chain-impact: "."""
     err.print(f"chain-impact: {text}", soft_wrap=True)
 
 
 @contextmanager
 def progress(work: str = "simulating") -> Iterator[Progress]:
-    """Show a progress bar for long work; yield a function that receives the finished fraction.
+    """Context that shows the progress of long work; yields a function for the finished fraction, 0 to 1.
 
-    If standard error is not a terminal, lines are written instead of a bar: the log's messages of level INFO
-    or above, and the finished part every LINES seconds.
+    On a terminal it shows a bar. If standard error is no terminal, it writes lines: the messages that the
+    package logs at the level INFO or above, and every LINES seconds the finished part. ``work`` are the words
+    for the work.
     """
     if out.quiet:
         yield silent
@@ -48,7 +50,7 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """In this context, call ``receive`` with each message that the package logs at this level or above."""
+    """Context that calls ``receive`` with each message that the package logs at ``level`` or above."""
 
     def heard(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
@@ -66,7 +68,7 @@ def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iter
 
 
 def _now_and_then(work: str) -> Progress:
-    """Return a function that receives the finished fraction, and writes it once in LINES seconds at most."""
+    """Return a function that gets the finished fraction, and prints it at most once in LINES seconds."""
     written = monotonic()
 
     def advance(fraction: float) -> None:
@@ -84,8 +86,11 @@ def _described(work: str, fraction: float) -> str:
 
 @contextmanager
 def _bar(work: str) -> Iterator[Progress]:
-    """Show a progress bar; when the work logs its next part, such as a compilation, a new bar replaces it."""
-    from rich import progress as rich_progress  # this import takes long
+    """Context that shows a progress bar; yields a function for the finished fraction, 0 to 1.
+
+    A message on a part of the work, such as a compilation, replaces the bar by one that shows this part.
+    """
+    from rich import progress as rich_progress  # imported here, because the import takes long
 
     words = rich_progress.TextColumn("{task.description}", markup=False)
     columns = words, rich_progress.BarColumn(pulse_style="cyan")

@@ -1,4 +1,4 @@
-"""The tables and lines that the command line prints: of a simulation, a comparison, an FMU's variables."""
+"""The tables and lines that the command line prints: of a run, a comparison, an FMU's variables."""
 
 from __future__ import annotations
 
@@ -36,9 +36,10 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-# the separator before each number of a status in the description of the output of the status
+# separates the numbers of the statuses, each with its meaning, in the description of an output such as
+# solver.status
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
-PHASES = 8  # the largest number of phases of dry friction in the table, which shows the first phases
+PHASES = 8  # the table of dry friction shows the first PHASES phases; a line tells how many more there are
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -47,13 +48,13 @@ RELATIVE = {
     "duration": "duration",
     "impulse": "impulse",
 }
-"""Quantity of impacts that is always positive → word for it; its changes are printed in percent."""
+"""Quantity of impacts that is always positive, so that its change is printed in percent → word for it."""
 SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
-"""Name of a wall of the box → words for the wall."""
+"""Name of a wall of the box → words for its place."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """Return an empty table without lines, in which the columns of numbers are aligned to the right."""
+    """Return an empty table without lines; ``numbers`` are the heads of columns aligned to the right."""
     table = Table(box=None, header_style="bold")
     for name in head:
         table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
@@ -61,7 +62,10 @@ def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
 
 
 def show(parts: Iterable[RenderableType]) -> None:
-    """Print parts one after the other: on a terminal within its width, elsewhere in unbroken lines."""
+    """Print lines and tables one after the other; on a terminal a table is fitted to its width.
+
+    Elsewhere, for files and other programs, a table has its full width.
+    """
     for part in parts:
         if isinstance(part, Table) and not out.is_terminal:
             for line in plain_lines(part):
@@ -71,7 +75,7 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 
 def plain_lines(table: Table) -> Iterator[str]:
-    """Yield the lines of a table in its full width, for files and other programs."""
+    """Yield the lines of a table in its full width, without colours."""
     wide = plain_console(file=StringIO(), width=10_000, color_system=None)
     with wide.capture() as captured:
         wide.print(table)
@@ -79,14 +83,14 @@ def plain_lines(table: Table) -> Iterator[str]:
 
 
 def headline(bold: str, others: str = "") -> Text:
-    """Return a line after an empty line: the first part in bold, then the other parts."""
+    """Return an empty line and a second line: the text ``bold`` in bold, then ``others``."""
     return Text.assemble("\n", (bold, "bold"), others)
 
 
 def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
-    """Yield the lines of the table of the variables of an FMU.
+    """Yield the lines of a table with the variables of an FMU.
 
-    A meaning that does not fit into the width [characters] goes on in the next lines, indented.
+    A description that does not fit into a line of ``width`` characters goes on in the next lines, indented.
     """
     contents = [
         (v.name, v.causality, v.variability, unit_text(v.unit), v.description or "") for v in variables
@@ -106,13 +110,16 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
 
 
 def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
-    """Return a text in lines of a width [characters], indented, and more so after the first line."""
+    """Return the lines of a text of at most ``width`` characters each, indented by ``by`` characters.
+
+    Lines after the first one are indented by ``hanging`` characters more.
+    """
     start, later = " " * by, " " * (by + hanging)
     return wrap(text, width, initial_indent=start, subsequent_indent=later, break_long_words=False)
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
-    """Yield the summary of a run: impacts, remarks, dry friction, rest, loads in joints, and energies."""
+    """Yield the summary of a run: impacts, dry friction, rest, forces in joints, and energies."""
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -129,7 +136,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
 
 
 def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
-    """Yield lines unchanged, and tables of texts as tables for the screen."""
+    """Yield lines as they are, and tables of texts as tables for the screen."""
     for part in parts:
         if isinstance(part, str):
             yield part
@@ -141,9 +148,9 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 
 
 def meanings(recording: Recording) -> Iterator[str]:
-    """Yield lines that explain the numbers of points and the names of walls in the table of impacts.
+    """Yield lines on the meaning of the numbers of points and the names of walls in the table of impacts.
 
-    A further line tells how many contacts are known only in part.
+    If only a part of some contacts is known, a further line tells how many.
     """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}
@@ -168,7 +175,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return words with the numbers of each link's points other than its ends: "2–5 on link 1"."""
+    """Return words with the numbers of the points between the ends of links: "2–5 on link 1"."""
     first, parts = recording.link_count + 1, []
     for link, count in sites_of_links(recording.parameters).items():
         last = first + count - 1
@@ -178,7 +185,7 @@ def site_numbers(recording: Recording) -> str:
 
 
 def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
-    """Yield the first phases of sticking and sliding; nothing if there are none."""
+    """Yield a table of the first phases of sticking and sliding, and explanations; nothing without phases."""
     phases = recording.stick_slip
     if not len(phases):
         return
@@ -198,7 +205,11 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield a table of the changes of all impacts, to first order, for each parameter; then remarks."""
+    """Yield for each parameter a table of the first-order changes of all impacts; then the limits of these.
+
+    A limit is a sentence on why some derivatives do not exist. Nothing is yielded if the run has no
+    derivatives.
+    """
     sensitivities = recording.sensitivities
     if not sensitivities:
         return
@@ -220,7 +231,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
-    """Yield the table of the laws, and lines on the laws that suit the restitution."""
+    """Yield a heading, the table of the compared laws, its legend, and advice on the law to use."""
     yield f"\n{heading(comparison)}"
     laws = compared(comparison)
     table = table_of(laws.head, laws.head[1:-1])

@@ -1,4 +1,4 @@
-"""`chain-impact simulate`: simulate a scene or an FMU; print a summary, write a picture and tables."""
+"""`chain-impact simulate`: simulate a scene or an FMU, print a summary, and write pictures and tables."""
 
 from __future__ import annotations
 
@@ -48,21 +48,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Canvas:
-    """A file, an empty window, or both, for one picture; ``size`` is its size in the file [inches]."""
+    """Where a picture is drawn: in a file, in an empty window, or in both.
+
+    Attributes:
+        path: the file.
+        size: width and height of the picture in the file [inches].
+        window: the window's figure.
+    """
 
     path: Path | None = None
     size: Size | None = None
     window: Figure | None = None
 
     def __bool__(self) -> bool:
-        """Return whether the picture has a file or a window."""
+        """Return whether there is a file or a window to draw in."""
         return bool(self.path or self.window)
 
     def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
-        """Draw by ``plot(path, size=size)`` into the file, and by ``fill(window)`` into the window."""
+        """Draw into the file by ``plot(path, size=size)``, and into the window by ``fill(window)``."""
         write_picture(self.path, self.size, plot)
         if self.window:
-            from chain_impact.pictures.style import suit_figure  # this import takes a second
+            # imported here, because the import takes a second
+            from chain_impact.pictures.style import suit_figure
 
             fill(self.window)
             suit_figure(self.window)
@@ -70,14 +77,14 @@ class Canvas:
 
 @dataclass(frozen=True)
 class Subject:
-    """What the picture and the tables below the summary show; by default the motion.
+    """What the picture, and tables below the summary, show; by default the motion.
 
     Attributes:
-        sensitivities: parameters; the subject is the derivatives with respect to them. If ``rank`` is given,
-            the subject is the ranking of these parameters.
-        rank: the quantity by whose change the parameters are ranked.
-        curves: names of outputs; the subject is their curves over time.
-        around: the number of the impact around which the curves are drawn, from 1.
+        sensitivities: parameters; the derivatives with respect to them are shown or, with ``rank``, the
+            ranking of them.
+        rank: the quantity by whose change parameters are ranked.
+        curves: names of outputs whose curves over time are shown.
+        around: number, from 1, of the impact around which the curves are drawn; None for the whole run.
     """
 
     sensitivities: Sequence[str] = ()
@@ -86,7 +93,11 @@ class Subject:
     around: int | None = None
 
     def check(self, *, is_drawn: bool) -> None:
-        """Refuse curves without a picture, or with derivatives or ranking; ``around`` without curves."""
+        """Refuse options that do not fit together.
+
+        These are curves without a picture (``is_drawn``), curves together with derivatives or a ranking, and
+        ``around`` without curves.
+        """
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
         if self.curves and (self.rank or self.sensitivities):
@@ -103,7 +114,7 @@ MOTION = Subject()
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``simulate``, with its arguments and options, to the grammar."""
     verb = add_verb(
         verbs,
         "simulate",
@@ -126,7 +137,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _add_derivatives(verb: argparse.ArgumentParser) -> None:
-    """Add the options for derivatives and for the ranking of parameters."""
+    """Add the options for derivatives, and for the ranking of parameters."""
     named = add_repeated(
         verb,
         "--sensitivity",
@@ -147,7 +158,7 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
 
 
 def _add_picture(verb: argparse.ArgumentParser) -> None:
-    """Add the options for the picture, and for what it shows in place of the motion."""
+    """Add the options for the picture: its file, its window, and curves in place of the motion."""
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
     named = add_repeated(
@@ -204,7 +215,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def open_window() -> Figure:
-    """Open a window of matplotlib, and return its empty figure.
+    """Open a window of matplotlib; return its figure, which is empty.
 
     Raises:
         RunError: when there is no display, or the backend is missing.
@@ -213,7 +224,8 @@ def open_window() -> Figure:
 
     try:
         page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
-    except ImportError as error:  # here the environment variable MPLBACKEND names a backend that is missing
+    # the environment variable MPLBACKEND names a backend of matplotlib that is not installed
+    except ImportError as error:
         raise RunError(f"--show: {error}") from None
     if page.canvas.required_interactive_framework is None:
         raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
@@ -230,11 +242,18 @@ def report(
     impacts: Path | None = None,
     check: bool = False,
 ) -> None:
-    """Simulate, write the requested files, and print a summary.
+    """Simulate a source, write the files that are asked for, and print a summary.
 
-    If a fault ends the run, files and summary cover the time before the fault. The table ``csv`` has
-    ``columns``; by default all columns. ``check`` compares the run with a second run at a tenth of the
-    tolerance.
+    If a fault ends the run, files and summary tell of the time before the fault; then the error is raised.
+
+    Args:
+        source: the scene or FMU.
+        canvas: where a picture is drawn.
+        subject: what the picture shows.
+        csv: the file for a table of outputs.
+        columns: the outputs in this table; by default all.
+        impacts: the file for the list of impacts.
+        check: whether the run is compared with a second run at a tenth of the tolerance.
     """
     check_outputs(csv, canvas.path, impacts, inputs=source.files)
     if columns and not csv:
@@ -275,7 +294,7 @@ def report(
 
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
-    """Draw the derivatives of a recording, or else its motion with energies and impacts."""
+    """Draw a recording's derivatives or, without them, its motion with energies and impacts."""
     from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
@@ -284,7 +303,7 @@ def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None
 
 
 def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
-    """Return the curves of some outputs of a scene or an FMU."""
+    """Return the curves of the outputs ``subject.curves``, from a recording of a scene or an FMU."""
     try:
         if isinstance(recording, Result):
             return recording.curves(subject.curves, subject.around)
@@ -294,7 +313,7 @@ def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
 
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
-    """Draw curves, or refuse outputs that no picture can show."""
+    """Draw curves; an output that no picture can show gives a UsageError."""
     from chain_impact.pictures import curves_size, draw_figure, fill_curves
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
@@ -305,7 +324,7 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
 
 def difference_text(differences: Differences) -> str:
-    """Return a sentence on the differences of two runs."""
+    """Return the sentence that ``--check`` prints: by how much the two runs differ."""
     points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
     onsets = f"onsets by at most {differences.onset:.1e} s ({plural(differences.impacts, 'impact')}) and "
     parted = (

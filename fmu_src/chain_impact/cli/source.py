@@ -1,6 +1,7 @@
-"""The scene or the FMU of a command, with the values that its options set.
+"""The scene or the FMU of a command, with the values that the options of the command set.
 
-A command can simulate its source, rank the parameters, and compare the run with a run at a tighter tolerance.
+A command can simulate this source, rank its parameters, and compare a run with a second one at a tighter
+tolerance.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from chain_impact.simulation.record_scene import record_scene, value_of, with_se
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
 
-LEAST_ROWS = 1000  # the least number of rows with which a picture is drawn
+LEAST_ROWS = 1000  # A picture is drawn with at least this number of rows.
 TOLERANCE = "solver.tolerance"
 
 
@@ -31,9 +32,9 @@ class Source:
     """A scene or an FMU, with settings and a table of inputs.
 
     Attributes:
-        name: the name of a scene, or the file of a scene or an FMU.
+        name: the name of a model, or the file of a scene or an FMU.
         settings: texts ``NAME=VALUE``.
-        inputs: the table of inputs.
+        inputs: the table of inputs; None without one.
     """
 
     name: str
@@ -47,15 +48,19 @@ class Source:
 
     @property
     def files(self) -> list[str | Path]:
-        """The name of the source, and the file of the table of inputs, if any."""
+        """The name of the source, and the file of the table of inputs, if there is one."""
         return [self.name, *([self.inputs[0]] if self.inputs else [])]
 
     def scene(self) -> Scene:
-        """Return the scene, with its settings and inputs."""
+        """Return the scene with the settings and inputs."""
         return scene_with(self.name, self.settings, self.inputs)
 
     def record(self, sensitivities: Sequence[str] = ()) -> Recording:
-        """Simulate; by default the ``sensitivities`` are those that the scene asks for."""
+        """Simulate the source.
+
+        ``sensitivities`` are the parameters and inputs of derivatives; by default those that the scene asks
+        for.
+        """
         if sensitivities and self.is_fmu:
             raise UsageError(f"--sensitivity: {self.name} is an FMU; must be a scene")
         with progress() as advance:
@@ -64,9 +69,9 @@ class Source:
             return record_scene(self.scene(), {}, advance, sensitivities or None)
 
     def with_rows(self, recording: Recording) -> Recording:
-        """Return the recording with enough rows for a picture; if necessary, simulate a scene again.
+        """Return ``recording`` or, if its rows are too few for a picture, a second run with enough rows.
 
-        The rows of an FMU cannot be changed; a message says so if they are too few.
+        An FMU is not simulated a second time; a message says that its rows are too few.
         """
         rows = len(recording.time)
         if rows >= LEAST_ROWS:
@@ -82,9 +87,9 @@ class Source:
             return simulate(scene, output_step=scene.simulation.stop_time / LEAST_ROWS, progress=advance)
 
     def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
-        """Return the ranking of some parameters, by default of all.
+        """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.
 
-        The scene is simulated with rows at the start and the end only.
+        The scene is simulated with rows at the start and the end only, because the ranking needs no others.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
@@ -94,11 +99,11 @@ class Source:
             return record_scene(scene, rows, advance, parameters or ["*"]).ranking(what, parameters or "*")
 
     def units(self) -> Mapping[str, str]:
-        """Return the unit of each variable of an FMU."""
+        """Return name → unit of each variable of an FMU; "" for none."""
         return {variable.name: variable.unit or "" for variable in read_fmu(Path(self.name)).modelVariables}
 
     def tighter(self) -> Source:
-        """Return the source with a tenth of its tolerance.
+        """Return this source with a tenth of its tolerance.
 
         Raises:
             UsageError: when the tolerance is too tight to be reduced.
@@ -122,5 +127,5 @@ class Source:
         return float(value_of(values.get(TOLERANCE, starts[TOLERANCE])))
 
     def differences(self, recording: Recording) -> Differences:
-        """Return how a recording differs from a run of this source, the source from ``tighter``."""
+        """Simulate this source, which ``tighter`` has returned, and compare the run with a recording."""
         return differences(recording, self.record())

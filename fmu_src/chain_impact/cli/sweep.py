@@ -30,7 +30,7 @@ from chain_impact.cli.progress import complain, progress, say
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``sweep``, with its arguments and options, to the grammar."""
     sweep = add_verb(
         verbs,
         "sweep",
@@ -83,7 +83,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the sweep, write the files that the options name, and print how many runs failed, with reasons."""
+    """Simulate the runs, write the files that the options name, and print how many runs failed, and why."""
     from chain_impact.studies.sweep.interrupted import partial_path
     from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.sweep import sweep
@@ -126,14 +126,17 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    # the result is printed first: the picture may have no room in the size that the user wants
+    # the result is printed before the picture is drawn, which fails if the size in the options is too small
     say(repr(result))
     write_picture(options.plot, options.size, partial(result.plot, panels=panels))
     return 0
 
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
-    """Return name → values for every ``--vary NAME=VALUES``; refuse a name that is in ``settings``, too."""
+    """Return name → values, from texts ``NAME=VALUES``; refuse a name that ``--set`` also gives.
+
+    ``settings`` are those of ``--set``.
+    """
     vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():
         raise UsageError(f"--vary {name}={vary[name]}: {name} is given twice")

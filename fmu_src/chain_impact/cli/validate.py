@@ -1,4 +1,4 @@
-"""`chain-impact validate`: check an FMU against the FMI standard, its description and reference results."""
+"""`chain-impact validate`: check an FMU against the FMI standard, and test its binary."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from chain_impact.scene.models import scene_path
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the grammar."""
+    """Add the verb ``validate``, with its arguments and options, to the grammar."""
     validate = add_verb(
         verbs,
         "validate",
@@ -36,7 +36,7 @@ def add(verbs: Verbs) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check an FMU; the exit code is 1 if there is a fault."""
+    """Check an FMU, and print its faults; return the exit code, 1 if there is a fault."""
     if not 0.0 < options.timeout < float("inf"):
         raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
     scene = scene_path(options.fmu)
