@@ -111,10 +111,7 @@ def _rounded(value: object) -> object:
 
 
 def _start(variable: Any) -> object:
-    """Return the start value of an FMU's parameter for printing.
-
-    Of an enumeration, the name of the choice.
-    """
+    """Return the start value of an FMU's parameter for printing: for an enumeration, the choice's name."""
     if variable.type in ("Real", "Float64"):
         # the start value of an array in FMI 3.0 is a text of several numbers, which is printed as it is
         with suppress(ValueError):

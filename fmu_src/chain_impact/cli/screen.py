@@ -150,7 +150,7 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 def meanings(recording: Recording) -> Iterator[str]:
     """Yield lines on the meaning of the numbers of points and the names of walls in the table of impacts.
 
-    If only a part of some contacts is known, a further line tells how many.
+    If some contacts are known only in part, a further line tells how many.
     """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}

@@ -61,8 +61,8 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
     """Yield a difference for tendon ``t`` if the tendon has an effect on the motion.
 
-    It has one if one of its fields in FORCES is not 0 and the file does not disable this effect. ``off`` has
-    the names of all flags that the file sets.
+    The tendon has one if one of its fields in FORCES is not 0 and the file does not disable this effect.
+    ``off`` has the names of all flags that the file sets.
     """
     acting = [
         field.removeprefix("tendon_")

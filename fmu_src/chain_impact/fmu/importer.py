@@ -120,7 +120,7 @@ def _log(*call: Any) -> None:
 def _heard(record: logging.LogRecord) -> bool:
     """Collect a log message of a slave in Python, if this thread runs an FMU in ``listening``.
 
-    As a filter of the logger, it returns whether the message is logged as usual: only if no FMU is run here.
+    As a filter of the logger, it returns whether the message is logged: only if this thread runs no FMU.
     """
     said = getattr(_here, "said", None)
     if said is not None:

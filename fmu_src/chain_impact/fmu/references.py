@@ -45,7 +45,7 @@ ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
 EVENT_DISTANCE = 1e-4
-# a run ends when its evaluations × the number of links reach MOST_WORK, which takes about 0.2 s
+# a run ends when its evaluations of the equations of motion × links reach MOST_WORK, in about 0.2 s
 MOST_WORK = 2_000_000
 # amplitude of the torques and forces that are given as inputs, relative to the magnitudes of `nominal_values`
 SWING = 0.1
@@ -77,7 +77,7 @@ class Reference(NamedTuple):
 def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the file with the reference results, as path in the FMU → content.
 
-    Empty if none are reliable.
+    The result is empty if no results are reliable.
     """
     try:
         solution = reference(prepared)

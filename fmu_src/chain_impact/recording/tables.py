@@ -27,7 +27,7 @@ _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("conta
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
-    """Return the table that ``Result.to_dataframe`` describes."""
+    """Return outputs as a table of pandas: the times [s] are its index, ``columns`` its columns."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
     units = {variable.name: variable.unit for variable in prepared.outputs}
@@ -36,7 +36,10 @@ def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, n
 
 
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
-    """Return the table that ``Result.impact_table`` describes; ``stops`` says whether joints have stops."""
+    """Return impacts as a table of pandas, with the names of walls, and with units in its attributes.
+
+    ``stops``: whether joints have stops, at which forces are moments; the units there are added, too.
+    """
     pandas = require("pandas", "pandas")
     columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
@@ -48,7 +51,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
 
 
 def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
-    """Return the table that ``Result.stick_slip_table`` describes."""
+    """Return phases of dry friction as a table of pandas, with names of walls and of modes."""
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
@@ -59,9 +62,9 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
 
 
 def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
-    """Return the dataset that ``Result.to_xarray`` describes.
+    """Return outputs as a dataset of xarray: an array for all points, for all links, and for all contacts.
 
-    ``motion`` are the outputs that change continuously.
+    ``motion`` are the outputs that change continuously; only these are in the dataset.
     """
     xarray = require("xarray", "xarray")
     scene = prepared.scene

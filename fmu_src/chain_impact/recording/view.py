@@ -167,7 +167,10 @@ def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.n
 
 
 def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the part of a rectangle that lies on the free sides of all walls."""
+    """Return the corners of that part of a rectangle that lies on the free sides of all walls.
+
+    ``around``: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+    """
     corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))

@@ -53,7 +53,7 @@ def as_in_contact(key: str) -> Derived:
 def with_stops(value: float) -> Derived:
     """Return the rule for a default of [stops] that is ``value``.
 
-    It is None in a scene without joint stops.
+    The default is None in a scene without stops of joints.
     """
     return Derived(
         f"{value:g}",

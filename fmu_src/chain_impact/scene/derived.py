@@ -70,7 +70,7 @@ def above(paths: Iterable[Any]) -> set[DataPath]:
 def rule_at(rule: Derived, path: DataPath, links: Sequence[Any]) -> Derived:
     """Return the rule that derives the value at ``path``.
 
-    It is ``rule`` or, if this rule has another one for boxes and the link is a box, ``rule.of_box``.
+    The result is ``rule`` or, if the link is a box and this rule has another one for boxes, ``rule.of_box``.
     """
     match path:
         case "chain", "links", int(i), _ if rule.of_box and links[i].shape:

@@ -275,9 +275,9 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint for a name ``signal.<name>.<key>`` of which no signal exists: how to make one.
+    """Return a hint how to make the missing signal that the name ``signal.<signal>.<key>`` of a value needs.
 
-    Else None.
+    The result is None for any other name.
     """
     table, _, key = name.partition(".")
     signal = key.partition(".")[0]

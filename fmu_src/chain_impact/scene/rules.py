@@ -185,8 +185,8 @@ def _of_members(
 ) -> Any:
     """Return the value of ``any(list, rule)`` or ``sum(list, rule)``, as ``sign`` says.
 
-    This is whether the rule is true for any member of the list, or the sum of the rule's number over all
-    members.
+    The value of ``any`` is whether the rule is true for a member of the list, that of ``sum`` the sum of the
+    rule's number over all members.
     """
     values = _for_members(of, names, _members(members(value_of)), value_of)
     if sign == "any":

@@ -191,8 +191,8 @@ class Follower:
     def _alike(self, first: Piece, second: Piece) -> bool:
         """Return whether two pieces both have half the length of the last interval that got no polynomial.
 
-        They are not joined then, because one polynomial would probably fail for both again. Only lengths are
-        compared.
+        Two such pieces are not joined, because one polynomial would probably fail for both again. Only
+        lengths are compared.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
@@ -272,7 +272,7 @@ class Follower:
     def _simple(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate and its degree is at most SIMPLE.
 
-        Else None.
+        The result is None for any other piece.
         """
         piece = self._fitted(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece

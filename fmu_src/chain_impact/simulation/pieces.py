@@ -33,7 +33,7 @@ class Piece:
     def series(self, time: float, unit: float) -> np.ndarray:
         """Return the coefficients of the powers of (t − ``time``)/``unit``, shape (DEGREE + 1, M).
 
-        Both in [s].
+        ``time`` and ``unit`` are in [s].
         """
         scale = 2.0 / (self.end - self.start)
         x, powers, rows = (time - self.start) * scale - 1.0, self.powers, []

@@ -207,9 +207,9 @@ class PreparedScene:
         return output_indices(self.structure, self.sizes)
 
     def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return where the record has the outputs with some names or patterns, in the order of ``wanted``.
+        """Return the indices in the record of the outputs whose names match ``wanted``, in its order.
 
-        Each output counts once.
+        An output that several names or patterns match is returned once.
 
         Raises:
             UnknownNameError: when no output has a name, or matches a pattern.

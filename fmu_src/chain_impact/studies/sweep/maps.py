@@ -173,7 +173,7 @@ def label_of(runs: Runs, variation: Variation) -> str:
 def unit_of(runs: Runs, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
-    If runs vary an exponent, the unit keeps the letter n: N/m^n.
+    If runs vary an exponent, the unit keeps this word: N/m^exponent.
     """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
