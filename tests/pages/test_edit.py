@@ -60,7 +60,7 @@ def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
 
 
 @pytest.mark.full("many random scenes", but=10)
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", range(30))
 def test_the_contents_of_a_random_scene_make_its_record(script, seed):
     scene = random_scenes.scene(seed)
     assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)

@@ -121,8 +121,11 @@ def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser
     page.close()
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE, {"width": 320, "height": 320}])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(
+    ("size", "scheme"),
+    [(DESK, "light"), (PHONE, "dark"), ({"width": 320, "height": 320}, "light")],
+    ids=["desk", "phone", "small"],
+)
 def test_the_page_stays_within_the_screen(show, size, scheme):
     page = show(viewport=size, color_scheme=scheme)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
