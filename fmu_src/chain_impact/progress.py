@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 
 Progress = Callable[[float], None]
-"""A callback that gets the finished fraction, from 0 to 1."""
+"""A function that is called with the finished fraction of some work, from 0 to 1."""
 log = logging.getLogger("chain_impact")
 """The package's logger: INFO tells of work that takes seconds, DEBUG of the single steps of this work."""
 log.addHandler(logging.NullHandler())

@@ -76,7 +76,7 @@ export class Kernel {
     return Number(this.integers[this.scene.layout.status]);
   }
 
-  /** Write the scene's record, as it is before initialization, with some parameters changed: name → number. */
+  /** Write the scene's record, as it is before initialization, with the changes `values` of parameters: name → number. */
   #write(values) {
     this.bytes.set(this.start);
     for (const [name, value] of Object.entries(values)) {
@@ -87,15 +87,15 @@ export class Kernel {
     }
   }
 
-  /** Initialize the scene's record with some parameters changed. */
+  /** Write the scene's record with the changes `values` of parameters, name → number, and initialize it. */
   initialize(values) {
     this.#write(values);
     this.exports.initialize(this.record, 0);
   }
 
   /**
-   * Run from the start of the scene through some times, and return the results. The generator yields the fraction that is done, often
-   * enough for its caller to do other work meanwhile.
+   * Run from the start of the scene through some times, and return the results. The generator yields the fraction that is done after each
+   * call of the kernel, so that its caller can do other work meanwhile.
    *
    * @param values the changed parameters: name → number. @param times Float64Array [s]. @param outputs { word, integer } of the record, one
    * for each column. @param timesPerCall number of times in one call of the kernel, which cannot be interrupted. @param inputSteps { time,
@@ -159,8 +159,9 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values of some real parameters, up to the row's end time [s], and return words of the record at the end of
-   * each run. The generator yields the fraction of the runs that is done.
+   * Run once for each row of values (`each`, one row after the other) of the real parameters `names`, up to the row's end time [s], with
+   * the other changes `values`. Return the `words` of the record (indices) at the end of each run, one run after the other. The generator
+   * yields the fraction of the runs that is done.
    */
   *runEach(values, names, each, endTimes, words) {
     const [runs, width] = [endTimes.length, words.length];
@@ -195,7 +196,7 @@ export class Kernel {
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
-  /** Return `count` contacts of the log; `rowOf` maps 0, 1, … to their rows. */
+  /** Return `count` contacts of the log; `rowOf` is a function from 0, 1, … to the index of each one's row in the log. */
   #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
@@ -208,8 +209,8 @@ export class Kernel {
   }
 
   /**
-   * Return the contacts that still last, with their peaks so far; in the log they follow the ended contacts. The kernel drops what it has
-   * computed beyond the present time.
+   * Return the contacts that still last, with their peaks so far, which the kernel first puts into the log after the ended contacts. The
+   * part of its last step beyond the present time is dropped.
    */
   #unfinished() {
     this.exports.log_contacts(this.record);
