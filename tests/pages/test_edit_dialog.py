@@ -17,6 +17,7 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+COLOUR = "text => getComputedStyle(text).color"
 SPRING = {"damping": 3.0, "stiffness": 40.0, "rest_position": 0.05}
 """Keys of the slider → values that the test of a slider gives."""
 
@@ -60,15 +61,16 @@ def refusal(page):
     return page.locator("#edit-text").inner_text()
 
 
-def test_a_long_number_fits_into_its_field_and_is_whole_in_the_title(show):
-    page = show()
+@pytest.mark.parametrize("model", ["four_link_box", "ur5e"])
+def test_a_long_number_fits_into_its_field_and_is_whole_in_the_title(show, model):
+    page = show(model)
     page.get_by_role("button", name="Edit…").click()
     fields = page.locator("#edit-links input")
     assert fields.count() > 20
     room = "fields => fields.map((field) => field.clientWidth - field.scrollWidth)"
     assert min(fields.evaluate_all(room)) >= 0
     inertia = page.locator("#edit").get_by_role("textbox", name="link[1].inertia")
-    given = load_scene("four_link_box").chain.links[0].inertia
+    given = load_scene(model).chain.links[0].inertia
     assert float(inertia.get_attribute("title")) == given
     assert float(inertia.input_value()) == pytest.approx(given, rel=1e-3)
 
@@ -234,6 +236,8 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     edit(page, "point[9].y", "0.08")
     edit(page, "point[9].link", "7")
     assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
+    words, refused = (page.locator(f"#edit {part}").evaluate(COLOUR) for part in ("label", "#edit-text"))
+    assert words != refused, "a refusal stands out"
     scene = downloaded(page, tmp_path)
     heel = scene.chain.sites[4]
     assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]

@@ -121,8 +121,8 @@ def test_firefox_drags_a_joint_moves_it_by_keys_and_draws_a_map(firefox, tmp_pat
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
     pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
     said = re.search(
-        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\s?rad \(.*\): "
-        r"peak_force = ([\d.]+)\s?kN",
+        r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\s?rad \(.*\): "
+        r"Largest force at a wall = ([\d.]+)\s?kN",
         firefox.find("#map-text").text,
     )
     values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}

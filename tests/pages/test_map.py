@@ -24,7 +24,7 @@ EMPTY = """(() => {
 })()"""
 """The number of runs of a map without a colour."""
 READ = re.compile(
-    r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+)\u202frad \(.*°\): impact.count = (\d+)"
+    r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\u202frad \(.*°\): Number of impacts = (\d+)"
 )
 
 
@@ -53,11 +53,14 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
         "point[1].x",
         "point[1].y",
     ]
+    colour = "text => getComputedStyle(text).color"
+    usual = page.locator("#map-text").evaluate(colour)
     for low, high in (("", "1"), ("2", "3")):
         page.locator("#map-x-from").fill(low)
         page.locator("#map-x-to").fill(high)
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
         page.get_by_text("must be a finite number ≥ 0 and ≤ 1").wait_for()
+        assert page.locator("#map-text").evaluate(colour) != usual, "a fault stands out"
     page.locator("#map-x-from").fill("0.2")
     page.locator("#map-x-to").fill("0.95")
     draw_map(page)
@@ -144,7 +147,7 @@ def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
     box = page.locator("#map-canvas").bounding_box()
     assert "; grey runs fail." in page.locator("#map-text").inner_text()
     refused = re.compile(r"the run fails: wall\.y_min\.static_friction = .* must be ≥\xa0")
-    for place, text in ((0.9, "peak_force = "), (0.1, refused)):
+    for place, text in ((0.9, "Largest force at a wall = "), (0.1, refused)):
         page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
         page.locator("#map-text").get_by_text(text).wait_for()
 
@@ -166,7 +169,7 @@ def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
     page.locator("#map-canvas").hover()
-    until_told(page, "impact.count = ", "map-text")
+    until_told(page, "Number of impacts = ", "map-text")
 
 
 def test_angles_in_degrees_are_taken_in_every_field(show):
@@ -203,7 +206,9 @@ def test_the_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
     box, told = page.locator("#map-canvas").bounding_box(), set()
     for share in np.linspace(0.01, 0.99, 9):
         page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": 0.5 * box["height"]})
-        number, unit = re.search(r"peak_force = ([\d.e-]+)\s(\w+)", page.inner_text("#map-text")).groups()
+        number, unit = re.search(
+            r"Largest force at a wall = ([\d.e-]+)\s(\w+)", page.inner_text("#map-text")
+        ).groups()
         told.add((float(number) < 1.0, unit))
     assert told == {(True, "kN"), (False, "kN")}
 
@@ -215,12 +220,12 @@ def test_a_map_goes_by_the_keyboard(show):
     page.locator("#map-canvas").focus()
     page.keyboard.press("ArrowRight")  # the run in the middle
     middle = page.text_content("#map-text")
-    assert "peak_force = " in middle
+    assert "Largest force at a wall = " in middle
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowUp")
     assert page.text_content("#map-text") != middle
     assert page.locator(".map-chosen").count() == 1
-    told = float(re.search(r"contact\.restitution = ([\d.]+)", page.text_content("#map-text"))[1])
+    told = float(re.search(r"Restitution = ([\d.]+)", page.text_content("#map-text"))[1])
     page.keyboard.press("Enter")
     assert not page.locator("#map").is_visible()
     assert float(page.evaluate("chainImpact.parameters['contact.restitution']")) == pytest.approx(
@@ -263,7 +268,7 @@ def test_an_axis_of_a_stiffness_goes_by_decades(show):
     present = float(page.evaluate("chainImpact.parameters['contact.stiffness']"))
     assert (low, high) == pytest.approx((present / 10, present * 10))
     page.locator("#map-canvas").press("ArrowRight")  # the run in the middle
-    told = re.search(r"contact\.stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
+    told = re.search(r"Stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
     assert float(told) == pytest.approx(present, rel=1e-4)
     numbers = page.locator("#map-scales text").all_text_contents()
     assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)
@@ -280,7 +285,7 @@ def test_a_map_has_the_unit_of_its_own_runs(show):
     page.locator("#map-y-name").select_option("initial.angle[1]")
     draw_map(page)
     page.locator("#map-canvas").press("ArrowRight")
-    assert re.search(r"contact\.stiffness = \S+\sN/m¹·⁵,", page.text_content("#map-text"))
+    assert re.search(r"Stiffness = \S+\sN/m¹·⁵,", page.text_content("#map-text"))
     page.keyboard.press("Escape")
     page.evaluate("chainImpact.show({ 'contact.exponent': 2 })")
     page.get_by_role("button", name="Map…").click()

@@ -70,18 +70,18 @@ export class Editor {
   }
 
   #try(action, done, refused) {
-    let text = done;
+    let [text, isFault] = [done, false];
     try {
       text = action() ?? done;
     } catch (error) {
-      text = refused(error);
+      [text, isFault] = [refused(error), true];
     }
     this.#draw();
-    this.#say(text);
+    this.#say(text, isFault);
   }
 
-  #say(text) {
-    find("edit-text").textContent = readable(text);
+  #say(text, isFault = false) {
+    Object.assign(find("edit-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
   #draw() {

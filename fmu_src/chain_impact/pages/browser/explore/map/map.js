@@ -16,6 +16,8 @@ const POINTS = 41; // number of values of each parameter in the map
 const COARSE = 9; // number of values of each parameter in the preview
 // the first of these outputs that the scene has is the one that the map shows first
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
+const BY_FINGER = "Tap a run to read it, and once more to open it.";
+const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
 
 /** Return whether the axis of a parameter is logarithmic, as its slider is. */
@@ -171,7 +173,7 @@ export class GridMap {
       request = this.#requestOf(points);
     } catch (error) {
       this.#refuses = true;
-      this.#say(`${error.message}.`);
+      this.#say(`${error.message}.`, true);
       return;
     }
     this.#refuses = false;
@@ -193,7 +195,7 @@ export class GridMap {
       ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
-    const done = `${summary}${inputs} Point at a run to read it, click to open it; with a finger, tap twice; with keys, arrows and Enter.`;
+    const done = `${summary}${inputs} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
     const stopped = `Stopped after ${shown.rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
     this.#say(fault || (shown.rows === points ? done : stopped));
   }
@@ -205,8 +207,8 @@ export class GridMap {
     return isPreview ? this.shown : undefined;
   }
 
-  #say(text) {
-    find("map-text").textContent = readable(text);
+  #say(text, isFault = false) {
+    Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
   /** Return what the fields ask for: the names of the two parameters, their values, the other changes and the output. */
@@ -357,13 +359,13 @@ export class GridMap {
 
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
-    const value = this.shown.results[index];
+    const { faults, output, scale, results: { [index]: value } } = this.shown;
     const at = this.#valuesAt(index);
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
-    const { faults, output } = this.shown;
-    const { factor, text } = scaledTo(output, this.shown.scale);
+    const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
-    this.#say(`${parameters.join(", ")}: ${value === null ? `the run fails: ${faults.get(index)}` : `${output.name} = ${number}`}`);
+    const told = value === null ? `the run fails: ${faults.get(index)}` : `${quantityOf(output.name)} = ${number}`;
+    this.#say(`${parameters.join(", ")}: ${told}`);
   }
 
   /** Return a value of a parameter with its unit, if the parameters have the changed `values`; an angle is in radians and degrees. */
@@ -371,7 +373,7 @@ export class GridMap {
     const { factor, text } = this.#unitOf(name, values);
     const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
     const shown = [withMinus(numberText(Number(value.toPrecision(5)))), presentUnit(this.changes, name, values)];
-    return `${name} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
+    return `${this.#wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
   }
 
   /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */
@@ -391,7 +393,7 @@ export class GridMap {
       this.changes.replace(this.changes.with(this.#valuesAt(index), this.shown.values), {});
       this.dialog.close();
     } catch (error) {
-      this.#say(`${error.message}.`);
+      this.#say(`${error.message}.`, true);
     }
   }
 }

@@ -27,7 +27,9 @@ export function refusal() {
 /** Show in a row why its value is refused, or nothing if it is allowed. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
-  row.querySelector(".refusal").textContent = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
+  const told = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
+  // the unit of a stiffness as it is beside the field, with the present exponent
+  row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
 
 /**
