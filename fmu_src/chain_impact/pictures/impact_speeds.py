@@ -22,7 +22,7 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
 
-# the largest number of points with a mark of their own, so that the legend has room
+# the largest number of points (or joints at stops) with a mark of their own, so that the legend has room
 MOST_OWN_MARKS = 5
 # impacts have equal distances in time if there are more than REGULAR of them, and the largest and the
 # smallest distance differ at most by EQUAL, relative to the mean distance
@@ -108,13 +108,14 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    depth = (0.5 + lane) * ROW / 72.0  # [inch] the height of the row above the axis
+    depth = (0.5 + lane) * ROW / 72.0  # [inch] the distance of the row's middle below the axes' lower edge
     lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
     look: dict[str, Any] = {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
     lines = axes.hlines(np.zeros(len(starts)), starts, ends, color=mark["color"], **look)
     mark |= {"linestyle": "", "markersize": CONTACT_MARK, "transform": lowered, "label": "_"}
     (first,) = axes.plot(starts[:1], [0.0], **mark)
-    sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)  # only the left and right sides clip
+    # the lines are cut off only at the left and right edge of the axes
+    sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)
     for artist in (lines, first):
         artist.set_clip_path(sides)
         artist.set_in_layout(False)

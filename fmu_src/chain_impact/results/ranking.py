@@ -224,9 +224,9 @@ class Ranking:
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
-    """Return a factor and a unit with a prefix that suits a value, as mm for 0.003 m.
+    """Return a unit with a prefix that suits a value, after the factor to it: (1000, "mm") for 0.003 m.
 
-    The factor converts to it.
+    A unit that is not in PREFIXED stays, with the factor 1.
     """
     return prefixed(abs(value), unit) if unit in PREFIXED else (1.0, unit)
 

@@ -100,7 +100,7 @@ export function readable(text) {
   return text.replaceAll(">=", "≥").replaceAll("<=", "≤").replaceAll(/(?<=[<>≤≥]) /g, "\u00a0");
 }
 
-/** Return a name or a unit in which the browser may break the line after each part. */
+/** Return a name or a unit in which the browser may break the line after each ".", "_" or "/". */
 export function breakable(name) {
   return name.replaceAll(/([._/])/g, "$1\u200b");
 }

@@ -85,7 +85,7 @@ export class ChainDrawing {
     this.lettersBehind = () => []; // function that returns the positions of letters in `behind`, which labels must not cover
   }
 
-  /** Show another recording from now on. */
+  /** Show another recording from the next frame of the browser on. */
   show(recording) {
     this.recording = recording;
     [this.arcs, this.circles, this.bodies, this.links, this.joints, this.numbers].forEach((group) => group.clear());
@@ -98,10 +98,10 @@ export class ChainDrawing {
   #makeChain() {
     const { links, pointCount, touching, pointNames, radius, ball, traced, bodies, rail } = this.recording;
     const names = new Map(pointNames);
-    // each link has an edge in the colour of the ground, which shows which of two crossing links is in front
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     const isBall = ball !== null;
-    // a ball is shown by a thin line from its centre to a mark on it, as in pictures
+    // A link has an edge in the colour of the ground, which shows which of two crossing links is in front. A ball is shown by a thin line
+    // from its centre to a mark on it, as in pictures.
     this.lines = lines.flatMap((range) => (isBall ? ["radius"] : ["link-edge", "link"]).map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];

@@ -26,7 +26,7 @@ export function valuesOfScene(file, lists, known) {
   return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
 }
 
-/** Return the lists of a scene, see `facts.py`. */
+/** Return name of a list of a scene → its members, each a table of values, as `LISTS` in `facts.py` describes them. */
 function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }, kit) {
   const { STOP_CODES } = SHARED.kernel;
   const lists = {

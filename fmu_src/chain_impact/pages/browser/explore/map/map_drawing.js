@@ -9,7 +9,7 @@ const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
 const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
 const RIM = 2; // [pixels] width of the mark around the run that the keyboard has chosen
-// [pixels] free space around the canvas for axes and scale; the style sheet must have the same
+// [pixels] free space around the canvas for axes and scale; the style sheet must have the same lengths
 const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
 
 export class MapDrawing {

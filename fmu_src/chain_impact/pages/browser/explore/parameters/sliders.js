@@ -42,7 +42,7 @@ function scaleOf({ ends, logarithmic, decades, spread }, start) {
   return { toPosition: (value) => (value - low) / (high - low), toValue: (position) => low + position * (high - low) };
 }
 
-/** Return a value rounded to three digits: neighbouring positions of a slider differ by less than a further digit would show. */
+/** Return the value at a position of a slider rounded to three significant digits, by which most neighbouring positions differ. */
 function rounded(value) {
   return Number(value.toPrecision(3));
 }
