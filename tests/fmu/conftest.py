@@ -21,13 +21,18 @@ from tests.helpers.tools.shared import once, shared_folder
 Clean = Callable[..., Any]
 
 
-@pytest.fixture(scope="session", params=KINDS)
+# the quick tier has tests of its own for native FMUs of both standards: test_interface.py and test_fmi3.py
+MORE = pytest.mark.full("another kind of FMU")
+KIND = [pytest.param(kind, marks=[MORE] * (kind != "pythonfmu")) for kind in KINDS]
+
+
+@pytest.fixture(scope="session", params=KIND)
 def target(request) -> str:
     """Return the kind of FMU."""
     return request.param
 
 
-@pytest.fixture(scope="session", params=["pythonfmu", "native"])
+@pytest.fixture(scope="session", params=KIND[:2])
 def fmi2(request, all_fmus) -> dict[str, str]:
     """Return the FMU of each model, of both kinds for FMI 2.0."""
     return all_fmus[request.param]

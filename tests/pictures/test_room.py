@@ -139,6 +139,7 @@ def test_a_flat_motion_has_the_height_of_its_axes():
     assert all(float(text) == pytest.approx(1e3 * at) for at, text in told if low <= at <= high)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["clattering_rod", "double_pendulum_wall"])
 def test_no_large_part_of_the_axes_is_empty(model):
     recording = recorded(model)

@@ -135,12 +135,10 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
         for t in (REFERENCE_TOLERANCE, tolerance)
     )
     count = min(len(exact), len(usual))
-    # a contact without an end has the end NaN, which nanmin ignores
-    edges = [table[end] for table in (contacts, others) for end in ("onset", "end")]
-    apart = (
-        np.nanmin(np.abs(times[:count, None] - np.concatenate([*edges, [math.inf]])), axis=1)
-        > EVENT_DISTANCE * times[1]
-    )
+    # a contact without an end has the end NaN
+    edges = np.concatenate([table[end] for table in (contacts, others) for end in ("onset", "end")])
+    edges = np.append(edges[~np.isnan(edges)], math.inf)
+    apart = np.abs(times[:count, None] - edges).min(axis=1) > EVENT_DISTANCE * times[1]
     until = _agreed_until(contacts["onset"], others["onset"], EVENT_DISTANCE * times[1] / TOLERANCE_FACTOR)
     rows = np.flatnonzero(apart & (times[:count] < until))
     largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
