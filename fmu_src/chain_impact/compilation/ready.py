@@ -23,8 +23,8 @@ from chain_impact.system import PLATFORMS
 
 FOLDER = PACKAGE / "ready"
 MODULE = f"{KERNEL}.ll.xz"  # the file with the compressed lowered kernel, in each wheel
-# the file with the fingerprint of the sources of the ready kernels: they are used only if it equals the
-# present one
+# the file with the fingerprint of the sources of the ready kernels, which are used only if the present
+# sources have the same fingerprint
 MADE_FROM = "sources.txt"
 RELEASE = "CHAIN_IMPACT_RELEASE"
 """The environment variable that is "1" while a wheel for release is built, which has more kernels than other

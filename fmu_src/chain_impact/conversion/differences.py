@@ -57,7 +57,7 @@ class Difference:
     def title(self) -> str:
         """The title under which the difference is reported.
 
-        It is a warning if the difference changes the motion, or has a ``size`` of more than NEGLIGIBLE.
+        The title is a warning if the difference changes the motion, or its ``size`` exceeds NEGLIGIBLE.
         """
         if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
             return WARNING

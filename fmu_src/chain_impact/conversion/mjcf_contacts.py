@@ -57,7 +57,7 @@ class Contacts:
     def _touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes can touch by MuJoCo's rules.
 
-        They can if the file lists them as a pair. Otherwise they can if ``contype`` of one shape and
+        Two shapes can if the file lists them as a pair. Otherwise they can if ``contype`` of one shape and
         ``conaffinity`` of the other have a bit in common, and their bodies are neither an excluded pair nor
         fixed to each other.
         """

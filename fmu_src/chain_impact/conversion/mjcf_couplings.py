@@ -1,6 +1,6 @@
 """Couplings between joints and bodies of an MJCF model, which scenes do not have.
 
-They are equalities, tendons and flexes.
+These couplings are equalities, tendons and flexes.
 """
 
 from __future__ import annotations

@@ -118,7 +118,7 @@ class Drives:
     def _geared(self, joint: Joint, a: int) -> Joint:
         """Return a joint to which the damping and the rotor inertia of actuator ``a`` are added.
 
-        They act at the joint multiplied by the square of the gear ratio.
+        Both act at the joint multiplied by the square of the gear ratio.
         """
         model, gear = self.model, self._gear(a)
         if np.any(model.actuator_dampingpoly[a]):
@@ -204,7 +204,7 @@ class Drives:
     def _limits(self, a: int, gear: float, gain: float, bias: np.ndarray) -> tuple[float, float]:
         """Return the least and the largest torque of actuator ``a`` at the joint.
 
-        They follow from the limits of its force and, for a motor, from the limits of its control.
+        Both follow from the limits of the actuator's force and, for a motor, from those of its control.
         """
         model, low, high = self.model, -math.inf, math.inf
         if model.actuator_forcelimited[a]:

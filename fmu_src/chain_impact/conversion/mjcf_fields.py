@@ -205,7 +205,7 @@ COUNTS: dict[str, Callable[[Any], int]] = {
 def _about(model: Any, row: FieldRemark, i: int) -> Difference:
     """Return the difference for element ``i`` of the kind ``row.kind``.
 
-    It is not reported if the joint of the element is held, or if its body does not move.
+    The difference is not reported if the joint of the element is held, or if its body does not move.
     """
     common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":

@@ -165,8 +165,8 @@ class _Conversion:
     def _gravity(self) -> np.ndarray:
         """Return gravity [m/s²], without the share that the file's gravcomp bears in all moving bodies.
 
-        If gravcomp bears different shares, each of them is reported, and gravity is whole. Masses of bodies
-        that belong to no link are reported, too.
+        If gravcomp bears different shares, each of them is reported, and the whole gravity is returned.
+        Masses of bodies that belong to no link are reported, too.
         """
         still = []
         for b, body in enumerate(self.robot.bodies):

@@ -148,7 +148,7 @@ class Walls:
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
-        They do if its kind is in OUTLINED, and it can touch a wall or, for a robot without planes, anything.
+        A shape is replaced if its kind is in OUTLINED, and it can touch a wall or, without planes, anything.
         """
         has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)

@@ -100,7 +100,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 def reference(prepared: PreparedScene) -> Reference:
     """Return the outputs of a scene at REFERENCE_TOLERANCE, for the time in which they are reliable.
 
-    They are reliable as long as a run at the scene's own tolerance gives the same outputs, except for small
+    Outputs are reliable as long as a run at the scene's own tolerance gives the same ones, except for small
     deviations (ASTRAY). If this is only a small part of the simulated time, a part of this time is computed
     anew with shorter steps.
 
@@ -187,9 +187,9 @@ def _run(
 def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
     """Return the values of each input at ``times``: a sine whose frequency is different for each input.
 
-    So an importer that exchanges two inputs is noticed. Velocity and acceleration of a moving base or wall
-    are the derivatives of its position. Values are rounded as in the file, so that the reference run gets
-    exactly the values that an importer will read.
+    By the different frequencies, an importer that exchanges two inputs is noticed. Velocity and acceleration
+    of a moving base or wall are the derivatives of its position. Values are rounded as in the file, so that
+    the reference run gets exactly the values that an importer will read.
     """
     nominal, count = nominal_values(prepared.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count

@@ -320,7 +320,7 @@ class Follower:
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call, if they certainly become as short as the last one.
 
-        This is certain if ``_is_vain`` rejects the lengths in between.
+        They certainly do if ``_is_vain`` rejects the lengths in between.
         """
         last = self._last
         halvings = round(math.log2((end - start) / (last.end - last.start))) if last else 0

@@ -167,7 +167,7 @@ def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.n
 def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
     """Return the indices of all outputs, which are the same for all scenes of a structure.
 
-    They are cached, because computing them takes as long as a short simulation.
+    The indices are cached, because computing them takes as long as a short simulation.
     """
     layout = layout_of(*counts)
     motion: dict[str, int] = {}

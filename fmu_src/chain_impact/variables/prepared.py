@@ -244,7 +244,8 @@ class PreparedScene:
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an instance with the parameters of the scene, before its initialization.
 
-        It is an array with one record. Tangent instances, which derivatives need, follow in the same memory.
+        The instance is an array with one record. Tangent instances, which derivatives need, follow it in
+        memory.
 
         Args:
             varied: the variables with respect to which there are derivatives; by default as in the FMU.

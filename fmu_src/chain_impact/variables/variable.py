@@ -144,7 +144,7 @@ class Variable:
     def set_path(self) -> DataPath:
         """The path in the record of the value that users set, with respect to which derivatives are.
 
-        It differs from ``record_path`` for a parameter that the scene can derive.
+        This path differs from ``record_path`` for a parameter that the scene can derive.
         """
         return self.given_path or self.record_path
 

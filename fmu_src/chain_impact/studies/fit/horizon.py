@@ -203,8 +203,8 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
     """Return the first horizon [s], before which as many values lie as VALUES_PER_PARAMETER demands.
 
-    It is later if the model follows the data longer, and infinite if all data are used at once. ``whole`` is
-    the model at the start; for ``far`` see ``_next_horizon``.
+    The horizon is later if the model follows the data longer, and infinite if all data are used at once.
+    ``whole`` is the model at the start; for ``far`` see ``_next_horizon``.
     """
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
