@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from chain_impact import simulate
+from chain_impact import load_scene, simulate
 from chain_impact.extras import MissingExtraError
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.variables.impact_units import IMPACT_UNITS
@@ -94,3 +94,12 @@ def test_a_dataset_has_the_friction_of_joints_by_its_name():
     data = result.to_xarray()
     assert not {"friction_force", "sticking"} & set(data.data_vars)
     np.testing.assert_array_equal(data["joint[2].friction_moment"], result["joint[2].friction_moment"])
+
+
+def test_a_bounce_at_a_rigid_wall_has_no_force_in_a_file(tmp_path):
+    scene = load_scene("pinned_arm").with_values({"contact.model": "newton_impact", "outputs.loads": True})
+    simulate(scene, stop_time=0.6).save_impacts(tmp_path / "impacts.csv")
+    head, row = (line.split(",") for line in (tmp_path / "impacts.csv").read_text().splitlines())
+    values = dict(zip(head, row, strict=True))
+    assert values["peak_force"] == values["joint_force"] == ""
+    assert float(values["impulse"]) > 0.0

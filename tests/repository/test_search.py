@@ -16,7 +16,7 @@ from tests.tiers import CHROMIUM, needs_browser
 pytestmark = needs_browser
 
 ROOT = Path(__file__).parents[2]
-FIRST = 3  # pages that a reader looks at
+API = "python_api.md"  # has a heading for each name of Python, such as Ranking and Signal
 
 
 class Quiet(SimpleHTTPRequestHandler):
@@ -74,7 +74,7 @@ def found(site):
 @pytest.mark.parametrize(
     ("query", "page"),
     [
-        ("peak force", "sensitivities.md"),
+        ("peak force", "mount.md"),
         ("joint load", "mount.md"),
         ("material", "material.md"),
         ("ranking", "sensitivities.md"),
@@ -88,4 +88,4 @@ def found(site):
     ],
 )
 def test_a_search_leads_to_its_page(found, query, page):
-    assert page in found(query)[:FIRST]
+    assert next(other for other in found(query) if other != API) == page

@@ -153,6 +153,8 @@ def test_at_stops_the_moment_is_ranked():
 def test_quantities_that_cannot_be_ranked_are_refused(result):
     for name, told in {
         "peak_forc": "peak_forc is not a quantity that can be ranked; the nearest is peak_force",
+        "force": "the nearest is peak_force",
+        "joint[2].force": r"the nearest is joint\[2\].peak_force",
         "impact[2].peak_force": "there is no impact 2; there are 1",
         "impact[1].peak": r"impact\[1\].peak has no derivatives; must be onset, ",
     }.items():
@@ -161,6 +163,14 @@ def test_quantities_that_cannot_be_ranked_are_refused(result):
     plain = simulate("pinned_arm", stop_time=0.6, sensitivities="gravity.y")
     with pytest.raises(SceneError, match=r"outputs\.loads must be true"):
         plain.ranking("joint_force")
+    with pytest.raises(SceneError, match=r"joint\[2\].peak_force, and it needs outputs\.loads"):
+        plain.ranking("joint[2].force")
+    rigid = simulate(
+        load_scene("pinned_arm").with_values({"contact.model": "newton_impact"}), sensitivities="gravity.y"
+    )
+    with pytest.raises(SceneError, match=r"rank impact\[1\]\.impulse"):
+        rigid.ranking("peak_force")
+    assert rigid.ranking("impact[1].impulse").value > 0.0
     with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities="):
         simulate("pinned_arm", stop_time=0.1).ranking("peak_force")
 

@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact.scene.names import by_owner, input_key, name_of, name_parts, parameter_hint, path_text
-from chain_impact.scene.similar_names import longer, nearest
+from chain_impact.scene.similar_names import longer, nearest, one_typo
 
 
 @pytest.mark.parametrize(
@@ -109,3 +109,17 @@ def test_a_name_with_the_same_last_part_is_nearer():
 def test_the_parts_of_a_name(name, parts):
     assert name_parts(name) == parts
     assert by_owner({name: 1.0}) == {parts[:3]: {parts[3]: 1.0}}
+
+
+def test_a_longer_name_of_the_same_owner_is_nearest():
+    names = ["joint[1].peak_force", "joint[2].force.x", "joint[2].peak_force", "contact[2].x_max.force"]
+    assert nearest("joint[2].peak", names) == "joint[2].peak_force"
+    assert nearest("joint[2].force", names[2:]) == "joint[2].peak_force"
+    assert nearest("joint[3].force", [*names[:1], names[3]]) == "contact[2].x_max.force"
+
+
+def test_one_typo_is_one_letter_more_less_other_or_swapped():
+    names = ["vx", "box", "walls"]
+    assert [one_typo(name, names) for name in ("bax", "bx", "boxx", "bxo", "xbox")] == ["box"] * 5
+    assert one_typo("wall", names) == "walls"
+    assert [one_typo(name, names) for name in ("vy", "oxb", "boxes", "")] == [None] * 4

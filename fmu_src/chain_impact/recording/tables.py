@@ -18,6 +18,7 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.system import written_whole
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
+from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
 SUFFIXES = (".csv", ".json", ".parquet")
@@ -103,7 +104,13 @@ def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.n
 
 
 def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[Any]]:
-    """Return the list of impacts as columns, with the names of walls; an unknown value is None."""
+    """Return the list of impacts as columns, with the names of walls; an unknown value is None.
+
+    The forces of a bounce at a rigid wall are None, too.
+    """
+    impacts = impacts.copy()
+    for force in ("peak_force", JOINT_FORCE):
+        impacts[force][impacts["end"] == impacts["onset"]] = np.nan
     columns = {name: impacts[name].tolist() for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = [walls[wall] for wall in columns["wall"]]
     return {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -304,8 +305,11 @@ def _quantity(recording: Recording, sensitivities: Sensitivities, name: str) -> 
         return _of_impact(recording, sensitivities, number, OF_FMU.get(quantity, quantity))
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
-        near = nearest(name, quantities)
+        of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
+        near = of_peak if of_peak in quantities else nearest(name, quantities)
         hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
+        if missing := recording.output_hint(of_peak):
+            hint = f"the nearest is {of_peak}, and {missing}"
         raise SceneError(
             f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
         )
@@ -319,9 +323,9 @@ def _largest(
     values = np.where(recording.at_stops == at_stops, recording.impacts[field], np.nan)
     if not np.nanmax(values, initial=0.0) > 0.0:
         surface = "a stop of a joint" if at_stops else "a wall"
-        raise SceneError(
-            f"{recording.name}: {name} is 0: nothing presses against {surface}, or by impulses only"
-        )
+        hits = np.flatnonzero(np.isfinite(values)) + 1
+        impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
+        raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
     return _of_impact(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
 
 

@@ -15,12 +15,13 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import DataPath, fmu_name, other_names, path_text
 from chain_impact.scene.refusals import sentence
-from chain_impact.scene.similar_names import nearest, proposed
+from chain_impact.scene.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.unit_text import number_hint
 
 # the least similarity, from 0 to 1, of the key that is proposed for an unknown key; proposals of less similar
 # keys would mislead
 ALIKE = 0.7
+MOST_PARTS = 8  # largest number of names of an owner that a message lists
 SHOWN = 60  # largest number of characters that a message shows of a value
 
 
@@ -100,14 +101,23 @@ class UnknownNameError(SceneError, KeyError):
     ) -> None:
         """Make the message: ``name`` is ``what``, for example "not a parameter"; then follows the ``hint``.
 
-        Without a hint, the message names the most similar of ``names``, or ends with ``otherwise`` if none is
-        similar.
+        Without a hint, the message names the most similar of ``names``. If none is similar, it lists names of
+        the same owner, such as ``joint[2]``; if there are none, it ends with ``otherwise``.
         """
         if hint is None:
+            names = list(names)
             near = proposed(name, names) if isinstance(name, str) else None
-            hint = f"the nearest is {near}" if near else otherwise
+            hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
+
+
+def _names_of_owner(name: object, names: Collection[str]) -> str:
+    """Return "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner."""
+    owner = str(name).rpartition(".")[0]
+    alike = find_names(f"{owner}.*", names) if owner else []
+    parts = list(dict.fromkeys(one.rpartition(".")[2] for one in alike))
+    return f"{owner} has {', '.join(parts[:MOST_PARTS])}{', …' * (len(parts) > MOST_PARTS)}" if parts else ""
 
 
 def names_matching(
@@ -285,7 +295,7 @@ class Reader:
         what = f"{self.label((*path, name))} is unknown"
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
-        if near := nearest(name, here, at_least=ALIKE):
+        if near := nearest(name, here, at_least=ALIKE) or one_typo(name, here):
             return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
         if near := nearest(name, self._keys(), at_least=ALIKE):
             return f"{what}; the nearest key is {self._keys()[near]}"

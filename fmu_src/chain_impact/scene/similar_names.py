@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 NUMBER = re.compile(r"\[\d*\]")
+SHORTEST = 3
+"""The least number of letters of a name in which ``one_typo`` recognises a typo."""
 LIKE_NAME = 0.6
 """The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name."""
 SAME_LAST = 0.45
@@ -20,6 +22,8 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     The first of these groups that contains a name decides:
 
     - names that differ from ``name`` only by numbers in brackets: ``link[1].mass`` for ``link.mass``
+    - names of the same owner that contain the part after the last dot as whole words:
+      ``joint[2].peak_force`` for ``joint[2].force``
     - if ``name`` has no dot: names whose part after the last dot has at least the similarity LIKE_LAST to
       ``name``; a name of [contact] comes first, then the shortest name: ``contact.stiffness`` for
       ``stifness``, ``link[1].length`` for ``lenght``
@@ -39,6 +43,9 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
             alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
         )
     same = [other for other in every if owner and len(last) > 1 and other.rpartition(".")[2] == last]
+    own = [other.removeprefix(f"{owner}.") for other in every if owner and other.startswith(f"{owner}.")]
+    if owned := longer(last, own):
+        return f"{owner}.{owned}"
     if not owner:
         first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
         by_last = {other.rpartition(".")[2]: other for other in reversed(first)}
@@ -63,6 +70,22 @@ def proposed(name: str, names: Iterable[str]) -> str | None:
     """
     names = list(names)
     return nearest(name, names) or longer(name, names)
+
+
+def one_typo(name: str, names: Iterable[str]) -> str | None:
+    """Return the first name that differs from ``name`` by one letter: more, less, other, or swapped; or None.
+
+    Names of less than SHORTEST letters are left out.
+    """
+    return next((other for other in names if len(other) >= SHORTEST and _is_one_typo(name, other)), None)
+
+
+def _is_one_typo(one: str, other: str) -> bool:
+    pairs = enumerate(zip(one, other, strict=False))
+    at = next((k for k, (a, b) in pairs if a != b), min(len(one), len(other)))
+    left, right = one[at:], other[at:]
+    swapped = left[1::-1] + left[2:]
+    return right in (left[1:], swapped) or left == right[1:] or left[1:] == right[1:]
 
 
 def _numbers(name: str) -> list[int]:

@@ -129,6 +129,7 @@ def test_wrong_measurements_are_refused():
     )
     assert "; the nearest is point[4]." in wrong
     assert "impacts have onset, end" in said(camera=[1, 2, 3])
+    assert said(camera=[1, 2, 3]).endswith(": --columns point[4].x,point[4].y")
     assert said(time=[]).startswith("data: the column time is missing; it says to which of the outputs")
     assert said(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")
     assert said(time=[0.1, 0.1, 0.2]) == (

@@ -70,8 +70,10 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     page = found.plot(size=(width / 25.4, 16.0))
     assert page.get_figwidth() == width / 25.4
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().partition(":")[0]) for axes in page.axes]
-    labels = {label for texts in told for label in texts}
+    labels = {label.partition(", ")[0] for texts in told for label in texts}
     assert {quantity.label for quantity in results_of(found).every} <= labels
+    foot = [text.get_text() for legend in page.legends for text in legend.get_texts()]
+    assert "failed, or rigid walls without a force" in foot or kind != "number and all choices"
 
 
 @pytest.mark.full("takes long")
@@ -126,6 +128,12 @@ def test_a_scene_without_walls_has_no_panels_for_them():
         in page.texts[1].get_text()
     )
     assert "peak force" not in page.get_suptitle()
+
+
+def test_rigid_walls_have_no_panel_for_a_force():
+    scene = load_scene("pinned_arm").with_values({"contact.model": "newton_impact"})
+    page = drawn(sweep(scene, {"contact.restitution": "0.2,0.5"}))
+    assert [axes.get_ylabel() for axes in page.axes] == ["energy dissipated [J]"]
 
 
 def test_stops_of_a_slider_have_panels_for_their_forces():

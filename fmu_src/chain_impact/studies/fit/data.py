@@ -244,7 +244,8 @@ class _Book:
             if name not in over_time and name not in MEASURED_OF_IMPACT:
                 if likely and likely_time([name]):
                     raise SceneError(f"{table.source}: the column {TIME} is missing{likely}")
-                raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
+                others = [one for one in measured if one in {*over_time, *MEASURED_OF_IMPACT}]
+                raise SceneError(f"{table.source}: column {name} {self._hint(name, others)}")
             if name in over_time and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
@@ -271,12 +272,12 @@ class _Book:
             )
         return samples, [name for name in values if name in MEASURED_OF_IMPACT]
 
-    def _hint(self, name: str) -> str:
+    def _hint(self, name: str, others: Sequence[str]) -> str:
         near = nearest(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
         return (
-            f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; "
-            "to leave it out, name the columns to use"
+            f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; name "
+            f"it as `chain-impact info` does, or choose columns: --columns {','.join(others) or 'NAMES'}"
         )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.progress import log
+from chain_impact.scene.candidates import candidates, stop_pairs
 from chain_impact.scene.names import SENSITIVITY, DataPath
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
@@ -57,6 +58,13 @@ class Job:
         """The columns with the largest value of a quantity during a run: name → path in the record."""
         has_stops = bool(self.scene.chain.stops)
         return {name: peak.path for name, peak in PEAKS.items() if has_stops or not peak.at_stops}
+
+    @property
+    def rigid(self) -> dict[str, DataPath]:
+        """The columns of peak forces and moments: name → flag in the record, 1 for rigid walls or stops."""
+        joints = stop_pairs(self.scene)
+        kinds = ["stop.peak_moment" if pair in joints else "peak_force" for pair in candidates(self.scene)]
+        return {kind: ("law", kinds.index(kind), "impulsive") for kind in kinds}
 
     @property
     def columns(self) -> dict[str, Variable]:
@@ -177,10 +185,13 @@ class Runner:
             ("step", "time"),
             *(variable.record_path for variable in self._columns.values()),
             *(variable.record_path for variable in self._loads.values()),
+            *job.rigid.values(),
         ]
         kept = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
         loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
-        self._words = np.dtype([*kept, *loads])
+        self._rigid = {name: f"{name} is rigid" for name in job.rigid}
+        flags = [(flag, np.dtype(np.int64)) for flag in self._rigid.values()]
+        self._words = np.dtype([*kept, *loads, *flags])
         self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
@@ -226,15 +237,17 @@ class Runner:
     def _table_rows(self, words: np.ndarray) -> np.ndarray:
         """Return the rows of the table from the kernel's rows.
 
-        The kernel's rows end with the largest force in each joint; the table has only the largest of these.
+        The kernel's rows end with the largest force in each joint, of which the table has the largest, and
+        with a flag for rigid walls and one for rigid stops.
         """
-        rows = words
-        if self._loads:
-            rows = np.zeros(len(words), self._dtype)
-            for name in rows.dtype.names or ():
-                rows[name] = words[name] if name != JOINT_FORCE else 0.0
-            for joint in range(len(self._loads)):
-                np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
+        rows = np.zeros(len(words), self._dtype)
+        for name in rows.dtype.names or ():
+            rows[name] = words[name] if name != JOINT_FORCE else 0.0
+        for joint in range(len(self._loads)):
+            np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
+        for name, flag in self._rigid.items():
+            # a rigid wall has a force only where it holds a point at rest
+            rows[name][(words[flag] == 1) & (words[name] == 0.0) & (words["impact.count"] > 0)] = np.nan
         self._forget_unknown(rows)
         return rows
 

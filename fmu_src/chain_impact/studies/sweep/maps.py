@@ -46,7 +46,7 @@ def draw_maps(
     """
     first, second = over
     x, y = axis_of(first), axis_of(second)
-    grey: list[Patch] = []
+    grey, failed = "", int(runs.failed.sum())
     indices = [list(runs.varied).index(variation.name) for variation in (second, first)]
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.of(runs).reshape(runs.design.shape)
@@ -67,9 +67,9 @@ def draw_maps(
         if x.names:
             axes.tick_params(axis="x", rotation=90)
         if np.ma.is_masked(shown):
-            grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
+            grey = "failed, or rigid walls without a force" if shown.mask.sum() > failed else grey or "failed"
     if grey:
-        legend_at_foot(figure, grey)
+        legend_at_foot(figure, [Patch(facecolor=FAILED_COLOUR, label=grey)])
 
 
 def _draw_map(

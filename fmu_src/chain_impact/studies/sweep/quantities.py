@@ -121,10 +121,13 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         if point_wall_pairs(scene) or scene.slider_stops
         else {name for name, peak in PEAKS.items() if not peak.at_stops}
     )
+    without_force = {name: np.isnan(runs[name]) for name in runs.names if name in LOADS}  # at rigid walls
+    absent |= {name for name, rows in without_force.items() if rows.all()}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
     additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
     every = _in_units(runs, shown + additional[:MOST_ASKED])
-    drawn = [quantity for quantity in every if _differs(quantity.of(runs))] or every
+    partly = {name for name, rows in without_force.items() if rows.any()}
+    drawn = [one for one in every if one.column in partly or _differs(one.of(runs))] or every
     loads = [quantity for quantity in drawn if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
         return Results(loads, loads)

@@ -40,10 +40,11 @@ class Sweep(Runs):
     varied parameters. The other columns are:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest values of all contacts at walls and at stops
-      of the slider; 0 without a contact, and a force of 0 for an impulse.
+      of the slider; 0 without a contact. The force is NaN if rigid walls act by impulses only.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the largest values at stops of joints, in
       a scene with stops.
-    - ``joint_force`` [N]: the largest force in any joint at any time, in a scene with ``outputs.loads``.
+    - ``joint_force`` [N]: the largest force in any joint at any time, without impulses, in a scene with
+      ``outputs.loads``.
     - ``time`` [s]: the time at which the run ended: the stop time, or an earlier time after a fault.
     - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the additional outputs:
       the values of the FMU at the end of the run.

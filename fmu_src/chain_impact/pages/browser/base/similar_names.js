@@ -42,6 +42,10 @@ function nearest(name, names) {
     return alike.length ? alike.reduce((best, other) => (distance(other) < distance(best) ? other : best)) : numbered[0];
   }
   const last = lastOf(name);
+  const owner = name.slice(0, -last.length);
+  const own = names.filter((other) => owner && other.startsWith(owner)).map((other) => other.slice(owner.length));
+  const owned = longer(last, own);
+  if (owned) return `${owner}${owned}`;
   if (last === name) {
     const rank = (other) => (other.startsWith("contact.") ? 0 : 1);
     const first = names.toSorted((a, b) => rank(a) - rank(b) || a.length - b.length);
