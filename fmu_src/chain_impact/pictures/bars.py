@@ -55,7 +55,7 @@ class Bars:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least and the largest value of the axis; one of these may be 0."""
+        """The least value of the axis, which is at most 0, and the largest one, which is at least 0."""
         return min([0.0, *self.values]), max([0.0, *self.values])
 
 

@@ -36,7 +36,7 @@ from chain_impact.scene.unit_text import in_brackets
 
 # a change of an output up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
-# the largest number of parameters with curves of their own: the parameters with the largest effects
+# the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
 STEEP = 30.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
 Looks = list[dict[str, Any]]

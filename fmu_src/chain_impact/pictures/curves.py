@@ -41,7 +41,7 @@ QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W
 END_LINE = 0.5
 # the largest number of outputs, of those that are always 0, that are named at the foot of the picture
 MOST_NAMED = 4
-LONGEST = 14  # a name with more characters has two lines beside its panel
+LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves with which the legend is beside the panel; with more curves it is above
 SIDE = 8
 

@@ -76,7 +76,10 @@ def _fit(axes: Axes, figure: Figure) -> None:
 
 
 def _room(axes: Axes, figure: Figure) -> Bbox:
-    """Return the room of axes with their texts [pixels]: the figure up to the neighbours of the axes."""
+    """Return the rectangle [pixels] that axes and their texts may take.
+
+    It ends TEXT_SPACE before the edges of the figure, and before neighbouring axes and their texts.
+    """
     own = axes.get_position(original=True)
     space = TEXT_SPACE * figure.dpi / 72.0
     (left, low), (right, high) = figure.bbox.padded(-space).get_points()

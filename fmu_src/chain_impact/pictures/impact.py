@@ -35,9 +35,10 @@ IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 PEAK = 0.95  # a force counts as having reached its peak at this part of its largest value
 # the least time for which a long contact is shown, relative to the time until the peak force
 AFTER_PEAK = 4.0
-# If a contact lasts longer than MUCH_LONGER times the duration of its impact, only the impact is shown.
+# If a contact lasts longer than MUCH_LONGER times its impact, which ``shown_time`` defines, only the impact
+# is shown.
 MUCH_LONGER = 2.0
-SHOWN_BEFORE = 0.03  # the shown time before the onset, relative to the whole shown time
+SHOWN_BEFORE = 0.03  # the time before the onset that is shown, relative to the whole time that is shown
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 # on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
 LOOP = 1.6

@@ -32,7 +32,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 
 def legend_beside(axes: Axes) -> Any:
-    """Put a legend with one column to the right of axes, without a change of their layout; return it."""
+    """Put a legend with one column to the right of axes, which keep their size, and return the legend."""
     legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
     legend.set_in_layout(False)
     return legend

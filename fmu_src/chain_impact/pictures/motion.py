@@ -41,7 +41,7 @@ FAINT_POSES = 80  # the largest number of faint poses, from rows of the recordin
 # FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
 FAINT_APART, STRONG_APART = 0.01, 0.1
 PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
-MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
+MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
@@ -149,7 +149,8 @@ def colour_of_time(recording: Recording) -> Any:
 def strong_times(recording: Recording) -> list[float]:
     """Return the times [s] of the strong poses between start and end, in order.
 
-    These are the fastest impacts whose poses are apart from start, end, and each other.
+    They are the onsets of the fastest impacts at which the pose differs from the poses at start and end, and
+    from each other (``apart``).
     """
     onsets = recording.impacts["onset"][by_speed(recording)[:CANDIDATES]].tolist()
     if not onsets:

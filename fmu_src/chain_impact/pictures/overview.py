@@ -208,7 +208,9 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
 def usual_size(
     recording: Recording, panels: Sequence[str] = (), size: Size | None = None
 ) -> tuple[float, float]:
-    """Return width and height of a figure [inches]: the width in ``size``, and the usual height for it.
+    """Return the usual width and height of a figure with some panels [inches].
+
+    If ``size`` is given, the width is that of ``size``, with the usual height for it.
 
     Raises:
         ValueError: when a panel does not exist.

@@ -158,13 +158,14 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     axes.plot([x, x + REFERENCE * unit], [y, y], "--", color=INK, linewidth=0.8)
     ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
     axes.add_patch(Arc((x, y), 2.0 * ARC * unit, 2.0 * ARC * unit, color=INK, **ends))
-    # [points] the link is above this line if the angle is positive, so the text is on the other side
+    # [points] The text is below the line from which the angle is measured if the angle is positive, and the
+    # link therefore above this line; otherwise it is above the line.
     below = -9.0 if turned > 0.0 else 6.0
     _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE, below), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
-    """Draw an arrow from a point in a direction, with a letter at its tip."""
+    """Draw an arrow from a point [m] in a direction, a unit vector, with a letter at the arrow's tip."""
     _text(axes, letter, start, ARROW * np.array(direction), arrowprops={"arrowstyle": "<-", "shrinkB": 0.0})
 
 

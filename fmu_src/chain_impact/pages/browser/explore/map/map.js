@@ -27,8 +27,8 @@ function isLogarithmic(name) {
 
 /**
  * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
- * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, half the value below and above it, or −1
- * and 1 for a value of 0.
+ * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, the value minus and plus half of its
+ * size, or −1 and 1 for a value of 0.
  */
 function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
