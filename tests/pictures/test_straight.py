@@ -21,7 +21,7 @@ def test_only_a_ball_that_moves_along_a_line_is_drawn_over_time(model):
 
 def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
     recording = recorded("bouncing_table")
-    page = recording.plot(size=(WIDTHS[0], None))
+    page = recording.plot(size=(WIDTHS[0], 6.5))
     motion, *others = page.axes
     curves = {line.get_label(): line.get_xydata() for line in motion.lines}
     np.testing.assert_array_equal(curves["ball"], np.stack([recording.time, recording["point[0].y"]], axis=1))
@@ -38,7 +38,7 @@ def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
 
 def test_a_ball_with_a_radius_is_drawn_as_wide_as_it_is():
     recording = recorded("elastic_ball")
-    motion = recording.plot(size=(WIDTHS[1], None)).axes[0]
+    motion = recording.plot(size=(WIDTHS[1], 6.5)).axes[0]
     (ball,) = (band for band in motion.collections if band.get_label() == "ball, radius 0.1 m")
     (path,) = ball.get_paths()
     assert np.ptp(path.vertices[:, 1]) == pytest.approx(np.ptp(recording["point[0].y"]) + 0.2)

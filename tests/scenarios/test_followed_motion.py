@@ -43,6 +43,7 @@ def test_a_position_alone_is_followed_with_a_warning():
     assert chain.get("point[0].vx") == pytest.approx(shaken(1.0)[1], abs=2e-2)
 
 
+@pytest.mark.full("takes long")
 def test_a_motion_does_not_drift_in_an_hour():
     slow = [0.05, 0.05]
     time, x, _, _ = stepped(pendulum(), 1.0, 3600, lambda t: shaken(t, *slow))
