@@ -57,30 +57,50 @@ def test_the_conditions_are_the_parameters_of_the_run():
     assert "radius 0.05 m" in conditions(recorded("ramp"))
 
 
-def test_the_foot_tells_the_largest_force_and_its_impact():
+@pytest.mark.parametrize("title", ["", "Arm"])
+def test_the_largest_force_and_its_impact_are_told(title):
     recording = recorded("four_link_box")
-    number = int(np.argmax(recording.impacts["peak_force"])) + 1
-    force = recording.impacts["peak_force"][number - 1]
-    (told,) = peaks(recording)
-    value, prefix, of = re.fullmatch(r"peak force ([\d.]+) (k?)N \(impact (\d+)\)", told).groups()
-    assert int(of) == number
+    row = int(np.argmax(recording.impacts["peak_force"]))
+    (most,) = peaks(recording)
+    value, prefix = re.fullmatch(r"([\d.]+) (k?)N", most.value).groups()
+    assert (most.words, most.row) == ("peak force", row)
+    force = recording.impacts["peak_force"][row]
     assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
-    texts = [text.get_text() for text in recording.plot().texts]
-    assert any(told in text.replace("\n", " ") for text in texts)
+    page = recording.plot(title=title)
+    head, *others = [text.get_text().replace("\n", " ") for text in page.texts]
+    assert (most.value in head) == (not title)
+    told = f"impact {row + 1}: point 2 hits y_min at {recording.impacts['onset'][row]:.4g} s"
+    (place,) = (text for text in others if told in text)
+    assert (most.value in place) == bool(title)  # the value is told once
+
+
+def test_a_narrow_picture_has_the_peak_as_its_headline():
+    page = recorded("pinned_arm").plot(size=(84 / 25.4, None))
+    assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
+    assert any("1 impact in 2 s" in text.get_text().replace("\n", " ") for text in page.texts)
 
 
 def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
     moment, *others = peaks(simulate(knee(), 1.0))
     assert not others
-    assert re.fullmatch(r"peak moment [\d.]+ k?N·m \(impact \d+\)", moment)
+    assert moment.words == "peak moment"
+    assert moment.value.endswith("N·m")
     rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
     run = simulate(rigid)
     (told,) = peaks(run)
-    value, number = re.fullmatch(r"largest impulse ([\d.]+) N·s \(impact (\d+)\)", told).groups()
+    assert told.words == "largest impulse"
     assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
-    assert float(value) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
-    assert int(number) == int(np.argmax(run.impacts["impulse"])) + 1
+    assert float(told.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
+    assert told.row == int(np.argmax(run.impacts["impulse"]))
     assert peaks(swing()) == []
+
+
+def test_the_impulse_of_a_rest_is_no_largest_impulse():
+    """The impulse of a ball that rests to the end of the run is its weight times the duration of the rest."""
+    run = simulate(load_scene("bouncing_ball"))
+    (told,) = peaks(run)
+    assert int(np.argmax(run.impacts["impulse"])) == len(run.impacts) - 1
+    assert told.row == 0
 
 
 @pytest.mark.parametrize(("end", "touches"), [(0.05, False), (0.6, True)])

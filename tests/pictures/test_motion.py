@@ -9,13 +9,16 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
+from chain_impact.pictures.message import peaks
 from chain_impact.pictures.motion import (
     MOST_STRONG_POSES,
+    RING_DISTANCE,
     apart,
     by_speed,
     part_in_view,
     strong_times,
 )
+from chain_impact.pictures.style import PEAK_COLOUR
 from chain_impact.recording.view import ball_of, size_of
 from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
@@ -26,7 +29,12 @@ def poses(axes):
 
 
 def ring_places(axes):
-    return np.concatenate([line.get_xydata() for line in axes.lines if line.get_markerfacecolor() == "none"])
+    rings = [
+        line
+        for line in axes.lines
+        if line.get_markerfacecolor() == "none" and line.get_color() != PEAK_COLOUR
+    ]
+    return np.concatenate([line.get_xydata() for line in rings])
 
 
 @pytest.mark.full("more cases", but=1)
@@ -104,6 +112,26 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     motion = motion_of(swing(impacts, walls, rows=2001))
     np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
     assert texts(motion) == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
+def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
+    recording = recorded(model)
+    (most,) = peaks(recording)
+    page = drawn(recording)[0]
+    motion, speeds = (
+        next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
+    )
+    (ring,) = (line for line in motion.lines if line.get_color() == PEAK_COLOUR)
+    assert ring.get_label() == most.words
+    assert most.words in [text.get_text() for text in motion.get_legend().get_texts()]
+    spot = recording.spot(recording.impacts[most.row])
+    if model != "bouncing_ball":
+        assert np.hypot(*(ring.get_xydata()[0] - spot)) < RING_DISTANCE * np.ptp(motion.get_xlim())
+    (mark,) = (line for line in speeds.lines if line.get_color() == PEAK_COLOUR)
+    assert mark.get_xdata() == [recording.impacts["onset"][most.row]]
+    (told,) = (text for text in speeds.texts if text.get_color() == PEAK_COLOUR)
+    assert told.get_text().replace("\n", " ") == f"{most.row + 1}: {most.value}"
 
 
 def test_impacts_at_one_place_share_a_ring():

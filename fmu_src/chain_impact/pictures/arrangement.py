@@ -33,6 +33,8 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
 # HIGH_ROWS: more rows than this number have the height LOW_ROW, relative to that of the panel of energies
 HIGH_ROWS, LOW_ROW = 2, 0.24
+# the panel of up to FEW_IMPACTS impacts has the height LOW_IMPACTS, relative to that of the panel of energies
+FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
 # HIGHEST: the largest height of the panel of motion, relative to the width of the figure
 HIGHEST = 0.4
 # [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
@@ -83,6 +85,8 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     """
     timed = [name for name in shown if is_over_time(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}
+    if len(recording.impacts) <= FEW_IMPACTS:
+        known["impacts"] = LOW_IMPACTS
     if "friction" in timed:
         count = len(rubbing_places(recording)[:MOST_ROWS])
         known["friction"] += (RUBBING_ROW if count <= HIGH_ROWS else LOW_ROW) * count

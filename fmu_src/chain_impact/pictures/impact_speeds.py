@@ -14,10 +14,11 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.message import peaks
 from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, by_speed, numbers_text
 from chain_impact.pictures.names import short_names
 from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
-from chain_impact.pictures.style import GREY, INK
+from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import speed_unit
@@ -57,7 +58,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     """Draw the impact speed of each impact over time, with a mark for each point.
 
     At most MOST_OWN_MARKS points have a mark of their own: those with the fastest impacts. The
-    others are grey.
+    others are grey. The impact with the largest force has a colour of its own.
 
     Thick, pale lines below the speeds, a row for each mark, show the contacts that are long enough to be
     seen; the axis of time is below them.
@@ -67,15 +68,21 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
     groups, lanes = point_groups(recording), 0
     sizes = mark_sizes(recording, [hits for *_, hits in groups])
+    strongest = {peak.row for peak in peaks(recording)}
     for name, mark, hits in groups:
         colour = mark["color"]
-        axes.vlines(times[hits], 0.0, tops[hits], color=colour, linewidth=STEM)
+        stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
+        colours, widths = zip(*stems, strict=True)
+        axes.vlines(times[hits], 0.0, tops[hits], colors=colours, linewidths=widths)
         look = mark | {"linestyle": "", "clip_on": False}
         scale = MARK_SCALES.get(mark["marker"], 1.0)
         axes.plot(times[hits], tops[hits], **look, markersize=scale * IMPACT_DOT, label=name)
         for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
             wide = hits[sizes[hits] == size]
             axes.plot(times[wide], tops[wide], **look, markersize=scale * size, label="_", zorder=1.9)
+        for row in strongest & {*hits.tolist()}:
+            bold = {"color": PEAK_COLOUR, "markersize": scale * IMPACT_DOT, "label": "_", "zorder": 2.1}
+            axes.plot(times[row], tops[row], **look | bold)
         goes_on = hits[ends[hits] - times[hits] > SEEN_CONTACT * span]
         if len(goes_on):
             draw_contacts(axes, times[goes_on], ends[goes_on], lanes, mark)
@@ -198,7 +205,8 @@ def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.nda
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their marks, where ``ink`` is free, the fastest impact first.
 
-    Impacts whose marks coincide share a label. Of impacts at equal distances in time only every k-th is
+    Impacts with a common mark share a label. The number of the impact with the largest force has the force
+    beside it, if there is room. Of impacts at equal distances in time only every k-th is
     numbered, in order of time, if the numbers of all have no room.
 
     Returns words for the impacts without a number; "" if there are none.
@@ -208,10 +216,16 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
     common = {row: rows for rows in common_marks(recording).values() for row in rows}
+    strongest = {peak.row: peak.value for peak in peaks(recording)}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
     texts = (numbers_text(each, MOST_IN_LABEL, LISTED_OF_MANY) for each in numbers)
-    labels = [Label(text, tops[row]) for text, row in zip(texts, wanted, strict=True)]
+    labels = [
+        Label(f"{text}: {strongest[row]}", tops[row], short=text, look={"color": PEAK_COLOUR})
+        if row in strongest and text == str(row + 1)
+        else Label(text, tops[row])
+        for text, row in zip(texts, wanted, strict=True)
+    ]
     left = place_labels(axes, labels, ink, fontsize="small")
     if step > 1 and not left:
         return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd

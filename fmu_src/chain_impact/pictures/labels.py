@@ -56,12 +56,14 @@ class Label(NamedTuple):
         position: the position, in data coordinates.
         away: unit vector of the best direction from the position to the label.
         short: a short text if the full text has no room; "" for none.
+        look: properties of the text that differ from those of other labels, with matplotlib's names.
     """
 
     text: str
     position: tuple[float, float]
     away: tuple[float, float] = (0.0, 1.0)
     short: str = ""
+    look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
 
 
 class Ink:
@@ -330,7 +332,9 @@ def _place(
                 continue
             if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
-                axes.annotate(words, label.position, offset, **led, **outline[on_pale], **style, **look)
+                axes.annotate(
+                    words, label.position, offset, **led, **outline[on_pale], **style | look | label.look
+                )
                 return True
     return False
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.lines import SEPARATOR
+from chain_impact.pictures.names import brief_hit
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
+from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import number, plural, prefixed
 from chain_impact.scene.names import name_parts
@@ -30,17 +32,36 @@ def time_unit(span: float) -> tuple[float, str]:
     return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
 
 
-def message(recording: Recording, *, short: bool = False) -> str:
-    """Return the headline: the number of impacts and, if not ``short``, the lost energy.
+class Peak(NamedTuple):
+    """The impact with the largest force, moment or impulse.
 
-    For example "Box: 14 impacts in 2 s, 50.3 J dissipated".
+    Attributes:
+        words: the quantity in words: "peak force".
+        value: its value with its unit: "12.6 kN".
+        row: the row of the impact, from 0.
     """
+
+    words: str
+    value: str
+    row: int
+
+
+def message(recording: Recording, *, short: bool = False) -> str:
+    """Return the headline: the largest force, the number of impacts, and the lost energy.
+
+    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the first
+    of these.
+    """
+    parts = [*(f"{peak.words} {peak.value}" for peak in peaks(recording)[:1]), counted(recording)]
+    parts = parts[:1] if short else [*parts, dissipated(recording)]
+    return f"{recording.name}: {', '.join(filter(None, parts))}"
+
+
+def counted(recording: Recording) -> str:
+    """Return words for the number of impacts: "14 impacts in 2 s"."""
     count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
     factor, unit = time_unit(span)
-    text = (
-        f"{recording.name}: {plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
-    )
-    return text if short else ", ".join(filter(None, (text, dissipated(recording))))
+    return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
 
 
 def dissipated(recording: Recording) -> str:
@@ -58,23 +79,24 @@ def hit(recording: Recording, impact: np.void) -> str:
 def write_head(figure: Figure, recording: Recording, title: str, *first: str) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is the title, or ``message`` if the title is "". ``first`` are texts that come before the
-    results. In a narrow figure the message is short, and the lost energy stands among the results.
+    The headline is the title, or the message if the title is "". ``first`` are texts that come before the
+    conditions. A narrow figure has a short message; then the conditions give the rest of it.
     """
-    short = is_narrow(figure)
-    losses = [dissipated(recording)] if short and not title else []
-    results = [*first, *peaks(recording), *losses]
+    short, most = is_narrow(figure), peaks(recording)
+    results = [*first, *(where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most))]
+    if short and not title:
+        results += [*([counted(recording)] if most else []), dissipated(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
     headline(figure, title or message(recording, short=short), known)
 
 
-def peaks(recording: Recording) -> list[str]:
-    """Return texts with the largest force and its impact: "peak force 12.6 kN (impact 1)".
+def peaks(recording: Recording) -> list[Peak]:
+    """Return the largest peak force, and the largest moment at a stop of a joint, if there are any.
 
-    Impacts at stops of joints have a moment, and a text of their own. If some impacts have an impulse but no
-    force, as under an impulsive law, the text tells the largest impulse. Without impacts there is no text.
+    If impacts have no force, as under an impulsive law, it is the largest impulse of those that end: the
+    impulse of a contact that lasts grows with the duration of the run.
     """
-    impacts, texts = recording.impacts, []
+    impacts, found = recording.impacts, []
     for is_stop, of_force in ((False, "force"), (True, "moment")):
         forces, impulses = (
             np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
@@ -82,14 +104,25 @@ def peaks(recording: Recording) -> list[str]:
         )
         # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
         is_impulsive = bool(((forces == 0.0) & (impulses > 0.0)).any())
-        values, quantity = (impulses, "impulse") if is_impulsive else (forces, "peak_force")
+        values, quantity = (impulses * ~lasts(impacts), "impulse") if is_impulsive else (forces, "peak_force")
         if values.max(initial=0.0) > 0.0:
             words = (
                 f"largest impulse{' at a stop' if is_stop else ''}" if is_impulsive else f"peak {of_force}"
             )
             most = force_text(float(values.max()), unit_at(quantity, stop=is_stop))
-            texts.append(f"{words} {most} (impact {int(values.argmax()) + 1})")
-    return texts
+            found.append(Peak(words, most, int(values.argmax())))
+    return found
+
+
+def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
+    """Return words for the impact of a peak: "peak force in impact 1: point 4 hits y_min at 0.5 s".
+
+    ``valued``: with the value of the peak.
+    """
+    impact = recording.impacts[peak.row]
+    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    told = f"{peak.words}{f' {peak.value}' if valued else ''} in impact {peak.row + 1}"
+    return f"{told}: {brief_hit(recording, impact)} at {factor * impact['onset']:.4g} {unit}"
 
 
 def has_contact(recording: Recording) -> bool:

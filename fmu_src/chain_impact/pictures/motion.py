@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,14 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.pictures.body import draw_bodies, draw_rail
 from chain_impact.pictures.labels import Ink, Label, listed, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
+from chain_impact.pictures.message import peaks
 from chain_impact.pictures.moving import draw_moving
 from chain_impact.pictures.rest import shown_time
 from chain_impact.pictures.room import BAND, View, draw_walls, is_flat, seen_size, view_of
 from chain_impact.pictures.style import (
     INK,
     LOAD,
+    PEAK_COLOUR,
     TIME_COLOURS,
     force_text,
     give_ticks,
@@ -35,13 +37,13 @@ from chain_impact.recording.view import ball_of
 
 # the largest number of poses between start and end that are drawn strongly; they show the fastest impacts
 MOST_STRONG_POSES = 6
-CANDIDATES = 60  # strong poses are chosen among the poses at so many of the fastest impacts
-FAINT_POSES = 80  # the largest number of faint poses, from rows of the recording at equal distances
+CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
+FAINT_POSES = 40  # the largest number of faint poses, of evenly spaced rows
 # A pose is left out if it is nearer than this to another pose, relative to the size of the motion:
 # FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
-FAINT_APART, STRONG_APART = 0.01, 0.1
-PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
-MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
+FAINT_APART, STRONG_APART = 0.03, 0.1
+PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
+MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
@@ -51,6 +53,7 @@ RIM_WIDTH, COVERED_WITHIN = 3.0, 0.02
 BALL_LINE = 0.3  # the width of the line from a ball's centre to its mark, relative to the line of a link
 SHORT_LENGTH = 0.1  # [m] if the heights of a flat motion are all smaller, their unit has a prefix
 RING_SIZE = 6.5  # [points] the size of the mark of an impact
+PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact or a joint sticks
 # the distance within which impacts at the same wall share a ring, relative to the larger side of the view
 RING_DISTANCE = 0.03
@@ -212,14 +215,25 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw a ring at each place where a point hit a wall, or where a joint or slider hit a stop."""
-    ring_style: dict[str, Any] = {
-        "marker": "o",
-        "markersize": RING_SIZE,
-        "markerfacecolor": "none",
-        "linestyle": "",
-    }
-    if spots := list(rings(axes, recording)):
-        axes.plot(*np.transpose(spots), **ring_style, color=INK, zorder=5, label="impacts")
+    places = rings(axes, recording)
+    plot_rings(axes, recording, {row: spot for spot, rows in places.items() for row in rows}, RING_SIZE)
+
+
+def plot_rings(
+    axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
+) -> None:
+    """Draw a ring of a size [points] at the place of each impact; rings of the largest forces have a colour.
+
+    ``spots`` maps rows of impacts to positions in the axes.
+    """
+    look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
+    most = [peak for peak in peaks(recording) if peak.row in spots]
+    if places := list(dict.fromkeys(spots.values())):
+        label = "impacts" if len(places) > len(most) else "_"
+        axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
+    for peak in most:
+        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
+        axes.plot(*spots[peak.row], **look | bold)
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.motion import RING_SIZE
+from chain_impact.pictures.motion import RING_SIZE, plot_rings
 from chain_impact.pictures.over_time import over_all_time
 from chain_impact.pictures.room import STRAIGHT, moves, view_of
 from chain_impact.pictures.style import BLUE, INK, OUTSIDE_COLOUR
@@ -79,14 +79,16 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
     ``surfaces`` is a result of ``wall_surfaces``.
     """
     hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
-    spots = [(onset, np.interp(onset, recording.time, at)) for onset, at in hits if at is not None]
+    spots = {
+        row: (float(onset), float(np.interp(onset, recording.time, at)))
+        for row, (onset, at) in enumerate(hits)
+        if at is not None
+    }
     if spots:
         figure = axes.get_figure(root=True)
         assert figure is not None
         room = axes.get_window_extent().width * 72.0 / figure.dpi / len(spots)
-        size = min(max(RING_PART * room, SMALLEST_RING), RING_SIZE)
-        look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none"}
-        axes.plot(*np.transpose(spots), **look, linestyle="", color=INK, zorder=5, label="impacts")
+        plot_rings(axes, recording, spots, min(max(RING_PART * room, SMALLEST_RING), RING_SIZE))
 
 
 def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
