@@ -6,10 +6,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from chain_impact import UnknownNameError, simulate
+from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.curves import looks_of
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES
+from tests.pictures.pictures import WIDTHS, check_texts
 
 FORCES = "contact[*].y_min.force"
 
@@ -131,3 +132,25 @@ def test_an_owner_has_one_look_in_all_panels():
     places: dict[str, int] = {}
     assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
     assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
+
+
+def test_the_largest_value_of_each_force_stands_at_its_curve():
+    arm = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    names = ["joint[*].force.*", "contact[2].x_max.force", "point[2].x"]
+    for width in WIDTHS:
+        page = arm.plot(curves=names, around=1, size=(width, None))
+        forces, places = page.axes
+        told = {text.get_color(): text for text in forces.texts}
+        assert not places.texts
+        assert len(told) == len(forces.texts) >= 4
+        for line in forces.lines[1:]:
+            if line.get_color() in told:
+                text = told[line.get_color()].get_text()
+                value, prefix = (
+                    text.replace("−", "-").removesuffix("N").split("\u00a0" if "\u00a0" in text else " ")
+                )
+                most = 1e3 * line.get_ydata()[np.abs(line.get_ydata()).argmax()]
+                assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(most, rel=5e-3)
+        largest = max(forces.lines[1:], key=lambda line: np.abs(line.get_ydata()).max())
+        assert largest.get_color() in told
+        check_texts(page)

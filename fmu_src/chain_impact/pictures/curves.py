@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from functools import partial
@@ -14,11 +15,21 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.bands import hides, plot_curves
 from chain_impact.pictures.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import hit, write_head
 from chain_impact.pictures.over_time import ENERGIES, energy_look, impact_lines, mark_impacts, name_time
 from chain_impact.pictures.rest import shade_rests, shown_time
-from chain_impact.pictures.style import FULL, PALETTE, faint, give_ticks, is_narrow, styled, write_foot
+from chain_impact.pictures.style import (
+    FULL,
+    PALETTE,
+    faint,
+    force_text,
+    give_ticks,
+    is_narrow,
+    styled,
+    write_foot,
+)
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.text import LOAD_UNITS, few, plural, prefixed
@@ -36,8 +47,9 @@ WIDEST = 28
 SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
-# the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
-# the ground
+MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
+# the part of the text's colour in the colour of the line at the end of an impact; the rest is the ground's
+# colour
 END_LINE = 0.5
 # the largest number of outputs, of those that are always 0, that are named at the foot of the picture
 MOST_NAMED = 4
@@ -105,13 +117,40 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     if zero:
         write_foot(figure, f"0 in the whole view: {few(zero, MOST_NAMED)}")
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
-    draw_all(list(grid), recording, curves, panels)
+    found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
         axes.tick_params(labelbottom=True)
         if axes is not grid[-1]:
             axes.set_xlabel("")
     figure.align_ylabels()
     settle(figure)
+    figure.set_layout_engine("none")  # the labels stay where they are put
+    ink = Ink(figure)
+    for axes, labels in zip(grid, found, strict=True):
+        place_labels(axes, labels, ink, lines=True, fontsize="small")
+
+
+def extremes(
+    time: np.ndarray, drawn: Sequence[np.ndarray], unit: str, scale: float, styles: Sequence[dict[str, Any]]
+) -> list[Label]:
+    """Return labels with the value that is farthest from 0 of each force, moment and impulse, largest first.
+
+    Args:
+        time: the times, as on the axis.
+        drawn: the values of each curve in ``unit``.
+        unit: the unit of all values.
+        scale: the factor from values to the numbers of the axis.
+        styles: the properties of each curve.
+    """
+    found = []
+    for values, style in zip(drawn if unit in MARKED else (), styles, strict=False):
+        row = int(np.nan_to_num(np.abs(values)).argmax())
+        value = float(values[row])
+        if value:
+            text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
+            look, position = {"color": style["color"]}, (float(time[row]), scale * value)
+            found.append((abs(value), Label(text, position, (0.0, math.copysign(1.0, value)), look=look)))
+    return [label for _, label in sorted(found, key=lambda each: -each[0])]
 
 
 def in_view(recording: Recording, curves: Curves) -> str:
@@ -144,8 +183,8 @@ def draw_all(
     panels: Sequence[Sequence[str]],
     *,
     beside: bool = True,
-) -> None:
-    """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
+) -> list[list[Label]]:
+    """Draw the panels into the axes of a grid; return the labels of the largest values in each panel.
 
     ``panels``: the names of the outputs in each panel. ``beside``: whether legends may stand beside the axes.
     """
@@ -165,12 +204,15 @@ def draw_all(
         others = impact_lines(recording, *(start + ends / factor))
         label = "; ".join(filter(None, (label, others, "dotted: the end" if is_known else "")))
     places: dict[str, int] = {}
+    found: list[list[Label]] = []
+    seen = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
             mark_end(axes, recording, curves.number, start, factor)
         drawn = [curves.values[name] for name in names]
-        hidden, (scale, unit) = hides(drawn), axis_unit(curves.units[names[0]], drawn)
+        own = curves.units[names[0]]
+        hidden, (scale, unit) = hides(drawn), axis_unit(own, drawn)
         styles: list[dict[str, Any]] = [
             {"color": PALETTE[look % len(PALETTE)]}
             | look_of_energy(name)
@@ -183,7 +225,8 @@ def draw_all(
         plot_curves(
             axes, time, [(scale * values, style) for values, style in zip(drawn, styles, strict=True)]
         )
-        quantity = shared_part(names) or QUANTITIES.get(curves.units[names[0]], "")
+        found.append(extremes(time[seen], [values[seen] for values in drawn], own, scale, styles))
+        quantity = shared_part(names) or QUANTITIES.get(own, "")
         is_alone = len(names) == 1 and len(names[0]) <= WIDEST
         axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
         if curves.onset is None:
@@ -191,7 +234,7 @@ def draw_all(
         axes.set_xlim(*ends)
         of_time = name_time(axes, ends[-1]) if curves.onset is None else ""
         axes.set_xlabel("; ".join(filter(None, (of_time, label))))
-        axes.margins(y=0.08)
+        axes.margins(y=0.16 if own in MARKED else 0.08)
         give_ticks(axes)
         widest = max(map(len, names))
         if is_alone:
@@ -200,6 +243,7 @@ def draw_all(
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), handlelength=1.4)
         else:
             legend_above(axes)
+    return found
 
 
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
