@@ -96,6 +96,8 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         drawn = [[bar.get_width() for bar in axes.patches] for axes in page.axes]
         of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
         assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
+        titles = [axes.get_title(loc="left") for axes in page.axes]
+        assert titles == ["+ 1 %", "+ 0.01 of the unit (the value is 0)"]
         assert min(of_value) < 0.0 < max(of_value)
         # the bars of both panels fill the axes, which have one scale, as all of these bars are similar
         scales = {axes.get_xlim() for axes in page.axes}

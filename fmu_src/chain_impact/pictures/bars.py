@@ -43,6 +43,7 @@ class Bars:
         texts: the text at the right of each bar.
         label: the label of the axis.
         heading: a text above the texts at the right.
+        title: a text above the block.
         colours: the colour of each bar; by default the colour shows the direction.
     """
 
@@ -51,6 +52,7 @@ class Bars:
     texts: Sequence[str]
     label: str
     heading: str = ""
+    title: str = ""
     colours: Sequence[str] = ()
 
     @property
@@ -128,6 +130,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(block.label)
+    axes.set_title(block.title, fontsize="small", color=INK, loc="left")
     axes.xaxis.set_major_locator(MaxNLocator(4 if small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
     low, high = ends
     margin = BAR_MARGIN * (high - low)

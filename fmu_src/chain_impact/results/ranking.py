@@ -37,9 +37,7 @@ LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
-"""The units that get a prefix, such as mm, in the picture of a ranking."""
-# marks, in the picture, a parameter with the value 0: it is changed by a fixed step, not by 1 %
-FIXED_STEP_MARK = "*"
+"""The units that get a prefix in the picture."""
 
 
 class Effect(NamedTuple):
@@ -189,11 +187,9 @@ class Ranking:
         if blocks and pictures.have_one_scale(sizes):
             sizes = [max(sizes)] * len(sizes)
         factor, unit = readable(self.value, self.unit)
-        added = any(not effect.value for effects in blocks for effect in effects)
         more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
-            f"{FIXED_STEP_MARK} + {PART:g} of its unit, as it is 0" if added else "",
             f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
@@ -214,14 +210,15 @@ class Ranking:
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
         """Return the arguments of ``pictures.Bars`` for effects, with a prefix that suits their ``size``."""
         factor, unit = readable(size, self.unit)
-        names = [effect.parameter + ("" if effect.value else f" {FIXED_STEP_MARK}") for effect in effects]
         values = [factor * effect.change for effect in effects]
         texts = [
             f"{signed(100.0 * self.share(effect))} %" if self.value else signed(value)
             for effect, value in zip(effects, values, strict=True)
         ]
         label = f"change of {self.quantity}{in_brackets(unit)}"
-        return {"names": names, "values": values, "texts": texts, "label": label}
+        title = f"+ {effects[0].step}" if effects[0].value else f"+ {PART:g} of the unit (the value is 0)"
+        names = [effect.parameter for effect in effects]
+        return {"names": names, "values": values, "texts": texts, "label": label, "title": title}
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:
