@@ -121,6 +121,18 @@ def test_a_free_impact_is_not_called_otherwise(comparison):
     assert "free" not in conditions(comparison, looks_of(comparison))
 
 
+def test_the_range_of_peak_forces_is_told(comparison):
+    forces = [1e-3 * run.peak_force for run in comparison.runs if run.peak_force > 0.0]
+    told = conditions(comparison, looks_of(comparison))
+    assert f"peak force {min(forces):.1f} kN to {max(forces):.1f} kN" in told
+
+
+def test_the_energy_begins_shortly_before_the_first_impact(comparison):
+    (_, energy), onset = drawn(comparison).axes, comparison.first_impact["onset"]
+    start, end = energy.get_xlim()
+    assert 0.0 < onset - start < 0.2 * (end - start)
+
+
 def test_the_panels_show_loops_and_energy(comparison):
     page = drawn(comparison)
     loops, energy = page.axes

@@ -31,6 +31,7 @@ from chain_impact.pictures.style import (
     INK,
     OCHRE,
     PALETTE,
+    force_text,
     give_ticks,
     headline,
     is_narrow,
@@ -55,9 +56,9 @@ IMPULSE: dict[str, Any] = {
     "fontsize": "x-small",
     "color": INK,
 }
-"""Where and how the word "impulse", with the law's name, is written along the line of a law of impulses."""
-# number of penetrations at which the lower and upper edge of the grey band of loops are computed
-BAND_POINTS = 400
+"""Place and look of the name of an impulse beside its line."""
+BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
+BAND_POINTS = 400  # number of penetrations at which the limits of the grey band of loops are computed
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
@@ -129,6 +130,10 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     hit = f"{compared_impact(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
+    found = [run.peak_force for run in comparison.runs if run.peak_force > 0.0]
+    of_force = "moment" if comparison.at_stop else "force"
+    ends = " to ".join(dict.fromkeys(force_text(end(found), force) for end in (min, max))) if found else ""
+    peaks = f"peak {of_force} {ends}" if ends else ""
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the legend names the laws in the grey band; this text then does not repeat their number
     is_told = bool(banded(comparison, looks))
@@ -136,7 +141,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     limits = "" if comparison.is_free else "not free"
     if limits and math.isfinite(most := comparison.reached[0].lossless):
         limits += f": e′ = {most:.2f} without losses"
-    return SEPARATOR.join(filter(None, (hit, limits, stiffness, tolerance, *others)))
+    return SEPARATOR.join(filter(None, (hit, peaks, limits, stiffness, tolerance, *others)))
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
@@ -296,7 +301,10 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
     end = max(time.end for time in shown)
     axes.set(xlabel=name_time(axes, end) + (f"; at rest until {last:g} s" if end < last else ""))
-    axes.set(ylabel="total energy [J]", xlim=(min(time.start for time in shown), end))
+    start = min(time.start for time in shown)
+    first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
+    # before the first impact all curves are equal
+    axes.set(ylabel="total energy [J]", xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
     give_ticks(axes)
 
 
