@@ -60,6 +60,13 @@ def test_an_impact_is_told_in_numbers(tmp_path):
     realised = result.impacts["separation_speed"][2] / result.impacts["impact_speed"][2]
     assert f"restitution {realised:.4g} realised" in conditions
     assert " J lost" in conditions
+    panels = {axes.get_label(): [text.get_text() for text in axes.texts] for axes in page.axes}
+    (force,), (depth,) = panels["force"], panels["penetration"]
+    assert conditions.startswith(f"peak force {force}")
+    assert float(force.removesuffix(" kN")) == pytest.approx(1e-3 * result.impacts["peak_force"][2], rel=5e-3)
+    assert float(depth.removesuffix(" mm")) == pytest.approx(
+        1e3 * result.impacts["max_penetration"][2], rel=5e-3
+    )
     axes = Figure().add_subplot()
     assert result.plot_impact(3, ax=axes) is axes
     assert axes.get_xlabel() == "penetration [mm]"

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
+from chain_impact.pictures.labels import Ink, Label, place_labels
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import hit
@@ -40,13 +41,16 @@ AFTER_PEAK = 4.0
 MUCH_LONGER = 2.0
 SHOWN_BEFORE = 0.03  # the time before the onset that is shown, relative to the whole time that is shown
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
-# on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
-LOOP = 1.6
+LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, relative to its range
+LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height of a panel over time
 
 
 @styled()
 def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
-    """Draw the impact ``number`` on an empty figure, with force over penetration at the right or the foot."""
+    """Draw the impact ``number`` on an empty figure, with force over penetration at the right or the foot.
+
+    The largest force and penetration are written beside their curves.
+    """
     impact = recording.impacts[number - 1]
     stop = recording.is_stop(impact["wall"])
     title = f"{recording.name}: {hit(recording, impact)}, impact {number}"
@@ -60,6 +64,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     shown = shown_time(impact, course)
     time_factor, time_unit = prefixed(shown, "s")
     timed: list[Axes] = []
+    most: list[tuple[Axes, Label]] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
         timed.append(axes)
@@ -69,7 +74,13 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
             say_impulse(axes)
             continue
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-        axes.plot(time_factor * (course.time - impact["onset"]), factor * values, color=colour)
+        along, up = time_factor * (course.time - impact["onset"]), factor * values
+        axes.plot(along, up, color=colour)
+        if name != "speed" and values.max() > 0.0:
+            top, look = int(values.argmax()), {"color": colour}
+            place = (float(along[top]), float(up[top]))
+            most.append((axes, Label(force_text(float(values[top]), unit), place, look=look)))
+            axes.margins(y=LABEL_ROOM)
         if shown < np.ptp(course.time):
             axes.set_xlim(-SHOWN_BEFORE * time_factor * shown, time_factor * shown)
     if shown < (np.ptp(course.time) if len(course.time) else 0.0):
@@ -87,6 +98,9 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         legend.remove()
     settle(figure)
     figure.set_layout_engine("none")
+    ink = Ink(figure)
+    for axes, label in most:
+        place_labels(axes, [label], ink, lines=True, fontsize="small")
 
 
 def shown_time(impact: np.void, course: Course) -> float:
@@ -162,7 +176,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the text below the title: restitution, duration, lost energy, speed, force and impulse."""
+    """Return the line with force, restitution, duration, lost energy, speed and impulse of an impact."""
     parts = [
         restitution_text(impact),
         duration_text(impact, course),
@@ -171,7 +185,8 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
     if impact["peak_force"] > 0.0:
-        parts.append(f"at most {force_text(impact['peak_force'], 'N·m' if at_stop else 'N')}")
+        of, unit = ("moment", "N·m") if at_stop else ("force", "N")
+        parts.insert(0, f"peak {of} {force_text(impact['peak_force'], unit)}")
     if impact["impulse"] > 0.0:
         parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if at_stop else 'N·s'}")
     return SEPARATOR.join(parts)
