@@ -38,26 +38,42 @@ def main():
 
 
 def draw(path, time, columns):
-    """Draw the position of the carriage, and its impulse on the arm."""
+    """Draw the position of the carriage, and the force and the impulse in its joint."""
     import matplotlib as mpl
+    import numpy as np
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.style import BLUE, DPI, STYLE, VERMILLION, headline
+    from chain_impact.pictures.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, headline
 
-    peak = columns["joint[1].peak_force"].max()
+    forces = np.hypot(columns["joint[1].force.x"], columns["joint[1].force.y"])
+    # the largest force may lie between two communication points
+    peak, row = columns["joint[1].peak_force"].max(), forces.argmax()
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8, 4.8), layout="constrained")
+        figure = Figure(figsize=(8, 5.6), layout="constrained")
         headline(
             figure,
-            f"CarriedArm: peak force on the carriage {peak:.0f} N",
-            f"two FMUs, carriage and arm  ·  communication step {time[1]:g} s",
+            f"CarriedArm: peak force on the carriage {peak:.0f} N at {time[row]:.3f} s",
+            f"two FMUs, carriage and arm  ·  communication step {time[1]:g} s  ·  dot: the arm hits a wall",
         )
-        place, impulse = figure.subplots(2, 1, sharex=True)
-        place.tick_params(labelbottom=True)
+        panels = figure.subplots(3, 1, sharex=True)
+        place, force, impulse = panels
         place.plot(time, 1000 * columns["base.x"], color=BLUE)
-        place.set_ylabel("place of the\ncarriage [mm]")
-        impulse.plot(time, columns["joint[1].impulse.x"], color=VERMILLION)
-        impulse.set(xlabel="time [s]", ylabel="impulse on\nthe arm [N·s]")
+        place.set_ylabel("position of the\ncarriage [mm]")
+        force.plot(time, forces, color=INK)
+        force.plot(time[row], peak, "o", color=PEAK_COLOUR)
+        force.annotate(
+            f"{peak:.0f} N",
+            (time[row], peak),
+            (8, 0),
+            textcoords="offset points",
+            color=PEAK_COLOUR,
+            va="center",
+        )
+        force.set(ylabel="force in\njoint 1 [N]", ylim=(0, None))
+        impulse.plot(time, columns["joint[1].impulse.x"], color=VIOLET)
+        impulse.set(xlabel="time [s]", xlim=(0, time[-1]), ylabel="impulse on\nthe arm, x [N·s]")
+        for axes in panels:
+            axes.tick_params(labelbottom=True)
         figure.align_ylabels()
         figure.savefig(path, dpi=DPI)
 

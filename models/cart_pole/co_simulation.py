@@ -53,12 +53,17 @@ def draw(path, time, columns):
         headline(
             figure,
             f"CartPole: balanced, largest lean {max(map(abs, tilts)):.0f}°",
-            "two FMUs, cart and controller  ·  line: the stop  ·  band: a push on the pole",
+            "two FMUs, cart and controller",
         )
         place, tilt, force = figure.subplots(3, 1, sharex=True)
         place.axhline(0.4, color=INK, linewidth=1.0)
+        small = {"textcoords": "offset points", "fontsize": "small", "color": INK}
+        place.annotate(
+            "stop", (1, 0.4), (-2, -2), xycoords=place.get_yaxis_transform(), ha="right", va="top", **small
+        )
+        place.annotate("push on the pole", (pushed[-1], 0.2), (4, 0), va="center", **small)
         place.plot(time, columns["slider.position"], color=BLUE)
-        place.set_ylabel("place of\nthe cart [m]")
+        place.set(ylabel="position of\nthe cart [m]", xlim=(0, time[-1]))
         tilt.plot(time, tilts, color=GREEN)
         tilt.set_ylabel("pole from\nupright [deg]")
         force.plot(time, columns["slider.force"], color=VERMILLION)

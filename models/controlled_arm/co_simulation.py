@@ -15,6 +15,7 @@ from masters import run
 
 HERE = Path(__file__).parent
 STOP_TIME, STEP = 2.0, 1e-3  # s
+SHOWN = 4.0  # the time that the picture shows, relative to the time of the first impact
 
 
 def save_csv(path, columns):
@@ -43,9 +44,9 @@ def draw(path, columns, parameters):
         DPI,
         GREEN,
         INK,
+        PEAK_COLOUR,
         STYLE,
         TIME_COLOURS,
-        VERMILLION,
         headline,
     )
     from chain_impact.scene.half_planes import half_planes
@@ -53,6 +54,7 @@ def draw(path, columns, parameters):
     time, force = columns["time"], columns["contact[2].x_max.force"]
     # the largest force may lie between two communication points
     peak = max(column.max() for name, column in columns.items() if name.endswith(".peak_force"))
+    hit, impact = time[force.argmax()], time[np.flatnonzero(force)[0]]
     recording = Recording(
         "ControlledArm", time, columns, [], half_planes({"x_max": parameters["box.x_max"]}, {})
     )
@@ -66,30 +68,40 @@ def draw(path, columns, parameters):
         )
         grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.2))
         motion = figure.add_subplot(grid[:, 0])
-        angles, torques, forces = (figure.add_subplot(grid[row, 1]) for row in range(3))
+        angles, torques, forces = panels = [figure.add_subplot(grid[row, 1]) for row in range(3)]
 
         draw_walls(motion, recording)
-        motion.plot(*recording.points[:, -1].T, color=VERMILLION, linewidth=1.2, label="path of the tip")
-        impact = time[np.flatnonzero(force)[0]]
-        for at in (0.0, 0.5 * impact, impact, time[-1]):
-            shade = TIME_COLOURS(min(at / (2.0 * impact), 1.0))
+        motion.plot(*recording.points[:, -1].T, color=INK, linewidth=1, label="path of the tip")
+        for at, more in ((0.0, ""), (0.5 * impact, ""), (impact, ", hits the wall")):
             pose = recording.points[np.searchsorted(time, at - 1e-9)]
-            draw_chain(motion, pose, color=shade, linewidth=2.4, label=f"{at:.2g} s")
+            shade = TIME_COLOURS(at / impact)
+            draw_chain(motion, pose, color=shade, linewidth=2.4, label=f"{at:.2g} s{more}")
         motion.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 
         shoulder = columns["link[1].angle"]
         joints = (("shoulder", BLUE, shoulder), ("elbow", GREEN, columns["link[2].angle"] - shoulder))
         for i, (name, colour, angle) in enumerate(joints, 1):
+            target = parameters[f"joint[{i}].target"]
             angles.plot(time, angle, color=colour, label=name)
-            angles.axhline(parameters[f"joint[{i}].target"], color=colour, linestyle=":", linewidth=1)
-            torques.step(time, columns[f"joint[{i}].torque"], color=colour, where="post", label=name)
-        angles.plot([], [], ":", color=INK, linewidth=1, label="target")
-        angles.set(ylabel="joint angle [rad]")
+            angles.axhline(target, color=colour, linestyle=":", linewidth=1)
+            place = {"xycoords": angles.get_yaxis_transform(), "textcoords": "offset points"}
+            angles.annotate(
+                "target", (1, target), (0, 2), **place, color=colour, ha="right", fontsize="small"
+            )
+            torques.step(time, columns[f"joint[{i}].torque"], color=colour, where="post")
+        angles.set(ylabel="joint angle [rad]", ylim=(-2.1, 1.1))
         torques.set(ylabel="torque [N·m]")
         forces.plot(time, force, color=INK, linewidth=1)
-        forces.set(xlabel="time [s]", ylabel="force of the wall [N]", yscale="symlog", ylim=(0, None))
-        for axes in (motion, angles, torques):
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3 if axes is motion else 4)
+        forces.plot(hit, peak, "o", color=PEAK_COLOUR)
+        forces.annotate(
+            f"{peak:.0f} N", (hit, peak), (8, 0), textcoords="offset points", color=PEAK_COLOUR, va="center"
+        )
+        forces.set(ylabel="force of the wall [N]", ylim=(0, None))
+        for axes in panels:
+            axes.set(xlim=(0, SHOWN * impact))
+        forces.set_xlabel(f"time [s]; at rest until {time[-1]:g} s")
+        for axes in (motion, angles):
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         figure.savefig(path, dpi="figure")
 
 

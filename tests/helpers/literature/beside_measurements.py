@@ -21,6 +21,7 @@ from tests.helpers.models.beam import Bar, impulse
 
 IMAGES = Path(__file__).parents[3] / "docs" / "images"
 SIZE = (8.5, 4.6)
+BEAM = "Euler–Bernoulli beam"
 
 
 def triple_pendulum(figure: Figure) -> None:
@@ -45,7 +46,7 @@ def triple_pendulum(figure: Figure) -> None:
         )
         below.plot(time, off[-1], color=colour, linewidth=1.2)
     above.plot([], [], ".", color=BLACK, label="measured")
-    above.legend(loc="upper right")
+    above.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
     above.set(ylabel="angle from the vertical [rad]")
     below.set(xlabel="time [s]", ylabel="difference\n[mrad]", xlim=(0, time[-1]))
     below.grid(visible=True)
@@ -63,18 +64,23 @@ def golf_ball(figure: Figure) -> None:
     late = 1000 * (heard - result.impacts["onset"])
     height, delay = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     height.tick_params(labelbottom=True)
-    height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4)
+    height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4, label="simulated")
     height.plot(heard, 0 * heard, "v", color=VERMILLION, markersize=6, clip_on=False, label="heard")
     height.set(ylabel="height [m]", ylim=(0, 0.85))
-    height.legend(loc="upper right")
+    height.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     delay.plot(heard, late, "v", color=VERMILLION, markersize=5, clip_on=False)
-    delay.set(xlabel="time [s]", ylabel="delay [ms]", xlim=(0, result.time[-1]), ylim=(0, 80))
+    delay.set(
+        xlabel="time [s]",
+        ylabel="heard later\nby [ms]",
+        xlim=(0, result.time[-1]),
+        ylim=(0, 80),
+        yticks=(0, 20, 40, 60, 80),
+    )
     delay.grid(visible=True)
     headline(
         figure,
-        "Golf ball: heard and simulated impacts, height [m] and delay [ms]",
-        "dropped from 0.8 m, mean of four drops  ·  rigid floor, restitution 0.893 at all impacts  ·  "
-        f"ninth impact: {late[-1]:.0f} ms later",
+        f"Golf ball: the ninth impact is heard {late[-1]:.0f} ms after the simulated one",
+        "dropped from 0.8 m, mean of four drops  ·  rigid floor, restitution 0.893 at all impacts",
     )
 
 
@@ -84,24 +90,30 @@ def steel_bar(figure: Figure) -> None:
     times = np.linspace(0.0, scene.simulation.stop_time, 201)
     force, lengths = figure.subplots(1, 2, width_ratios=(3, 2))
     theory, _ = Bar(0.4).impact(times)
-    first = result.impacts["onset"][0]
-    force.plot(1e3 * result.time, result["contact[0].y_min.force"], color=BLUE, linewidth=1.4)
+    first, peak = result.impacts["onset"][0], result.impacts["peak_force"].max()
+    force.plot(
+        1e3 * result.time,
+        result["contact[0].y_min.force"],
+        color=BLUE,
+        linewidth=1.4,
+        label="chain of 20 links",
+    )
     touching = theory > 0
-    force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4)
+    force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4, label=BEAM)
     force.set(xlabel="time [ms]", ylabel="force [N]", xlim=(0, 3), ylim=(0, None))
     some = np.linspace(0.1, 0.5, 33)
     found = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
-    lengths.plot(some, found, color=BLUE, linewidth=1.4, label="chain of 20 links")
+    lengths.plot(some, found, color=BLUE, linewidth=1.4)
     few = (0.3, 0.4, 0.5)
     exact = [bar.restitution(bar.impact(times)[1]) for bar in map(Bar, few)]
-    lengths.plot(few, exact, ".", color=BLACK, markersize=7, label="Euler–Bernoulli beam")
-    lengths.set(xlabel="length of the bar [m]", ylabel="restitution without vibration", ylim=(0, 1.02))
-    lengths.legend(loc="lower left")
+    lengths.plot(few, exact, ".", color=BLACK, markersize=7)
+    lengths.set(xlabel="length of the bar [m]", ylabel="restitution without vibration", ylim=(0.6, 1.02))
+    force.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     headline(
         figure,
-        "Steel bar of 0.4 m: force [N] over time, and restitution over length",
+        f"Steel bar of 0.4 m: {len(result.impacts)} contacts, peak force {peak:.0f} N",
         "12 mm thick, drops flat at 0.5 m/s on an elastic support under one end  ·  "
-        f"{len(result.impacts)} contacts",
+        "right: bars of other lengths",
     )
 
 
