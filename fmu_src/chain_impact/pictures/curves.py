@@ -48,8 +48,8 @@ SMALL_VALUE, LARGE_VALUE = 1e-2, 1e3
 # table: unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
 MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are written
-# the part of the text's colour in the colour of the line at the end of an impact; the rest is the ground's
-# colour
+# the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
+# the ground
 END_LINE = 0.5
 # the largest number of outputs, of those that are always 0, that are named at the foot of the picture
 MOST_NAMED = 4
@@ -184,7 +184,9 @@ def draw_all(
     *,
     beside: bool = True,
 ) -> list[list[Label]]:
-    """Draw the panels into the axes of a grid; return the labels of the largest values in each panel.
+    """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
+
+    Return the labels of the largest values in each panel.
 
     ``panels``: the names of the outputs in each panel. ``beside``: whether legends may stand beside the axes.
     """

@@ -42,7 +42,8 @@ MUCH_LONGER = 2.0
 SHOWN_BEFORE = 0.03  # the time before the onset that is shown, relative to the whole time that is shown
 LASTING_DOT = 5.0  # [points] the size of the mark at the end of a contact that lasts
 LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, relative to its range
-LOOP = 1.6  # the height of the loop on a narrow figure, relative to the height of a panel over time
+# on a narrow figure, the height of the panel of force over penetration, relative to that of a panel over time
+LOOP = 1.6
 
 
 @styled()
@@ -176,7 +177,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
 
 
 def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
-    """Return the line with force, restitution, duration, lost energy, speed and impulse of an impact."""
+    """Return the text below the title: force, restitution, duration, lost energy, speed and impulse."""
     parts = [
         restitution_text(impact),
         duration_text(impact, course),

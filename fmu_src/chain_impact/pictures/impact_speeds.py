@@ -205,7 +205,7 @@ def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.nda
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their marks, where ``ink`` is free, the fastest impact first.
 
-    Impacts with a common mark share a label. The number of the impact with the largest force has the force
+    Impacts whose marks coincide share a label. The number of the impact with the largest force has the force
     beside it, if there is room. Of impacts at equal distances in time only every k-th is
     numbered, in order of time, if the numbers of all have no room.
 

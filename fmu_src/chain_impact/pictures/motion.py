@@ -37,12 +37,12 @@ from chain_impact.recording.view import ball_of
 
 # the largest number of poses between start and end that are drawn strongly; they show the fastest impacts
 MOST_STRONG_POSES = 6
-CANDIDATES = 60  # the number of the fastest impacts whose poses may be strong
-FAINT_POSES = 40  # the largest number of faint poses, of evenly spaced rows
+CANDIDATES = 60  # strong poses are chosen among the poses at so many of the fastest impacts
+FAINT_POSES = 40  # the largest number of faint poses, from rows of the recording at equal distances
 # A pose is left out if it is nearer than this to another pose, relative to the size of the motion:
 # FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
 FAINT_APART, STRONG_APART = 0.03, 0.1
-PATH_LAYER = 2.1  # the layer of the path of the tip: above walls, along which the tip may slide
+PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
 MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6

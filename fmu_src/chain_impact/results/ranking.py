@@ -37,7 +37,7 @@ LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
-"""The units that get a prefix in the picture."""
+"""The units that get a prefix, such as mm, in the picture of a ranking."""
 
 
 class Effect(NamedTuple):

@@ -56,9 +56,10 @@ IMPULSE: dict[str, Any] = {
     "fontsize": "x-small",
     "color": INK,
 }
-"""Place and look of the name of an impulse beside its line."""
+"""Where and how the word "impulse", with the law's name, is written along the line of a law of impulses."""
 BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
-BAND_POINTS = 400  # number of penetrations at which the limits of the grey band of loops are computed
+# number of penetrations at which the lower and upper edge of the grey band of loops are computed
+BAND_POINTS = 400
 LINES: tuple[dict[str, Any], ...] = (
     *({"color": colour} for colour in PALETTE[:4]),
     {"color": OCHRE, "linestyle": "--"},
