@@ -43,7 +43,7 @@ FAINT_POSES = 40  # the largest number of faint poses, from rows of the recordin
 # FAINT_APART for faint poses, STRONG_APART for strong poses except the pose at the fastest impact.
 FAINT_APART, STRONG_APART = 0.03, 0.1
 PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
-MOST_MARKED_POINTS = 12  # a chain with more points has no marks at its points
+MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
