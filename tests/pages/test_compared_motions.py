@@ -161,3 +161,11 @@ def test_a_pin_without_the_chosen_outputs_is_named(show):
     assert "curves of A:" in note.inner_text(), "B has them"
     page.locator(".unpin").first.click()
     note.wait_for(state="hidden")
+
+
+def test_a_phone_has_room_for_the_change_that_names_a_pin(show):
+    page = show(hash_="#contact.restitution=0.35", viewport=PHONE)
+    page.get_by_role("button", name="Pin").click()
+    name = page.locator(".pin-text").last
+    assert name.inner_text() == "contact.restitution = 0.35"
+    assert name.evaluate("name => name.scrollWidth <= name.clientWidth")

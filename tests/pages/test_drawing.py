@@ -317,6 +317,11 @@ def test_the_ruler_of_forces_is_apart_from_the_scale_bar(show_recording, model, 
     assert page.evaluate(ON_OTHERS) == []
     assert len(page.evaluate(RULER)) > 1
     assert page.text_content(".ruler-name").startswith("force")
+    marks = page.locator("line.bar:not(.ruler)").evaluate_all(
+        "all => all.map((mark) => mark.x1.baseVal.value)"
+    )
+    head = page.locator(".ruler-head").evaluate("head => Math.min(...[...head.points].map(({ x }) => x))")
+    assert max(marks) < head - 4.0
 
 
 def test_no_scale_bar_reaches_into_the_key(show_recording):

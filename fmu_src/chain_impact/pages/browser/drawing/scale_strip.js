@@ -2,6 +2,7 @@
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
+const MARK_TO_HEAD = 8; // [pixels] least distance between the last mark of the ruler and its arrowhead
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
 const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
 const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the drawing
@@ -34,12 +35,12 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
 }
 
 /**
- * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or the last mark, and a name that has room in the `width`;
- * return the horizontal position of its end [pixels].
+ * Draw the ruler of an `ArrowScale` with its marks, up to the largest force or beyond the last mark, and a name that has room in the
+ * `width`; return the horizontal position of its end [pixels].
  */
 export function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
-  const right = left + Math.max(longest, ...marks.map(({ at }) => at));
+  const right = left + Math.max(longest, ...marks.map(({ at }) => at + MARK_TO_HEAD));
   group.line([[left, y], [right, y]]).addClass("bar ruler");
   marks.forEach(({ at, text }) => {
     group.line([[left + at, y - 4], [left + at, y + 4]]).addClass("bar");
