@@ -36,7 +36,7 @@ PAGE = FORMATS[0]  # suffix of an animation that is a page for the browser; all 
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``animate``, with its arguments and options, to the grammar."""
+    """Add the verb ``animate``, with its arguments and options, to the parser of the command line."""
     verb = add_verb(
         verbs,
         "animate",

@@ -30,7 +30,7 @@ kind."""
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``build``, with its arguments and options, to the grammar."""
+    """Add the verb ``build``, with its arguments and options, to the parser of the command line."""
     build = add_verb(verbs, "build", "make the FMU of a scene", "pinned_arm --target native -o fmus")
     add_scene(build, "scene")
     build.add_argument(

@@ -1,6 +1,6 @@
-"""The grammar of the command line, and its exit codes.
+"""The parser of the command line, and its exit codes.
 
-Each verb is a module with two functions: ``add`` adds it to the grammar, ``run`` executes it.
+Each verb is a module with two functions: ``add`` adds it to the parser, ``run`` executes it.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from chain_impact.cli.screen import law_table, show
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``compare``, with its arguments and options, to the grammar."""
+    """Add the verb ``compare``, with its arguments and options, to the parser of the command line."""
     compare = add_verb(
         verbs,
         "compare",

@@ -17,7 +17,7 @@ ASKED = "_ARGCOMPLETE"
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``completion``, with its arguments and options, to the grammar."""
+    """Add the verb ``completion``, with its arguments and options, to the parser of the command line."""
     completion = add_verb(
         verbs,
         "completion",

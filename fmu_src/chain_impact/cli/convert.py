@@ -32,7 +32,7 @@ ONCE = {
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``convert``, with its arguments and options, to the grammar."""
+    """Add the verb ``convert``, with its arguments and options, to the parser of the command line."""
     verb = add_verb(
         verbs, "convert", "make a scene from URDF or MJCF, or MJCF from a scene", "robot.urdf -o scene.toml"
     )

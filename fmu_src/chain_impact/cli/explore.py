@@ -24,7 +24,7 @@ DEFAULT = Path("explore.html")
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``explore``, with its arguments and options, to the grammar."""
+    """Add the verb ``explore``, with its arguments and options, to the parser of the command line."""
     verb = add_verb(
         verbs,
         "explore",

@@ -47,7 +47,7 @@ REPEATED = (
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``fit``, with its arguments and options, to the grammar."""
+    """Add the verb ``fit``, with its arguments and options, to the parser of the command line."""
     fit = add_verb(
         verbs,
         "fit",

@@ -31,7 +31,7 @@ LISTS: dict[str, Callable[[], dict[str, str]]] = {
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``info``, with its arguments and options, to the grammar."""
+    """Add the verb ``info``, with its arguments and options, to the parser of the command line."""
     info = add_verb(
         verbs,
         "info",

@@ -39,7 +39,7 @@ class UsageError(ValueError):
 
 
 def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
-    """Add a verb to the grammar, and return the verb's parser.
+    """Add a verb to the parser of the command line, and return the verb's own parser.
 
     Args:
         verbs: the verbs of the command line.

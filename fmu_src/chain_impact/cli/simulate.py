@@ -114,7 +114,7 @@ MOTION = Subject()
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``simulate``, with its arguments and options, to the grammar."""
+    """Add the verb ``simulate``, with its arguments and options, to the parser of the command line."""
     verb = add_verb(
         verbs,
         "simulate",

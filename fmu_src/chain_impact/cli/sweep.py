@@ -30,7 +30,7 @@ from chain_impact.cli.progress import complain, progress, say
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``sweep``, with its arguments and options, to the grammar."""
+    """Add the verb ``sweep``, with its arguments and options, to the parser of the command line."""
     sweep = add_verb(
         verbs,
         "sweep",

@@ -16,7 +16,7 @@ from chain_impact.scene.models import scene_path
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb ``validate``, with its arguments and options, to the grammar."""
+    """Add the verb ``validate``, with its arguments and options, to the parser of the command line."""
     validate = add_verb(
         verbs,
         "validate",

@@ -17,7 +17,8 @@ def chain_of(
 ) -> Converted:
     """Return the scene of a robot; if there is none, the error proposes joints to move.
 
-    ``source`` is the file's name for messages; ``check`` may refuse a scene by an error.
+    ``source`` is the file's name for messages. ``check`` gets the converted scene, and may refuse it by an
+    error; only joints whose scene it accepts are proposed.
 
     Raises:
         NoChainError: when the robot is not a planar chain; the message names joints that would form a planar

@@ -37,7 +37,7 @@ element."""
 def other_elements(root: Element) -> Iterator[Difference]:
     """Yield a difference for each element or attribute of a file that the conversion does not read.
 
-    Elements and attributes without effect are left out.
+    Those in NO_EFFECT and UNUSED_ELEMENTS are left out, and the shapes, which urdf.py reads.
     """
     yield from _attributes(root, "robot", root)
     for part in root:

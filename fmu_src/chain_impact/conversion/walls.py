@@ -188,9 +188,10 @@ class Walls:
     def _fits(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
-        """Return whether the centre of a point starts outside of all walls; give it a radius that does, too.
+        """Return whether the centre of a point starts outside of all walls.
 
-        A smaller radius, written to ``table``, and a point inside a wall are reported.
+        If it does, but its radius reaches into a wall, ``table`` gets a smaller radius. A smaller radius is
+        reported, and so is a point whose centre starts inside a wall.
 
         Args:
             i: index of the link.

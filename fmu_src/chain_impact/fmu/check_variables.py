@@ -155,7 +155,7 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
 
 
 def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
-    """Yield pairs of an attribute and a sentence for the faults of min and max."""
+    """Yield the fault of a variable whose min is above its max, as a pair of an attribute and a sentence."""
     low, high = variable.bound("min"), variable.bound("max")
     if low > high:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"

@@ -98,11 +98,12 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 
 
 def reference(prepared: PreparedScene) -> Reference:
-    """Return the outputs of a scene at REFERENCE_TOLERANCE, for the time in which they are reliable.
+    """Return some outputs of a scene at REFERENCE_TOLERANCE, as long as they are reliable.
 
     Outputs are reliable as long as a run at the scene's own tolerance gives the same ones, except for small
-    deviations (ASTRAY). If this is only a small part of the simulated time, a part of this time is computed
-    anew with shorter steps.
+    deviations (ASTRAY). If there are few communication points up to this time, the first 1/SHORTER of the
+    simulated time is computed anew with shorter communication steps, and so on; but no communication step is
+    shorter than the scene's own.
 
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.

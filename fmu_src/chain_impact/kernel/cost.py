@@ -14,9 +14,9 @@ LONGEST_CALL = 20.0
 # The product of evaluations and links after which a long call returns, so that its caller can stop the run.
 # An evaluation takes 20 to 30 ns per link, so Ctrl-C takes effect within a second.
 CALL_COST = 20_000_000
-# A run ends with a fault after more than MOST_EVENTS events in EVENT_WINDOW [s], on average for each
-# candidate, and for each drive if there is friction or a drive with a limit. This is endless chattering: in a
-# bounce of a microsecond the point rises only 1e-12 m.
+# A run ends with a fault after more than MOST_EVENTS × n events in EVENT_WINDOW [s]. n is the number of
+# candidates; if there is friction or a drive with a limit, the number of drives is added. So many events are
+# endless chattering: in a bounce of a microsecond the point rises only 1e-12 m.
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 

@@ -173,7 +173,7 @@ def fill_slider_reaction(d):
 def add_wall_load(d, c):
     """Add the force of candidate c's point on its wall, and the moment of this force, to the outputs.
 
-    The moment is about the wall's point in `walls`; for a wall of the box it is about the origin.
+    The moment is about the wall's point (`walls.x`, `walls.y`); for a wall of the box it is about the origin.
     """
     out, wall, place = d.output, d.candidate.wall[c], d.candidate.place[c]
     fx, fy = wall_force(d, c, out.force, out.friction.force)

@@ -251,9 +251,10 @@ def draw_all(
 def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
 
-    Quantities of one owner, such as a point, have the same index in all panels, if a panel has only one curve
-    of each owner. ``places``: owner → its index in earlier panels; the function adds the owners of this
-    panel.
+    An owner, such as a point, keeps its index from earlier panels; a new owner gets a free index. ``places``:
+    owner → its index; the function adds new owners. If two outputs have the same owner, if two owners have
+    the same index, or if an index is not below the number of colours, the outputs of this panel are numbered
+    in their order, and ``places`` does not change.
     """
     owners = [name.removesuffix(f".{shared_part([name])}") for name in names]
     known = [places.get(owner, -1) for owner in owners]

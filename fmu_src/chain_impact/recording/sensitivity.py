@@ -52,7 +52,7 @@ class Sensitivities:
 
     @property
     def source(self) -> str:
-        """The name of the scene, for messages of errors."""
+        """The name of the scene, for texts and errors."""
         return self.prepared.scene.name
 
     @cached_property

@@ -28,7 +28,10 @@ _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("conta
 
 
 def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
-    """Return outputs as a table of pandas: the times [s] are its index, ``columns`` its columns."""
+    """Return outputs as a table of pandas: the times [s] are its index, ``columns`` its columns.
+
+    The attribute "units" of the table has the unit of each column.
+    """
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
     units = {variable.name: variable.unit for variable in prepared.outputs}

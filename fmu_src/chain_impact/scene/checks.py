@@ -259,9 +259,9 @@ def size_hints(scene: Contents) -> list[str]:
 
 
 def start_hints(scene: Contents) -> list[str]:
-    """Return a sentence for each coordinate of initial.position from which a signal moves a pinned base away.
+    """Return a sentence for each coordinate in which a pinned base does not start at initial.position.
 
-    The signal's value at t = 0 then is the start of the base, and the key initial.position has no effect.
+    A signal then gives the base's motion: its value at t = 0 is the start, initial.position has no effect.
     """
     if scene.chain.base != "pinned":
         return []

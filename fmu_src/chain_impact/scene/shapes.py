@@ -65,10 +65,10 @@ def without_corners(data: Any) -> Any:
 
 
 def among_all_points(path: DataPath, data: Any) -> DataPath:
-    """Return the path in the scene for a path in the scene's plain data.
+    """Return the path in the scene that belongs to a path in the scene's plain data.
 
-    The plain data have no corners of a box, so the indices of the box's other points are smaller there by
-    CORNERS.
+    In the scene, the first points of a box are its corners, which the plain data do not have. So the index of
+    another point of a box is larger in the scene by CORNERS.
     """
     match path:
         case "chain", "links", int(i), "points", int(j), *following if "shape" in data["chain"]["links"][i]:

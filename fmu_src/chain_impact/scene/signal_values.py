@@ -188,8 +188,8 @@ def spline_of_position(at: np.ndarray, values: np.ndarray, stop: float) -> tuple
     begin = "clamped" if at[0] > 0.0 else "not-a-knot"
     powers = CubicSpline(at, values, bc_type=(begin, "not-a-knot")).c[::-1].T
     h = 0.5 * (at[-1] - at[-2])
-    # a, b, c, d [m]: the coefficients of 1, u, u², u³ in the first half of the last interval, where u is the
-    # time since the start of the interval divided by h, half its duration
+    # a, b, c, d [m]: the coefficients of 1, u, u², u³ in the first half of the last interval, with u = t/h.
+    # The time t counts from the start of the interval, h is half the interval's duration.
     a, b, c, d = powers[-1] * h ** np.arange(4.0)
     last = d
     if at[-1] < stop:

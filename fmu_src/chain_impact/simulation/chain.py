@@ -31,7 +31,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow, Variable
 
 # the head of a saved state: magic number, CRC-32 of the bytes after it, digest of the scene, whether the
-# chain has made a step, number of contacts, number of changes between sticking and sliding
+# chain has made a step, number of contacts, number of changes of friction modes
 STATE = struct.Struct("<8sQ16sqqq")
 CHECKED_FROM = 16
 MAGIC = b"chainsv2"

@@ -33,20 +33,22 @@ ALIKE = 1e-6
 # an interval longer than 2^FAR times the last piece is halved without trying a polynomial, which would
 # probably fail
 FAR = 2
-# log₂ of the largest number of pieces that are tried in one call of the functions; if polynomials fail, more
-# pieces would waste more calls
+# log₂ of the largest number of pieces for which the functions are called at once; if polynomials fail, more
+# pieces would waste more values
 TOGETHER = 4
 # if polynomials have failed for intervals of some length, this length is tried again after at most this
 # number of pieces
 PATIENCE = 32
 # largest number of successive intervals shorter than SHORTEST; if there are more, a function is not smooth
 NOISE = 4
-# [1] calls for pieces shorter than this, relative to the run, count against the limit CALLS
+# [1] values of the functions for a piece shorter than this, relative to the run, count against CALLS
 FINE = 1 / 65536
-# largest number of calls in a run for short pieces, jumps and kinks; with more calls the search gives up with
-# an error
+# largest number of times in a run at which the functions are evaluated for short pieces, jumps and kinks;
+# with more, the search gives up with an error
 CALLS = 15_000
-CALLS_PER_PIECE = 50  # each piece of the held signals raises the limit CALLS by this
+# Each piece of the signals that are given as samples raises the limit CALLS by CALLS_PER_PIECE, because the
+# functions are followed in each piece apart.
+CALLS_PER_PIECE = 50
 SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
 # [1] a value belongs to the nearer of two polynomials only if its distance from it is less than this times
 # the distance from the other
@@ -107,7 +109,7 @@ class Follower:
         # worst
         self._refused = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
-        # [s] length of the last interval that got no polynomial: it failed, or ``_is_vain`` said not to try
+        # [s] length of the last interval for which a polynomial failed or, by ``_is_vain``, was not tried
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
         # _again: binary exponent of a length → number of found pieces at which this length is tried again;
@@ -189,10 +191,10 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces both have half the length of the last interval that got no polynomial.
+        """Return whether two pieces have half the length of the last interval without a polynomial.
 
-        Two such pieces are not joined, because one polynomial would probably fail for both again. Only
-        lengths are compared.
+        For this interval a polynomial has failed, or was not tried (``_is_vain``). Two such pieces are not
+        joined, because one polynomial would probably fail for both together. Only lengths are compared.
         """
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= ALIKE * halves[0]
@@ -301,7 +303,7 @@ class Follower:
         return before, after
 
     def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
-        """Return the values of the functions at times [s]; ``costly`` calls count against the limit CALLS."""
+        """Return the values of the functions at times [s]; ``costly``: the times count against CALLS."""
         if costly:
             self._calls_left -= len(times)
             if self._calls_left < 0:

@@ -53,7 +53,10 @@ def begins_at_rest(d, e):
 
 
 def force_after_onset(d, c):
-    """Return the normal force [N] of candidate c, whose contact begins now, after COMPARISON_TIME."""
+    """Return an estimate of the normal force [N] of candidate c, COMPARISON_TIME [s] after its onset now.
+
+    The point penetrates with its speed at the onset.
+    """
     speed = d.touch.onset_speed[c]
     force, _ = law_force(d, c, COMPARISON_TIME * speed, speed)
     return force

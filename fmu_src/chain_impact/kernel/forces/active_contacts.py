@@ -77,9 +77,11 @@ def clear_loads(d):
 
 
 def apply_contacts(d):
-    """Set the loads to the input at the tip, contact forces and sliding friction, at the located points.
+    """Set the loads to the input at the tip, forces of contacts with a force law, and sliding friction.
 
-    Return the power [W] that contact forces and sliding friction dissipate.
+    The points must be located. A contact force is that of one side of its kink (forces/force_formula.py); the
+    sliding friction includes joints and slider. Return the power [W] that these contact forces and the
+    sliding friction dissipate.
     """
     clear_loads(d)
     dissipated = 0.0

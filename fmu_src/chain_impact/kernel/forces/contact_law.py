@@ -24,7 +24,8 @@ class ContactLaw:
     evidence: str
     accurate_from: float  # least restitution e from which on the realised restitution is within 5 % of e
     accurate_to: float  # largest restitution e up to which the realised restitution is within 5 % of e
-    damping_factor: object  # function of the kernel that returns f(e) for the prescribed restitution e
+    # function of the kernel that returns the factor f(e) of the damping for the prescribed restitution e
+    damping_factor: object
     allows_zero: bool = True  # whether f(0) is finite, so that e = 0 is allowed
     exponent: float | None = None  # the exponent n for which the law is defined; None: any exponent
     rate_exponent: float | None = None  # exponent p of the penetration δ in the damping d δᵖ δ̇; None: p = n

@@ -145,8 +145,8 @@ def law_force(d, c, depth, rate):
 def continued_force(d, c, depth, rate):
     """Return force and elastic part as ``law_force`` does, but with one side's smooth formula on both sides.
 
-    ``touch.beyond_kink`` of candidate c tells the side of the kink. The function also records whether the
-    kink is crossed.
+    ``touch.beyond_kink`` of candidate c tells the side of the kink. If the kink is crossed by more than a
+    margin, the function sets ``touch.kink_crossed``, so that the step is repeated to end there.
     """
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)

@@ -153,13 +153,16 @@ def project_state(d, y):
     """Project the state y, whose points are located, onto the constraints, so that errors do not add up.
 
     Held contacts get the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along t
-    and loses its tangential speed. If any element sticks, the contacts with a force law resist this change,
-    because a change of a clearance at a stiff wall would act as an impact.
+    and loses its tangential speed. If this needs a large change of coordinates, points are only moved out of
+    rigid walls, or nothing is moved (``solve_positions``). If any element sticks, a contact with a force law
+    resists the change like a large mass (``contact_resistance``), because a change of a clearance at a stiff
+    wall would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. If a wall would have to pull more strongly than the errors explain, points may leave their walls,
-    with ġ > 0 in ``d.constraints.reached``. The kinetic energy that is lost counts as dissipated, the work of
-    moving walls, belts and base as supplied. Afterwards the points are located in the projected state.
+    size. If a wall would have to pull by more than ``tolerated_momentum``, all walls only push, and points
+    may leave them, with ġ > 0 in ``d.constraints.reached``. The kinetic energy that is lost counts as
+    dissipated, the work of moving walls, belts and base as supplied. Afterwards the points are located in the
+    projected state.
     """
     constraints, lost = d.constraints, dissipated_at(d.links)
     for k in range(d.touch.compliant_count if any_sticking(d) else 0):

@@ -17,9 +17,10 @@ something, such as a motion that decays within the first stage. The sum of the c
 simulated time is limited, too; a run that exceeds this limit ends.
 
 S grows with energy that errors have added, and stiff springs make S far larger than the energy of the chain.
-So all steps since the start together must not add more than a tenth of the available energy. The available
-energy is the largest value so far of: the energy balance at the start, less the potential energy, plus the
-supplied energy. Once the limit is reached, only steps that add no more energy are accepted.
+So all steps since the start together must not add more than a tenth of the available energy: the most that
+motion, springs, walls and heat can have had so far. It is the largest value so far of the energy balance at
+the start, less the potential energy, plus the supplied energy. Once the limit is reached, only steps that add
+no more energy are accepted.
 
 The steps may not lose much energy either. Errors of speeds as large as the tolerance can change an energy E
 by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps from the start to the
@@ -82,8 +83,9 @@ WINDOW = 1.0
 # rejected. It is relative to the available energy: the largest energy so far that motion, springs, walls and
 # heat can have had.
 ENERGY_GAIN = 0.1
-# The energy that a step may still add after ENERGY_GAIN has been reached, relative to the available energy,
-# so that round-off does not stop the run. If such additions reach ENERGY_GAIN again, the run ends.
+# The energy that a step may still add after ENERGY_GAIN has been reached, so that round-off does not stop the
+# run; relative to the available energy, as ENERGY_GAIN is. If such additions reach ENERGY_GAIN again, the run
+# ends.
 SLIGHT_GAIN = 1e-8
 # ENERGY_LOSS: the factor 3 in the allowed loss B above. LOSS_TIME: the time [s] in B after which twice the
 # initial loss is allowed. In 3360 random scenes this limit shortens steps in 3 % of the runs, most of them
@@ -109,7 +111,8 @@ ENERGY_ROUND_OFF = 1e-15
 def start_balance(d, time):
     """Begin the energy balance of a run at ``time`` [s].
 
-    The function sets the scales, the first window of time and the available energy.
+    The function sets the scales, the first window of time and the available energy: the most [J] that motion,
+    springs, walls and heat can have had so far.
     """
     chain, balance = d.chain, d.balance
     reach, carriage = chain.longest_link, d.slider.mass if d.slides else 0.0
@@ -190,7 +193,8 @@ def check_energy(d, theta):
     counts as an error of the step, so that the loss affects the next size.
 
     Returns:
-        The energy balance and the available energy [J] at θ, the arguments of ``store_energy``.
+        Two energies at θ [J], the arguments of ``store_energy``: the energy balance, and the available
+        energy, which is the most that motion, springs, walls and heat can have had so far.
     """
     balance, y = d.balance, d.step.state_end
     if theta >= 0.0:
@@ -225,9 +229,9 @@ def check_energy(d, theta):
 
 
 def store_energy(d, present, available):
-    """Store the energy balance ``present`` and the ``available`` energy [J] at an accepted step's end.
+    """Store the energy balance ``present`` [J] and the energy ``available`` [J] at an accepted step's end.
 
-    Both are results of ``check_energy``.
+    Both are results of ``check_energy``, which says what they are.
     """
     balance = d.balance
     balance.at_start, balance.available_at_start = balance.at_end, balance.available
@@ -235,7 +239,10 @@ def store_energy(d, present, available):
 
 
 def largest_available_energy(d, y, potential):
-    """Return the largest available energy [J] so far, including state y with its ``potential`` energy [J]."""
+    """Return the available energy [J]: the most that motion, springs, walls and heat can have had so far.
+
+    State y, with its ``potential`` energy [J], counts, too.
+    """
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
@@ -243,7 +250,9 @@ def largest_available_energy(d, y, potential):
 def loss_allowed(d, available):
     """Return the energy [J], > 0, that the last step may lose by errors.
 
-    ``available`` is the available energy [J] at the end of the step.
+    It is the largest of: what is left of the loss B of all steps (``loss_budget``), the growth of B in this
+    step, and round-off. ``available``: the most [J] that motion, springs, walls and heat can have had up to
+    the end of the step.
     """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.since)
@@ -254,7 +263,7 @@ def loss_allowed(d, available):
 def loss_budget(d, available):
     """Return the energy B [J] that all steps from the run's start to the last step may lose by errors.
 
-    ``available`` is the available energy [J] at this end.
+    ``available``: the most [J] that motion, springs, walls and heat can have had up to this end.
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
     most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)

@@ -268,9 +268,10 @@ def raise_scales(d, y, scale, contacts):
 def clear_faded(d, y):
     """Set coordinates and rates of y with 0 < size < FADED_SIZE to 0; return whether there were any."""
     count = 0
+    # The first loop only counts, and has no branches, so that it is fast: most states have no component to
+    # clear.
     for j in range(dissipated_at(d.links)):
         count += 0.0 < abs(y[j]) < FADED_SIZE
-    # this loop only counts, and has no branches, so that it is fast: most states have no such component
     for j in range(dissipated_at(d.links) if count > 0 else 0):
         # a component of exactly 0 is skipped, so that it keeps its derivatives in a tangent instance
         if 0.0 < abs(y[j]) < FADED_SIZE:

@@ -215,7 +215,10 @@ def quadrature_rates(d, factor, out):
 
 
 def store_end_rates(d):
-    """Store the rates of the quadratures at the end of the last step, where ẏ was just evaluated."""
+    """Store the rates of the quadratures at the end of the last step.
+
+    ẏ must have just been evaluated there.
+    """
     quadrature_rates(d, 1.0, d.quadrature.rate_end)
 
 

@@ -42,10 +42,10 @@ NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
-    """Set the last step to a step of zero length at ``time`` [s] in state y.
+    """Set the last step to a step of zero length at ``time`` [s] in state y, and count a break of the motion.
 
-    The quadratures get their stored totals. The delay of the event with which the next step begins
-    (``set_start_delay``) does not change.
+    The quadratures get their stored totals and rates. ``step.start_delay``, which is 0 and has only
+    derivatives, does not change.
     """
     step = d.step
     for j in range(len(step.state)):

@@ -32,8 +32,8 @@ PAIRS = 2  # number of pairs of complex eigenvalues of the matrix Q
 # fmt: off
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,
     1.0)
-# row i, column j of the matrix Q: the integral of the j-th Lagrange polynomial on the nodes from 0 to
-# NODES[i]
+# row i, column j of the matrix Q: the integral, from 0 to NODES[i], of the j-th Lagrange polynomial of the
+# nodes
 Q: tuple[tuple[float, ...], ...] = (
     (0.07299886431790333, -0.02673533110794557, 0.018676929763984353,
      -0.01287910609330644, 0.005042839233882015),

@@ -357,8 +357,9 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),
         ("before", INTEGER, (elements,)),  # the mode of an element before the last choice of modes
         ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
-        # what has determined the mode: 0: the motion, as the element moves; 1: the forces, as it is at rest;
-        # in a tangent instance also STOPPED of kernel/tangent/friction.py
+        # 1: the element is at rest, so its speed leaves the mode undecided, and the forces have determined
+        # it; 0: the element moves, and its motion has determined the mode; in a tangent instance also
+        # STOPPED = 2 of kernel/tangent/friction.py
         ("undecided", INTEGER, (elements,)),
         # m/s, largest speed of an element against its direction of sliding that counts as an error
         ("slack", REAL, (elements,)),

@@ -308,9 +308,10 @@ def moved_dtype(channels: int) -> np.dtype:
         ("given_velocity", REAL, (channels,)),  # m/s, given velocity of each channel
         ("given_acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel
         ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
-        # m, position of a channel at ``given_at``, from which its motion continues
+        # m, position of a channel at ``given_at``, from which later positions are extrapolated
         ("from_position", REAL, (channels,)),
-        # m/s, velocity of a channel at ``given_at``, from which its motion continues
+        # m/s, velocity of a channel at ``given_at``, from which later positions are extrapolated; ``mean`` is
+        # added to it
         ("from_velocity", REAL, (channels,)),
         # 1: at the last change a position was given, which the motion follows; 0: only a velocity or an
         # acceleration was given, and the position is its integral

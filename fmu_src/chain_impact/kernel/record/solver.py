@@ -152,9 +152,10 @@ def balance_dtype() -> np.dtype:
         ("since", REAL),  # s, time at which the run started
         # J, energy balance at the start of the run, plus the later changes that new parameters cause
         ("origin", REAL),
-        # J, the largest available energy (kernel/ode/balance.py) up to the start of the last step
+        # J, the value of ``available`` at the start of the last step
         ("available_at_start", REAL),
-        ("available", REAL),  # J, the largest available energy up to the end of the last step
+        # J, the most that motion, springs, walls and heat can have had up to the end of the last step
+        ("available", REAL),
         ("unit_motion", REAL),  # √J, √E₁ in the scale S of the energy (kernel/ode/balance.py)
         ("unit_scale", REAL),  # J, M g (s + Σ L_i) + E₂ in the scale S of the energy (kernel/ode/balance.py)
         ("weight", REAL),  # N, weight of the chain
@@ -214,7 +215,8 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     return record(
         ("stage", REAL, (STAGES, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
-        ("rate_end", REAL, (state,)),  # ẏ at the end of the step; remains valid after the step
+        # ẏ at the end of the last step while `step.rate_known` is 1; remains valid after the step
+        ("rate_end", REAL, (state,)),
         ("y", REAL, (state,)),  # the state y that is being evaluated
         ("rate", REAL, (state,)),  # the rate ẏ of ``y``, for evaluations that are no stages of a step
         # the state some time before or after that of ``y``, at which ode/folds.py finds forces near a fold
@@ -325,8 +327,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last", REAL, (RADAU_STAGES, extended)),
-        # value of `touch.listings` in the step of ``last``; only with the same value, and so the same active
-        # contacts, can ``last`` be extrapolated to the next step
+        # value of `touch.listings` in the step of ``last``; while it is the same, the active contacts are the
+        # same, and ``last`` can predict the stages of the next step
         ("listing", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         ("correction", REAL),  # largest component of the last Newton correction, relative to the tolerance

@@ -238,7 +238,7 @@ def solve_single(d, only):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return True: once the residual is round-off, the iterations suffice; dual numbers may need more."""
+    """Return True: the iteration may end. With dual numbers, another function waits for the derivatives."""
     return True
 
 

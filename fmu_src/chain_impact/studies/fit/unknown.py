@@ -70,8 +70,9 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
 def size_of(parameter: Parameter, value: float, error: float) -> str:
     """Return words for a standard error, which is given on the scale of the search.
 
-    They are "infinite", percent of a value that must be positive, a factor for a HUGE error on a logarithmic
-    scale, or a number with its unit.
+    They are "infinite"; percent of the value, on a logarithmic scale or if 0 is the only bound; a factor, for
+    an error above HUGE on a logarithmic scale; or a number with its unit, also for an error of at least HUGE
+    times the value if 0 is the only bound.
     """
     if not math.isfinite(error):
         return "infinite"

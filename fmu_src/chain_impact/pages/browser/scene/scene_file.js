@@ -267,7 +267,7 @@ function checkMaterials(file) {
   if (strange !== undefined) refuseWall(`contact.wall.${strange}`, existingWalls);
 }
 
-/** Refuse contents for which the page cannot make a record. */
+/** Refuse contents that break a rule between several values, as Python does; sort the points of contact.points. */
 function checkContents(file) {
   const { contact, inputs, chain, walls } = file;
   const movable = movablePoints(file);
