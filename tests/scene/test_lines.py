@@ -86,6 +86,8 @@ def test_an_error_names_the_line(before, after, line):
         ("[box]", "[[walls]]\nangle = -1.5e1 deg # up\n[box]", r'at line 19.*; .* text: "-1\.5e1 deg"$'),
         ("[box]", "[[walls]]\nangle = 5°\n[box]", r'; an angle in degrees is text: "5 deg"$'),
         ("y_min = 0", "y_min = 0,5", r"; a number has a decimal point: 0\.5$"),
+        ("[box]", "[contact]\nmodel = hertz # a law\n[box]", '; a text has quotes: "hertz"$'),
+        ("[box]", "[outputs]\nloads = True\n[box]", "; write true$"),
     ],
 )
 def test_text_that_is_no_toml_is_refused_with_a_correct_entry(before, after, hint):

@@ -133,8 +133,9 @@ class Parser(argparse.ArgumentParser):
         written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
         if option.startswith("-o") and written:
             return f"{option} is not an option; files are written by {', '.join(written)}"
-        near = nearest(option, self._option_string_actions)
-        return f"{option} is not an option" + (f"; the nearest is {near}" if near else "")
+        # without the dashes, which make short names look alike
+        near = nearest(option.strip("-"), [name.strip("-") for name in self._option_string_actions])
+        return f"{option} is not an option" + (f"; the nearest is --{near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not among the choices of an argument, and name the most similar choice.

@@ -16,6 +16,7 @@ _KEY_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_KEY_NAME}(?:\s*\.\s*{_KEY_NAME})*"
 _HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
+_COLUMNS = re.compile(r"[^=,;\[]+([,;][^=,;]+)+")
 _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)(?=[\s,\]#]|$)")
 
 
@@ -91,6 +92,8 @@ def fault_hint(text: str, fault: str) -> str:
     lines = text.splitlines()
     line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
     key, head = _KEY.match(line), _HEAD.match(line)
+    if named and int(named[1]) == 1 and _COLUMNS.fullmatch(line):
+        return "; it is a table of data: the scene comes first, then the data"
     if "overwrite" in fault and key and named:
         steps, before = _steps(key[1]), lines[: int(named[1]) - 1]
         return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""
@@ -101,5 +104,7 @@ def fault_hint(text: str, fault: str) -> str:
         return ""
     if degrees := _DEGREES.search(line):
         return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'
-    quantity = number_hint(line.partition("#")[0].partition("=")[2])
-    return quantity or comma_in(text, fault)
+    value = line.partition("#")[0].partition("=")[2].strip()
+    quoted = f'; a text has quotes: "{value}"' if "Invalid value" in fault and value[:1].isalpha() else ""
+    quoted = f"; write {value.lower()}" if value.lower() in ("true", "false") else quoted
+    return number_hint(value) or comma_in(text, fault) or quoted
