@@ -92,7 +92,8 @@ def fastest_wall(d):
 def travel_of_piece(d):
     """Estimate the largest distance [m] that a channel moves in the present piece of the inputs.
 
-    The channels that sines drive count by ``travel_of_sines``, which is added.
+    This is the largest distance by the polynomials of a channel, plus ``travel_of_sines``, the sum of the
+    amplitudes of all channels that sines drive.
     """
     most = 0.0
     for m in range(d.channels):

@@ -135,7 +135,7 @@ def moves_base(d, j):
 
 
 def acts_in_limited_drive(d, j):
-    """Return whether signal j is the motor force or a target of a drive with a limit."""
+    """Return whether signal j drives an input of a drive with a limit: its motor, target or velocity."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 

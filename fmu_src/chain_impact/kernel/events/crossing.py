@@ -360,7 +360,10 @@ def measure_clearances(d, theta):
 
 
 def measure_located(d):
-    """Set φ and φ′ of every suspect where ``locate_at`` has located the points."""
+    """Set φ and φ′ of every suspect, a candidate that the search examines, at the located points.
+
+    ``locate_at`` must have located them.
+    """
     u, slope = sundman_u_now(d, d.scratch.y)
     for k in range(d.search.suspect_count):
         set_clearance(d, d.search.suspect[k], u, slope)

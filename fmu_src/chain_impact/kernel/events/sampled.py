@@ -69,9 +69,10 @@ MOST_SAMPLED_TURN = 1e4
 # A wall pulls if the force by which it holds a point is negative. A pull up to PULL_ROUND_OFF is round-off,
 # relative to the chain's mass times the sum of gravity and one link length per s².
 PULL_ROUND_OFF = 1e-11
-# [s] a shorter step is not rejected because of a wall that pulls too strongly in a stage
+# [s] a shorter step is not rejected if a wall pulls by more than ``plausible_pull`` in a stage
 LEAST_REJECTED_STEP = 1e-9
-REST_SPEED = 1e-12  # the largest tangential speed that counts as rest, relative to a link length per second
+# the largest tangential speed that counts as rest, relative to the length of the longest link per second
+REST_SPEED = 1e-12
 # A friction force that exceeds its limit by less is round-off, relative to a sum: the limit, plus a link's
 # mass times gravity and one link length per s².
 FRICTION_EXCESS = 1e-10

@@ -57,8 +57,9 @@ LANDING_TIME = 1e-2
 # coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; its time after
 # the onset then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
-# A step whose crossing is wrong is rejected only if it is longer than SIMULTANEOUS_TIME plus this part of the
-# present time: ten times the resolution of time, because the next try may be a tenth as long.
+# A step with a crossing that is not credible (``is_credible_crossing``) is rejected only if it is longer than
+# SIMULTANEOUS_TIME plus this part of the present time: ten times the resolution of time, because the next try
+# may be a tenth as long.
 TIME_RESOLUTION = 4e-15
 
 

@@ -141,7 +141,10 @@ def record_law_kind(d, c):
 
 
 def given_number(d, c):
-    """Return the given number of candidate c's law: that of stops in joints, if given, or that of walls."""
+    """Return the given number of the law of candidate c.
+
+    A stop in a joint has the number in `stops` if it is given; any other candidate has the number in `given`.
+    """
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
 
@@ -159,7 +162,11 @@ def given_stiffness(d, c):
 
 
 def given_restitution(d, c):
-    """Return the given restitution e of candidate c: its wall's, or that of joints' stops, or the common."""
+    """Return the given restitution e of candidate c.
+
+    It is the own restitution of the candidate's wall, or that of stops in joints, if this is given; else the
+    common one. A stop of the slider has the common one, too.
+    """
     if at_joint_stop(d, c):
         return given_or_derived(d.given.stop_restitution, d.given.restitution)
     if at_stop(d, c):

@@ -267,10 +267,11 @@ def contact_resistance(d):
 def solve_positions(d):
     """Compute the change of coordinates that brings clearances and sticking elements to their targets.
 
-    Where constraint forces can hardly cause the motion that would remove the residuals, the change is larger
-    than residuals and errors explain. Then only points in a rigid wall, with g < target, are moved out. If no
-    rigid wall holds a point, nothing is moved then, nor where the change would hardly reduce the residuals of
-    sticking elements, for example at two corners of a box. Otherwise each step would change the energy.
+    Where constraint forces can hardly cause the motion that would remove the residuals, the change exceeds
+    the limit of LARGEST_CORRECTION. Then, if a rigid wall holds a point, only points in a rigid wall, with
+    g < target, are moved out; otherwise nothing is moved. If no rigid wall holds a point, nothing is moved
+    either where the change would leave more than LARGEST_REMAINING_RESIDUAL of the residuals of sticking
+    elements, for example at two corners of a box. Without these limits each step would change the energy.
     """
     constraints, size, far, asked, moved, left = (
         d.constraints,

@@ -55,8 +55,8 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-# The largest 1 − e for which P is evaluated at 1 in place of e: toward e = 1 the derivative of r with respect
-# to e grows without bound.
+# The largest 1 − e for which P has its value at e = 1 (r = 0), because toward e = 1 the derivative of r with
+# respect to e grows without bound.
 NEAREST_TO_ONE = 1e-12
 
 

@@ -314,9 +314,9 @@ def dissipates_evenly(d, middle):
 
 
 def allowed_change(d, y):
-    """Return the change [J] of the energy balance that a step to state y may have, with located points.
+    """Return the largest change [J] of the energy balance that a step to state y may cause.
 
-    A step with a larger change is rejected.
+    A step with a larger change is rejected. The points must be located for y.
     """
     scale, summed = energy_scales(d, y)
     return STEP_CHANGE * d.solver.tolerance * scale + ENERGY_ROUND_OFF * summed
@@ -329,7 +329,7 @@ def allowed_round_off(d, y):
 
 
 def energy_scales(d, y):
-    """Return the scale S [J] of the energy balance, and a sum [J]; its round-off is that of the balance.
+    """Return the scale S [J] of the energy balance, and a sum [J] to which its round-off is relative.
 
     The sum contains the sizes of all terms that enter the balance. Both results belong to state y, for which
     the points must be located.
@@ -356,7 +356,11 @@ def energy_scales(d, y):
 
 
 def check_balance(d):
-    """Return ENERGY_NOT_KEPT if a window, or the run so far, changed the energy balance too much, else OK."""
+    """Return ENERGY_NOT_KEPT if the energy balance has changed too much, else OK.
+
+    The limits are WINDOW_CHANGE in a window of time; and in the run so far, twice ENERGY_GAIN for a gain, and
+    twice the larger of ENERGY_GAIN and ``loss_budget`` for a loss.
+    """
     balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -74,7 +74,7 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
-# the predicted stages follow a polynomial of degree 5, 4, 3 up to here beyond the last step, in its lengths
+# up to here beyond the last whole step, in its lengths, the degree of the predicted stages is 5, 4, 3; else 1
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
@@ -147,7 +147,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step of size h; return a size ≤ h, less for a contact that ends or a fast motion."""
+    """Prepare a step of size h [s]; return a size ≤ h that suits the end of a contact and a fast motion."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)
@@ -225,7 +225,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Extrapolate the last step's polynomial to the stages; EXTRAPOLATED_LENGTHS gives its degree."""
+    """Predict the stages by a polynomial through the last step; EXTRAPOLATED_LENGTHS gives its degree."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0

@@ -336,9 +336,9 @@ def scaled_errors(d):
 def force_errors(d):
     """Return the largest error of a drive's damper and spring force, by each of the two error estimates.
 
-    Each error is relative to a moment that moves the chain. These errors must be small in a scene with rigid
-    walls: the forces of rigid walls depend on the drives, and a wrong sign of a wall's force would release a
-    point.
+    Each error is relative to a usual moment: the energy scale times 1 + g/s, with gravity g [m/s²] and the
+    longest link s [m]. These errors must be small in a scene with rigid walls: the forces of rigid walls
+    depend on the drives, and a wrong sign of a wall's force would release a point.
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):

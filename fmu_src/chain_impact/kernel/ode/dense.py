@@ -164,7 +164,7 @@ QUADRATURES = (
 
 
 def _rate_of(kinds):
-    """Return a function (d, i) for the rate of entry i; entries are counted through all ``kinds`` in turn."""
+    """Return a function (d, i) for the rate of quadrature i, of all rows of QUADRATURES in ``kinds``."""
     (_, count, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate

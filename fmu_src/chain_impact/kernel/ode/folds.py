@@ -27,7 +27,8 @@ LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
 # at the output. DIFFERENCE: weights whose sum is 0 for a polynomial of degree 2. A part c/ε of the force,
 # with the distance ε from the fold, makes this sum about 3 c divided by the distance.
 OFFSETS, VALUE, DIFFERENCE = (-1.0, 1.0, -2.0, 2.0), (2 / 3, 2 / 3, -1 / 6, -1 / 6), (2.0, -2.0, -1.0, 1.0)
-# A force is smooth if its sum with the weights DIFFERENCE is at most UNEVEN times the largest force.
+# The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
+# weights DIFFERENCE, is at most UNEVEN times the largest force.
 UNEVEN = 1e-3
 
 
@@ -79,7 +80,7 @@ def find_forces(d, theta, distance, rate):
 
 
 def passes_smoothly(d):
-    """Return whether the four samples show that the forces pass the fold smoothly."""
+    """Return whether the four samples of each force show that the forces pass the fold smoothly (UNEVEN)."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest = max(largest, abs(constraints.refined[k]))

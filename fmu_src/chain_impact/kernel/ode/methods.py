@@ -100,8 +100,8 @@ def choose_method(d):
 def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
-    An implicit method is judged by the proposed size of the next step, an explicit one by the last step's
-    length.
+    The implicit method is judged by the proposed size of the next step, the explicit one by the length of the
+    last step.
     """
     step = d.step
     if step.method == IMPLICIT:

@@ -105,7 +105,10 @@ def time_rate_now(d, y):
 
 
 def runs_back(d, y):
-    """Return whether a regularized step to state y goes far beyond the contact's end or back in time."""
+    """Return whether a regularized step to state y goes too far beyond the contact's end or back in time.
+
+    It does if u < LEAST_ROOT, or if the time of the step is not > 0.
+    """
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
     )

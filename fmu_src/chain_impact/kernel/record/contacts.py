@@ -244,8 +244,8 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
         ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
         ("residual", REAL, (count,)),  # m/s², the required acceleration minus the one with the forces p
-        # N, the force p + D m⁺ before it is clipped to its limits, with the impedance D and the residual m⁺
-        # with the force p⁺
+        # N, the force p + D m⁺ before it is clipped to its limits, with the force p before the iteration, the
+        # impedance D, and the residual m⁺ after the iteration (rows/limits.py)
         ("unlimited", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the change of its force p

@@ -134,7 +134,8 @@ def friction_output_dtype(elements: int) -> np.dtype:
     return record(
         ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, impulse of this friction force since the run's start
-        ("sticking", REAL, (elements,)),  # 1: the contact sticks; 0: it slides or has no friction
+        # 1: the contact of a candidate sticks; 0: it slides or has no friction
+        ("sticking", REAL, (elements,)),
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
         # friction on the slider [N]; later entries: 0
         ("drive_friction", REAL, (elements,)),

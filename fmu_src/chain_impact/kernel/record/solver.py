@@ -143,7 +143,8 @@ def balance_dtype() -> np.dtype:
         ("at_start", REAL),  # J, energy balance at the start of the last step
         # value of `step.breaks` when the energy balance was last evaluated at the start of a step
         ("breaks", INTEGER),
-        ("start", REAL),  # s, start of the window of time in which changes of the balance must not add up
+        # s, start of the window of time; the changes of the balance in it must not exceed a limit together
+        ("start", REAL),
         # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("reference", REAL),
         ("allowed", REAL),  # J, largest change of the balance allowed to any step of the window so far

@@ -52,7 +52,10 @@ def mean_mass(d):
 
 
 def holding_impedance(d):
-    """Return an impedance [kg] that leaves a held link of mean mass a millionth of its free motion."""
+    """Return an impedance D [kg] that reduces the motion of a link of mean mass to about a millionth.
+
+    It is RELATIVE_IMPEDANCE times the mean mass.
+    """
     return RELATIVE_IMPEDANCE * mean_mass(d)
 
 

@@ -103,7 +103,7 @@ def set_impedance(d, amount):
 
 
 def scale_sticking_impedances(d):
-    """Scale impedances of sticking elements by their limits of friction over the largest limit."""
+    """Multiply the impedance of each sticking element by its limit of friction over the largest limit."""
     friction, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(friction.stuck_count):
         most = max(most, d.element.limit[d.element.stuck[i]])
@@ -348,7 +348,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return ``fewest`` and ``stalls_left`` (pivots that may not reduce it) after ``wrong`` violations."""
+    """Return ``fewest``, the least ``wrong`` number so far, and the pivots left without a lower number."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1

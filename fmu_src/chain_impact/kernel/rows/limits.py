@@ -171,7 +171,8 @@ def constraint_to_release(d, scale):
 def solve_inside(d):
     """Store in ``unlimited`` the forces p + D m⁺ of all constraints, which may be beyond their limits.
 
-    m⁺ are the residuals with these forces in place of those inside the limits; forces at limits stay.
+    p are the forces before the iteration, D the impedances. m⁺ are the residuals if the constraints inside
+    their limits have these forces, and the others stay at their limits.
     """
     limited, motion = d.limited_forces, d.scratch.motion
     for k in range(constraint_count(d)):
@@ -189,7 +190,7 @@ def solve_inside(d):
 
 
 def update_residuals(d):
-    """Begin the next iteration from the present forces: set p (``center``) and the residuals to them."""
+    """Begin the next iteration: set p (``center``) to the present forces, and find their residuals."""
     limited = d.limited_forces
     solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.touch.compliant_count, constraint_count(d)):

@@ -237,7 +237,10 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative in one ``direction`` of any component of the vectors of all points."""
+    """Return the largest derivative of any component of the vectors of all points.
+
+    ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
+    """
     most = 0.0
     for k in range(len(vectors.x)):
         most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
@@ -245,7 +248,10 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative of a point's coordinate in one ``direction``, over the longest link."""
+    """Return the largest derivative of any point's coordinate, divided by the length of the longest link.
+
+    ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
+    """
     return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 

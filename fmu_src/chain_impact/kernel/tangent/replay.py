@@ -168,7 +168,7 @@ MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: with θ = 0.95 the 
 # Derivatives below LEAST_SLOPE times ``speed_by_friction`` may be round-off: a correction is then relative to
 # this product.
 LEAST_SLOPE = 1e-3
-# relative correction that stands for "not converged", if the derivatives are zero or not finite
+# result of ``last_correction`` that stands for "not converged", if the derivatives are zero or not finite
 UNLIMITED_CORRECTION = 1e300
 
 
@@ -245,7 +245,10 @@ def solve_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """Return the largest last correction of derivatives, relative to the derivatives in its direction."""
+    """Return the largest correction of derivatives in the last iteration, relative to the derivatives.
+
+    Correction and derivatives belong to the same parameter or input.
+    """
     implicit, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0

@@ -44,7 +44,7 @@ def check_rises(t):
 
 
 def is_sudden(t, j):
-    """Return whether signal j is a sine whose rise time has the value 0 but is differentiated."""
+    """Return whether signal j is a sine with the rise time 0, and derivatives by this time are computed."""
     rise = t.signal.rise[t.signal.source[j]]
     return t.signal.form[j] == SINE and value(rise) == 0.0 and has_slope(rise)
 
@@ -64,7 +64,8 @@ def is_differentiable(t, j):
         return False
     if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
-    # with a rise the wall starts −J farther inward than without: no point may be in between
+    # with a rise the wall starts farther inward than without, by minus the signal's ``jump``: no point may be
+    # in between
     return is_linear(t) and (not moves or nearest(t) > -jump)
 
 
