@@ -93,8 +93,8 @@ def allow_any_length(d):
 def check_cost(d):
     """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK, and begin a new window of cost when one has passed.
 
-    TOO_MUCH_WORK: a second of simulated time costs too much. STEP_TOO_LONG: a communication step costs too
-    much.
+    TOO_MUCH_WORK: a second of simulated time costs more than `solver.work_limit` allows. STEP_TOO_LONG: a
+    communication step costs more than is allowed for LONGEST_CALL.
     """
     limits = d.limits
     if cost_exceeded(d):
@@ -108,7 +108,7 @@ def check_cost(d):
 
 
 def check_events(d, events):
-    """Count a number of ``events``; return EVENT_STORM if EVENT_WINDOW has too many of them, else OK."""
+    """Count a number of ``events``; return EVENT_STORM if there are too many (MOST_EVENTS), else OK."""
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

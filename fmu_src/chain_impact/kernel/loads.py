@@ -250,7 +250,7 @@ def search_step(d):
     """Set ``transmitted.largest_square`` of each joint to its largest |f|² [N²] in the last step.
 
     If |f|² of the joint in the step stays below both its stored peak and the largest |f|² of every active
-    contact, the result is only the least of these stored values: no maximum changes then.
+    contact, the value is only the least of these stored maxima: none of them changes then.
     """
     transmitted, least = d.transmitted, math.inf
     for k in range(d.touch.active_count):

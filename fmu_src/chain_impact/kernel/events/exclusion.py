@@ -44,7 +44,7 @@ def known_clearances(d):
 
 
 def remember_clearances(d, extent):
-    """Record what is known of the clearances at the end of the last step; ``extent``: a `search.known`.
+    """Record what is known of the clearances at the end of the last step: ``extent``, NOTHING to FAR.
 
     This is valid until a break in the sequence of steps (``step.breaks``).
     """

@@ -257,8 +257,9 @@ def end_rebounding_contacts(d):
 def is_gentle(d):
     """Return whether all arriving points are so slow, or have so little energy, that they come to rest.
 
-    In a gentle impact sticking elements continue to stick. If the small impulses made a joint slide, its
-    friction would lift points, which would arrive gently again, and so on without end.
+    LEAST_REBOUND_SPEED limits their speeds, NEAR_WALL_CLEARANCE their energy. In a gentle impact sticking
+    elements continue to stick. If the small impulses made a joint slide, its friction would lift points,
+    which would arrive gently again, and so on without end.
     """
     force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
     slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)

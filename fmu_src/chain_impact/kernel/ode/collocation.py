@@ -170,7 +170,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return a size ≤ h that passes a contact's end by little, because the force is not smooth there."""
+    """Return h or, if a contact ends in the step, PAST_END × the time to this end: a kink of the force."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
         # time to the end: −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h does not limit h

@@ -111,8 +111,8 @@ LARGEST_STRETCH = 1.2
 # round-off. The step then ignores this end, and the search for events finds the end in the step. A step up to
 # such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
-# Outside these limits, the square of an error, relative to the tolerance, could underflow or overflow, so it
-# is not computed. Errors below the limit occur at rest, where held points have practically no speed.
+# An error, relative to the tolerance, outside of these limits is not squared, because the square could
+# underflow or overflow. Errors below the lower limit occur at rest, where held points hardly have a speed.
 SQUARE_UNDERFLOWS, SQUARE_OVERFLOWS = 1e-100, 1e100
 # If the phase of a sine signal of the base advances by more than FAST_SINE [rad] in a step, the sine
 # determines the error of the step (``is_smooth``).

@@ -281,8 +281,8 @@ def ensure_points(d):
 def largest_turn(d):
     """Return an estimate [rad] of the largest rotation of a link in the last step.
 
-    The estimate exceeds the rotation if |ω| and |α| are largest at an end of the step. The rates at both ends
-    must be known.
+    The estimate is not below the rotation if |ω| and |α| of each link are largest at an end of the step. The
+    rates at both ends must be known.
     """
     first, lasted, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
     turn = 0.0

@@ -24,8 +24,8 @@ from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
-# ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the part of the rise time for
-# which the full jump is late
+# ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
+# late by this part of the rise time
 LACKING = 0.5
 # a sine or cosine of a phase below this is round-off of 0
 PHASE_ROUND_OFF = 1e-12
@@ -50,7 +50,7 @@ def is_sudden(t, j):
 
 
 def is_differentiable(t, j):
-    """Return whether the motion has a derivative by the rise time of signal j, whose value is 0."""
+    """Return whether the motion has a derivative with respect to the rise time of signal j, which is 0."""
     signal = t.signal
     begins = value(signal.start[signal.source[j]]) - value(t.step.end)
     if begins < 0.0:
@@ -95,7 +95,10 @@ def nearest(t):
 
 
 def delay_jumps(t):
-    """Apply the derivatives by rise times of 0 at the start of the run: such sines begin with a late jump."""
+    """Give the state at the run's start its derivatives with respect to rise times of 0.
+
+    A sine with such a rise time begins with a jump, which a longer rise time delays.
+    """
     for j in range(t.signals):
         i = t.signal.source[j]
         jump, _ = at_begin(t, j)

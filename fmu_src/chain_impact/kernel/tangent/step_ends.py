@@ -61,7 +61,10 @@ def move_end(t):
 
 
 def move_to_segment(t):
-    """Give the end of the last step the derivatives of the end of a signal's segment, if both coincide."""
+    """Give the end of the last step the derivatives of the time at which a signal's segment ends there.
+
+    Without such an end, or with another event at the same time, nothing changes.
+    """
     delay = delay_of_segment(t)
     if ends_with_segment(t) and has_slope(delay):
         prepare_end(t)
