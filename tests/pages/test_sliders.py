@@ -255,3 +255,11 @@ def test_a_stiffness_without_effect_is_pale_and_its_forces_have_no_chart(show):
     page.evaluate("chainImpact.show({ 'contact.model': 'flores' })")
     page.locator("#force").wait_for(state="visible")
     assert row.locator("input[type=range]").evaluate(opacity) == 1.0
+
+
+def test_a_stiffness_of_stops_is_pale_without_effect(show):
+    page = show("kneed_leg")
+    row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Stiffness of stops"))
+    assert "idle" in row.get_attribute("class")
+    page.evaluate("chainImpact.show({ 'stops.model': 'flores' })")
+    until(page, "!document.querySelector('.main-parameter.idle')")

@@ -100,8 +100,8 @@ function mainParameter(changes, entry, now) {
  * effect.
  */
 function idleUnder(changes, name) {
-  const model = changes.parameters.get(name.replace(/stiffness$/, "model"));
-  if (!name.endsWith(".stiffness") || !model?.items?.length) return "";
+  const model = changes.parameters.get({ "contact.stiffness": "contact.model", "stop.stiffness": "stops.model" }[name]);
+  if (!model?.items?.length) return "";
   const [law] = model.items[changes.valueOf(model.name) - 1];
   return SHARED.laws[law]?.impulsive ? law : "";
 }
