@@ -113,9 +113,12 @@ class UnknownNameError(SceneError, KeyError):
 
 
 def _names_of_owner(name: object, names: Collection[str]) -> str:
-    """Return "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner."""
+    """Return "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner.
+
+    Every name has the owner ``*``, so the result for it is "", too.
+    """
     owner = str(name).rpartition(".")[0]
-    alike = find_names(f"{owner}.*", names) if owner else []
+    alike = find_names(f"{owner}.*", names) if owner.strip("*") else []
     parts = list(dict.fromkeys(one.rpartition(".")[2] for one in alike))
     return f"{owner} has {', '.join(parts[:MOST_PARTS])}{', …' * (len(parts) > MOST_PARTS)}" if parts else ""
 
