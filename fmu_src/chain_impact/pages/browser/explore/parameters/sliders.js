@@ -88,21 +88,18 @@ function mainParameter(changes, entry, now) {
     show();
     showUnit(field.value);
     explain(row);
-    const law = idleUnder(changes, name);
+    const law = name.endsWith(".stiffness") ? impulsiveLaw(changes, name === "stop.stiffness") : "";
     row.classList.toggle("idle", Boolean(law));
     label.title = law ? `${name}: no effect with ${law}` : name;
     row.classList.toggle("changed", changes.isChanged(name));
   } };
 }
 
-/**
- * Return the name of the law under which a stiffness has no effect, because the law has impulses in place of forces; "" if it has an
- * effect.
- */
-function idleUnder(changes, name) {
-  const model = changes.parameters.get({ "contact.stiffness": "contact.model", "stop.stiffness": "stops.model" }[name]);
-  if (!model?.items?.length) return "";
-  const [law] = model.items[changes.valueOf(model.name) - 1];
+/** Return the name of the law of walls or, if `ofStops`, of stops of joints, if it has impulses in place of forces; otherwise "". */
+export function impulsiveLaw(changes, ofStops) {
+  const { contact, stops } = changes.scene.file;
+  const model = changes.parameters.get("contact.model");
+  const law = (ofStops && stops.model) || (model?.items[changes.valueOf(model.name) - 1]?.[0] ?? contact.model);
   return SHARED.laws[law]?.impulsive ? law : "";
 }
 
