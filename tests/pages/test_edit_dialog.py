@@ -137,6 +137,18 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     )
 
 
+def test_an_edit_keeps_the_motion_before_it_and_reset_all_undoes_it(show):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("button", name="Add a link").click()
+    until_told(page, "5 links")
+    assert page.locator("polyline.compared.before").count() == 1
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Reset all").click()
+    until_told(page, "4 links")
+    assert page.locator("#reset-all").is_hidden()
+
+
 def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_path):
     page = show()
     contents = scene_to_dict(load_scene("four_link_box").with_values({"contact.points": [1, 2, 4]}))

@@ -12,7 +12,17 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.in_pages import DESK, PHONE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import (
+    DESK,
+    ON_ITS_SIDE,
+    PHONE,
+    PIXELS,
+    SUBTITLE,
+    enter,
+    impacts_of,
+    until,
+    until_told,
+)
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -111,6 +121,55 @@ def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
     assert refused.count() == 0
     assert field.evaluate(COLOUR) == usual
     until_told(page, impacts_of({"contact.stiffness": 1e6}))
+
+
+def test_escape_and_reset_bring_back_the_value_that_holds(show):
+    page = show(hash_="#contact.restitution=0.5")
+    field = enter(page, "contact.restitution", "1.5")
+    field.press("Tab")
+    assert field.input_value() == "1.5"
+    reason = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
+    assert reason.is_visible()
+    field.press("Escape")
+    assert field.input_value() == "0.5"
+    assert reason.count() == 0
+    page.get_by_role("button", name="Reset contact.restitution").first.click()
+    enter(page, "contact.restitution", "1.5")
+    page.get_by_role("button", name="Reset contact.restitution").first.click()
+    assert (field.input_value(), reason.count()) == ("0.7", 0)
+
+
+def test_the_reason_of_a_refusal_is_in_sight_on_a_phone(show):
+    page = show("pinned_arm", viewport=PHONE)
+    enter(page, "contact.restitution", "2")
+    reason = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
+    below = page.locator("footer").bounding_box()["y"]
+    until(page, f"{BOTTOM} <= {below}")
+    assert reason.bounding_box()["y"] >= page.locator("#stage").bounding_box()["y"]
+
+
+BOTTOM = """Math.max(...[...document.querySelectorAll(".main-parameter .refusal")]
+  .map((reason) => reason.getBoundingClientRect().bottom))"""
+
+
+def test_space_plays_and_a_question_mark_helps_beside_a_slider(show):
+    page = show()
+    slider = page.get_by_role("slider", name="Restitution")
+    slider.press("ArrowLeft")
+    slider.press("End")
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "1"
+    slider.press("Space")
+    page.get_by_role("button", name="Pause").wait_for()
+    slider.press("?")
+    assert page.get_by_role("dialog", name="Help").is_visible()
+
+
+@pytest.mark.parametrize("size", [ON_ITS_SIDE, {"width": 768, "height": 1024}], ids=["side", "tablet"])
+def test_no_label_is_broken_within_its_word(show, size):
+    page = show(viewport=size, has_touch=True)
+    label = page.locator("label[for='main-contact.restitution']")
+    line = label.evaluate("label => parseFloat(getComputedStyle(label).lineHeight)")
+    assert label.bounding_box()["height"] < 1.6 * line
 
 
 def test_a_slider_that_was_refused_is_right_again_after_the_next_change(show):

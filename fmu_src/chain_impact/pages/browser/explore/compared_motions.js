@@ -28,10 +28,12 @@ export class ComparedMotions {
    * one of the `handles` is dragged, all changes count as one.
    */
   follow(changes, handles) {
-    let last = { hash: hashOf(changes), dragged: null };
+    let last = { hash: hashOf(changes), dragged: null, scene: changes.scene };
     changes.onChange(() => {
-      const present = { hash: hashOf(changes), dragged: handles.dragged };
-      if (present.hash !== last.hash) this.#change(present.dragged !== null && present.dragged === last.dragged);
+      const present = { hash: hashOf(changes), dragged: handles.dragged, scene: changes.scene };
+      const isChange = present.hash !== last.hash || present.scene !== last.scene;
+      if (isChange) this.#change(present.dragged !== null && present.dragged === last.dragged);
+      if (present.scene.name !== this.before?.name) this.before = null; // another scene, not an edited one
       last = present;
     });
   }

@@ -62,6 +62,9 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
 });
 const openScene = new OpenScene(changes, choice, kit);
 new Editor(changes, openScene, kit.keys);
+changes.onChange(() => {
+  find("reset-all").hidden = changes.count === 0 && !openScene.isEdited;
+});
 const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
 player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
 showParameterList(find("list-of-parameters"), changes);
@@ -77,7 +80,7 @@ window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...end) => simulation.faultOf(...end) });
 // a map has engines of its own, so that it does not delay the motion
 find("map-open").addEventListener("click", () => new GridMap(beginEngine, changes).open(), { once: true });
-find("reset-all").addEventListener("click", () => changes.replace({}, {}));
+find("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
 keepChartsWhole();

@@ -11,18 +11,30 @@ export class OpenScene {
   text = ""; // the text of the open scene's file; "" for the page's own scene
 
   constructor(changes, choice, kit) {
-    Object.assign(this, { changes, choice, kit, first: changes.scene });
+    const origin = { scene: changes.scene, text: "" }; // the open scene before its edits
+    Object.assign(this, { changes, choice, kit, first: origin, origin });
     this.#describe();
   }
 
   /** Show the scene with which the page was made. */
   openFirst() {
-    this.#show(this.first, "");
+    this.origin = this.first;
+    this.undoEdits();
+  }
+
+  /** Show the open scene as it was before all edits. */
+  undoEdits() {
+    this.#show(this.origin.scene, this.origin.text);
+  }
+
+  get isEdited() {
+    return this.changes.scene !== this.origin.scene;
   }
 
   /** Open the scene of a file's contents, without changes; if the contents have a fault, the error names the wrong key. */
   open(contents) {
-    this.#showFile(this.#sceneIn(contents));
+    this.origin = this.#sceneWithText(this.#sceneIn(contents));
+    this.undoEdits();
   }
 
   /**
@@ -34,7 +46,8 @@ export class OpenScene {
     const { changes, choice, kit } = this;
     const { nameOf, kept, removed, ...edited } = editedScene(contents, before, changes, { kit, open: (file) => this.#sceneIn(file) });
     choice.names = choice.names.map(nameOf).filter(Boolean);
-    this.#showFile(edited, kept);
+    const { scene, text } = this.#sceneWithText(edited);
+    this.#show(scene, text, kept);
     return removed;
   }
 
@@ -44,8 +57,8 @@ export class OpenScene {
     return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
   }
 
-  #showFile({ whole, scene }, kept) {
-    this.#show(scene, tomlText(asWritten(whole), this.kit.keys), kept);
+  #sceneWithText({ whole, scene }) {
+    return { scene, text: tomlText(asWritten(whole), this.kit.keys) };
   }
 
   /** Show a scene, with the text of its file and the changes `kept` in it. */

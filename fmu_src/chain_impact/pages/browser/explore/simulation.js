@@ -54,7 +54,6 @@ export class Simulation {
     const { scene } = changes;
     this.#started = performance.now();
     this.#nextRun = 0;
-    find("reset-all").hidden = changes.count === 0;
     const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
     const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
     const result = await this.engine

@@ -51,7 +51,8 @@ export function connect(clock, drawing) {
 /** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses it itself. */
 function keepsKey({ target, key }) {
   if (find("help").open || target.closest("dialog")) return true;
-  if (target.closest("input:not([type=checkbox], #scrub)")) return true;
+  if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // they move the slider
+  if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
   return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
 }

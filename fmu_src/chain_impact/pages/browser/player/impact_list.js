@@ -122,9 +122,9 @@ export class ImpactList {
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
-  const { number, onset, wall, peak } = contact;
+  const { number, onset, peak } = contact;
   const isNext = onset > time;
   const force = peak === null ? "" : `${peakText(contact)}, `;
   const speed = isNext ? "" : `${approachText(contact)}, `;
-  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${force}${speed}${contact.what} at ${wall}`;
+  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${force}${speed}${contact.what} at ${wallText(contact)}`;
 }

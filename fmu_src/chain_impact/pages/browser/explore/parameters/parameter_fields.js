@@ -14,7 +14,9 @@ export function attempt(field, change) {
   } catch (error) {
     field.setCustomValidity(error.message);
   }
-  explain(field.closest(".main-parameter, .parameter"));
+  const row = field.closest(".main-parameter, .parameter");
+  explain(row);
+  if (!field.validity.valid) row.querySelector(".refusal").scrollIntoView({ block: "nearest" }); // bars of a phone may hide it
 }
 
 /** Return an empty element for a row, in which `explain` shows why the row's value is refused. */
@@ -43,7 +45,8 @@ export function presentUnit(changes, name, values = changes.values) {
 
 /**
  * Return a `field` for a parameter, which is a number or a choice, with two functions: `write` writes a value into it, and `refresh` the
- * parameter's present value. A field shows all digits of its value only while it has the focus.
+ * parameter's present value. A field shows all digits of its value only while it has the focus. A refused text stays until Escape or
+ * another change brings back the value that holds.
  */
 export function valueField(changes, parameter) {
   const { name, items, text, allowed, derived, unit } = parameter;
@@ -60,6 +63,7 @@ export function valueField(changes, parameter) {
     field.value = items.length ? String(value) : (isActive() ? valueText : shortText)(value, unit);
   };
   ["focus", "blur"].forEach((event) => field.addEventListener(event, () => field.checkValidity() && write()));
+  field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
   const refresh = () => {
     if (!isActive() || items.length) field.setCustomValidity("");
     if (field.checkValidity()) write(changes.valueOf(name));
