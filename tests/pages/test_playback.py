@@ -14,6 +14,7 @@ from chain_impact.pages.assembly import program
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
+from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import (
     DARK_CHAIN,
     LIGHT_CHAIN,
@@ -199,6 +200,18 @@ def test_the_latest_of_overlapping_contacts_is_named(show_recording, until_next)
         assert page.text_content("#contact-name").startswith(f"impact {number}: point {number - 1} ")
     go_to(page, 0.0125)
     assert page.inner_text("tr[aria-current] button") == "2"
+
+
+@pytest.mark.parametrize(("model", "unit"), [("bouncing_ball", "N·s"), ("kneed_leg", "N·m·s")])
+def test_a_rigid_wall_or_stop_has_the_impulse_of_an_impact(show_recording, model, unit):
+    scene = load_scene(model).with_values({"simulation.stop_time": 0.55})
+    impact = simulate(scene).impacts[0]
+    page = show_recording(record_slowly(scene))
+    page.locator("#impacts tbody tr").first.click()
+    assert time_of(page) == pytest.approx(impact["onset"], abs=2e-5)
+    for text in (page.locator("#impacts tbody tr").first.inner_text(), page.inner_text("#caption")):
+        shown = re.search(rf"([\d.]+)\u202f{unit}(?!·)", text)[1]
+        assert float(shown) == pytest.approx(impact["impulse"], rel=5e-3)
 
 
 def test_the_labels_of_a_force_are_not_cut_off(show_recording):

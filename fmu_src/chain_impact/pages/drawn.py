@@ -35,6 +35,7 @@ OF_IMPACT = {
     "speed": "impact_speed",
     "rebound": "separation_speed",
     "peak": "peak_force",
+    "impulse": "impulse",
     "jointForce": "joint_force",
     "depth": "max_penetration",
 }

@@ -62,6 +62,11 @@ export function forceText(newtons, count = 3, unit = "N") {
   return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
+/** Return the impulse of an impact [N·s], at a stop of a joint [N·m·s], as text; "" if it is unknown. */
+export function impulseText(impact, count = 3) {
+  return Number.isFinite(impact.impulse ?? NaN) ? forceText(impact.impulse, count, unitsOf(impact).impulse) : "";
+}
+
 /** Return the labels for an axis of forces, all with the prefix of the unit that suits the largest tick. */
 export function forceTicks(ticks, unit) {
   const most = Math.max(...ticks.map(Math.abs));
@@ -92,7 +97,7 @@ export function speedText(value) {
 /** Return the units of the quantities of a contact; at a stop of a joint (`atStop`), they are units of angles and moments. */
 export function unitsOf({ atStop }) {
   const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
-  return { speed: unitText(units.impact_speed), force: unitText(units.peak_force) };
+  return { speed: unitText(units.impact_speed), force: unitText(units.peak_force), impulse: unitText(units.impulse) };
 }
 
 /** Return a sentence with ≤ and ≥ in place of <= and >=, in which no line ends after a sign of comparison. */

@@ -1,6 +1,6 @@
 // The base class of all charts, which uPlot draws: axes, curves of compared motions, and a vertical line at the present time.
 
-import { fixed, ticksOf, withMinus } from "../base/format.js";
+import { fixed, impulseText, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 
 /** [s] time that a chart shows before and after an impact without a duration. */
@@ -70,9 +70,11 @@ export function writerOf(arrays) {
   return (value) => withMinus(fixed(value, decimals));
 }
 
-/** Return words for a contact: the number of the impact, what touches, and the wall. */
-export function contactTitle({ number, what, wall }) {
-  return `${number ? `impact ${number}: ` : ""}${what} at ${wall}`;
+/** Return words for a contact: the number of the impact, what touches, the wall, and the impulse if no peak force is known. */
+export function contactTitle(contact) {
+  const { number, what, wall, peak } = contact;
+  const impulse = peak === null ? impulseText(contact) : "";
+  return `${number ? `impact ${number}: ` : ""}${what} at ${wall}${impulse && `, ${impulse}`}`;
 }
 
 export function axisOptions(options = {}) {

@@ -138,7 +138,7 @@ export class ForceChart extends Chart {
       if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
-      const high = highest([contact.peak ?? 0, ...friction], ...this.curves.map(({ points: [, y] }) => y));
+      const high = highest(contact.peak === null ? inside : [contact.peak], friction, ...this.curves.map(({ points: [, y] }) => y));
       // the limits are set directly, because uPlot does not apply `range` to limits that are set
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });

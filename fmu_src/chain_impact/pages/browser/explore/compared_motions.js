@@ -2,7 +2,7 @@
 // motions are listed.
 
 import { make } from "../base/dom.js";
-import { durationText, forceText, unitsOf } from "../base/format.js";
+import { durationText, forceText, impulseText, unitsOf } from "../base/format.js";
 import { hashOf } from "./export.js";
 
 const GESTURE = 800; // [ms] changes with less time between them count as one change
@@ -165,10 +165,10 @@ function besideOthers([x, y], others) {
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return a table's cell for an impact: time and peak force, with a tooltip on what touches, where and how long; a dash without impact. */
+/** Return a cell for an impact: time and peak force or impulse, with a tooltip on what touches, where and how long; a dash without one. */
 function cellOf(impact) {
   if (!impact) return make("td", { textContent: "–" });
-  const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
+  const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const cell = make("td", { title: `${impact.what} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
   return cell;

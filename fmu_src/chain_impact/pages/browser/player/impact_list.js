@@ -1,7 +1,7 @@
 // The list of impacts; a click on a row goes to the largest force of its impact.
 
 import { find, make } from "../base/dom.js";
-import { forceText, unitsOf } from "../base/format.js";
+import { forceText, impulseText, unitsOf } from "../base/format.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
@@ -9,13 +9,16 @@ const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
-  peak: "Largest force of the contact, at a stop the largest moment",
+  peak: "Largest force of the contact, at a stop the largest moment; the impulse of a rigid wall or stop",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
-/** Return the largest force of an impact or, at a stop of a joint, the largest moment as text; a dash if it is unknown. */
-function peakText({ peak, atStop }) {
-  return peak === null ? "–" : forceText(peak, 3, unitsOf({ atStop }).force);
+/**
+ * Return the largest force of an impact or, at a stop of a joint, the largest moment as text; the impulse if the impact has no duration; a
+ * dash if it is unknown.
+ */
+function peakText(impact) {
+  return impact.peak === null ? impulseText(impact) || "–" : forceText(impact.peak, 3, unitsOf(impact).force);
 }
 
 /** Return the name of an impact's wall; for a stop, only which end it is: min or max. */
@@ -122,9 +125,9 @@ export class ImpactList {
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
-  const { number, onset, peak } = contact;
+  const { number, onset } = contact;
   const isNext = onset > time;
-  const force = peak === null ? "" : `${peakText(contact)}, `;
-  const speed = isNext ? "" : `${approachText(contact)}, `;
-  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${force}${speed}${contact.what} at ${wallText(contact)}`;
+  const [force, speed] = [peakText(contact), approachText(contact)];
+  const parts = [force === "–" ? "" : `${force}, `, isNext ? "" : `${speed}, `, `${contact.what} at ${wallText(contact)}`];
+  return `Impact ${number} of ${impacts.length}${isNext ? " is next" : ""}: ${parts.join("")}`;
 }

@@ -8,7 +8,8 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // smallest number of frames of a recording
 
 /**
- * Return the impacts in the form of a `Recording`: an unknown `end` becomes `stop`, the end of the recording [s], and a `peak` of 0 null.
+ * Return the impacts in the form of a `Recording`: an unknown `end` becomes `stop`, the end of the recording [s]. A `peak` becomes null if
+ * it is 0, or if there is no penetration: the force of a rigid wall only holds a point after the impulse.
  * `impactEnd` [s] is when the impact is over for slow motion: `end` or, in a long contact, an earlier time that follows from its largest
  * penetration and impact speed.
  */
@@ -16,7 +17,7 @@ export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, depth, ...impact }) => {
     const until = end ?? stop;
     const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.SLOWEST);
-    return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 ? peak : null };
+    return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 && depth !== 0 ? peak : null };
   });
 }
 

@@ -79,12 +79,12 @@ export class Recording {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
 
-  /** Return the time [s] of the row with a contact's largest force; the onset if the force is unknown or 0. */
+  /** Return the time [s] of the row with a contact's largest force; the onset if the force is unknown or 0, or the wall rigid. */
   #peakTimeOf(contact) {
     const { rowTime: time } = this;
     const { force } = this.courseOf(contact);
     let [peakTime, most] = [contact.onset, 0];
-    if (!force) return peakTime;
+    if (!force || contact.peak === null) return peakTime;
     for (let row = lastBefore(time, contact.onset); time[row] <= contact.end; row += 1) {
       if (time[row] >= contact.onset && force[row] > most) [peakTime, most] = [time[row], force[row]];
     }
