@@ -47,6 +47,28 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     assert page.locator("#pins tbody tr").count() == 3
 
 
+def test_pins_tell_place_and_largest_force_and_mark_another_place(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+    scene = load_scene("four_link_box")
+    runs = [simulate(scene.with_values({"contact.restitution": e})) for e in (0.5, 0.7)]
+    until_told(page, f"{len(runs[0].impacts)} impact")
+    rows = page.locator("#pins tbody tr").all()
+    assert "present: contact.restitution = 0.5" in rows[0].inner_text()
+    places = [[(one["point"], one["wall"]) for one in run.impacts[:8]] for run in runs]
+    largest = [f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN" for run in runs]
+    assert [row.locator("td").first.inner_text() for row in rows] == largest
+    walls = [f"{point}\xa0{runs[1].wall_names[wall]}" for point, wall in places[1]]
+    assert rows[1].locator(".place").all_inner_texts()[:8] == walls
+    marked = ["elsewhere" in (cell.get_attribute("class") or "") for cell in rows[1].locator("td").all()[1:9]]
+    assert marked == [one != other for one, other in zip(*places, strict=True)]
+    assert any(marked)
+    counts = f"{len(runs[1].impacts)} → {len(runs[0].impacts)}"
+    told = f"{counts}, largest {largest[1]} → {largest[0]}"
+    assert page.inner_text("#impacts-before") == told
+
+
 def test_letters_of_pins_at_one_place_are_beside_each_other(show):
     page = show()
     for value in (0.4, 0.6):

@@ -73,6 +73,21 @@ def test_keys_and_buttons_do_nothing_while_there_is_no_motion(show):
     until_told(page, "impacts in")
 
 
+def test_a_change_that_cannot_start_is_undone_alone_and_nothing_plays(show):
+    page = show(hash_="#contact.restitution=0.4")
+    page.evaluate("chainImpact.show({ 'initial.y': -3 })")
+    until_told(page, "cannot start", "status")
+    page.keyboard.press("Space")
+    assert page.locator("#play").get_attribute("aria-label") == "Play"
+    assert page.locator("footer").evaluate("footer => footer.inert")
+    page.get_by_role("button", name="Undo the change of initial.y").click()
+    until(page, "document.getElementById('status').hidden")
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.4"
+    assert page.evaluate("chainImpact.parameters['initial.y']") != "-3"
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Pause").wait_for()
+
+
 def test_after_a_refusal_the_numbers_of_the_run_before_are_not_shown(show):
     page = show()
     page.get_by_role("button", name="Pin").click()

@@ -1,8 +1,9 @@
 // The motions that are drawn behind the present motion: the motion before the last change, and pinned motions. The impacts of pinned
 // motions are listed.
 
-import { make } from "../base/dom.js";
+import { find, make } from "../base/dom.js";
 import { durationText, forceText, impulseText, unitsOf } from "../base/format.js";
+import { wallText } from "../player/impact_list.js";
 import { hashOf } from "./export.js";
 
 const GESTURE = 800; // [ms] changes with less time between them count as one change
@@ -118,6 +119,7 @@ export class ComparedMotions {
   /** List the pinned motions, show their curves in the charts, and the impacts of all motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
+    find("impacts-before").textContent = differenceText(this.before, player.recording);
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
@@ -125,14 +127,18 @@ export class ComparedMotions {
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
-    const all = [{ recording: player.recording, text: "present" }, ...listed];
+    const text = ["present", player.recording.text].filter(Boolean).join(": ");
+    const all = [{ recording: player.recording, text }, ...listed];
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
     const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
-    const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
+    const fixed = ["Impact", "largest"].map((textContent) => make("th", { scope: "col", textContent }));
+    const head = make("tr", {}, ...fixed, ...numbers);
     const more = Math.max(...all.map(({ recording }) => recording.impacts.length)) - count;
     if (more > 0) head.append(make("th", { scope: "col", textContent: `and ${more} more` }));
-    const rows = all.map((motion) => make("tr", {}, this.#title(motion),
-      ...numbers.map((_, k) => cellOf(motion.recording.impacts[k]))));
+    const present = player.recording.impacts;
+    const largest = ({ recording }) => make("td", { textContent: largestText(recording) });
+    const rows = all.map((motion) => make("tr", {}, this.#title(motion), largest(motion),
+      ...numbers.map((_, k) => cellOf(motion.recording.impacts[k], present[k]))));
     table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
   }
 
@@ -165,11 +171,41 @@ function besideOthers([x, y], others) {
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return a cell for an impact: time and peak force or impulse, with a tooltip on what touches, where and how long; a dash without one. */
-function cellOf(impact) {
+/** Return the largest peak force of a recording as text, or without one the largest impulse; at stops if only stops are hit. */
+function largestText({ impacts }) {
+  const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
+  const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
+  const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
+  const atWalls = known.filter(({ atStop }) => !atStop);
+  const sizeOf = ({ peak, impulse }) => (peaks.length ? peak : impulse);
+  const largest = (atWalls.length ? atWalls : known).reduce(
+    (one, other) => (one && sizeOf(one) >= sizeOf(other) ? one : other), null);
+  if (!largest) return "–";
+  return peaks.length ? forceText(largest.peak, 3, unitsOf(largest).force) : impulseText(largest);
+}
+
+/** Return words for how impacts differ from those of the recording before a change: their number and largest force. */
+function differenceText(before, present) {
+  if (!before || before === present) return "";
+  const [one, other] = [before, present].map((recording) => [`${recording.impacts.length}`, largestText(recording)]);
+  return `${one[0]} → ${other[0]}, largest ${one[1]} → ${other[1]}`;
+}
+
+/** Return what touches and where at an impact, as short text. */
+function placeText(impact) {
+  return `${impact.what.replace(/^point /, "")}\u00a0${wallText(impact)}`;
+}
+
+/**
+ * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip on how long; a dash without impact. The cell
+ * is marked if the impact `beside` of the present motion has another place.
+ */
+function cellOf(impact, beside) {
   if (!impact) return make("td", { textContent: "–" });
   const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
   const cell = make("td", { title: `${impact.what} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
-  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
+  const place = make("small", { className: "place", textContent: placeText(impact) });
+  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }), place);
+  cell.classList.toggle("elsewhere", Boolean(beside) && placeText(impact) !== placeText(beside));
   return cell;
 }

@@ -52,12 +52,13 @@ function withSteadyView(next) {
 const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about) => {
+  document.querySelector("footer").inert = !parts && Boolean(player.recording);
   if (parts) {
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
     comparedMotions.show();
     choice.bringIntoView();
   } else if (player.recording) {
-    player.drawSoon();
+    player.clock.set({ playing: false });
   }
 });
 const openScene = new OpenScene(changes, choice, kit);

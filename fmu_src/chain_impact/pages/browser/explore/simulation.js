@@ -14,6 +14,7 @@ export class Simulation {
   #nextRun = 0; // the timer that starts the next run
   #status = 0; // the status of the last run
   #sentence = ""; // the sentence that tells how the last run ended
+  #last; // scene, values and steps of inputs of the last run with a motion
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
@@ -51,7 +52,7 @@ export class Simulation {
   /** Simulate with the present parameters, and show the motion, unless a newer run has replaced this one. */
   async #run() {
     const { changes, choice } = this;
-    const { scene } = changes;
+    const { scene, values, inputSteps } = changes;
     this.#started = performance.now();
     this.#nextRun = 0;
     const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
@@ -65,6 +66,7 @@ export class Simulation {
     this.#started = -Infinity;
     document.body.classList.remove("computing");
     document.body.classList.toggle("stale", !result.parts);
+    if (result.parts) this.#last = { scene, values, inputSteps };
     this.#status = result.status;
     this.#sentence = result.fault ?? this.faultOf(result, result.parts);
     this.#tell();
@@ -91,6 +93,19 @@ export class Simulation {
     find("status").textContent = readable(all);
     find("status").hidden = !all;
     if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
+    if (all && document.body.classList.contains("stale")) this.#offerUndo();
+  }
+
+  /** Offer to take back the changes after the last motion of this scene, and name their parameters. */
+  #offerUndo() {
+    const { changes } = this;
+    const last = this.#last;
+    if (last?.scene !== changes.scene) return;
+    const names = Object.keys({ ...last.values, ...changes.values }).filter((name) => last.values[name] !== changes.values[name]);
+    if (!names.length) return;
+    const button = make("button", { type: "button", className: "action", textContent: `Undo the change of ${names.join(", ")}` });
+    button.addEventListener("click", () => changes.replace(last.values, last.inputSteps));
+    find("status").append(" ", button);
   }
 
   /** Return a button that sets all coefficients of friction at walls to 0, for a run that the law has refused because of friction. */

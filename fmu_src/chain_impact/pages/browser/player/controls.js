@@ -28,7 +28,8 @@ export function connect(clock, drawing) {
   document.addEventListener("keydown", (event) => {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
     const action = actions[name.length === 1 ? name.toLowerCase() : name];
-    if (!action || !clock.recording || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
+    const isReady = clock.recording && !document.querySelector("footer").inert;
+    if (!action || !isReady || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
     event.preventDefault();
     action();
   });
