@@ -2,6 +2,7 @@
 
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
 # Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
+# Tests: pages/browser/explore/map/map_outputs.js
 
 import math
 import re
@@ -134,6 +135,24 @@ def test_a_map_shows_the_largest_forces_of_a_sweep(show):
         e, stiffness, value = map(float, rows[-1].split(","))
         found = sweep(scene, {"contact.restitution": [e], "contact.stiffness": [stiffness]})
         assert found[output][0] == value
+
+
+def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):
+    page = show("kneed_leg", {"stops.restitution": 0.6})
+    page.get_by_role("button", name="Map…").click()
+    assert page.locator("#map-output").input_value() == "impact.count"
+    page.locator("#map-text").get_by_text("A preview of").wait_for()
+    page.locator("#map-x-to").fill("1.4")
+    page.locator("#map-x-to").blur()
+    page.get_by_text("must be a finite number").wait_for()
+    page.locator("#map-output").select_option("stop.peak_moment")
+    page.locator("#map-scales").get_by_text("Largest moment at a stop").wait_for()
+    page.locator("#map-x-to").fill("0.9")
+    draw_map(page)
+    assert "; grey runs have only impulses." in page.locator("#map-text").inner_text()
+    box = page.locator("#map-canvas").bounding_box()
+    page.locator("#map-canvas").hover(position={"x": 0.6 * box["width"], "y": 0.5 * box["height"]})
+    page.locator("#map-text").get_by_text("only impulses with newton_impact").wait_for()
 
 
 def test_a_run_that_a_scene_would_refuse_has_no_colour(show):

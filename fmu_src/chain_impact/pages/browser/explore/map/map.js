@@ -9,13 +9,12 @@ import { presentUnit } from "../parameters/parameter_fields.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
+import { mainOutput, outputsLike, outputsOf, rigidLaw } from "./map_outputs.js";
 import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
 
 const POINTS = 41; // number of values of each parameter in the map
 const COARSE = 9; // number of values of each parameter in the preview
-// the first of these outputs that the scene has is the one that the map shows first
-const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "energy.total"];
 const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
@@ -37,28 +36,6 @@ function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/**
- * Return a list with the scene's output of a name, empty if there is none. Besides name and unit, an output of a map has `words`: indices
- * in the record; the map shows the largest of their values.
- */
-function outputsLike({ columns }, name) {
-  return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
-}
-
-/**
- * Return the outputs that are largest values of a run: at walls, at stops of joints, and of forces in joints. Their names are those of a
- * sweep.
- */
-function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
-  const touch = contactPoints.length + sliderStops.length;
-  const largest = Object.entries(SHARED.peaks)
-    .filter(([, { atStops }]) => (atStops ? stops.length : touch))
-    .map(([name, { unit }]) => ({ name, unit, integer: false, words: [peaks[name]] }));
-  const loads = columns.filter(({ isPeakLoad }) => isPeakLoad).map(({ word }) => word);
-  const ofJoints = { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads };
-  return loads.length ? [...largest, ofJoints] : largest;
-}
-
 export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run that a finger has touched once
@@ -78,7 +55,8 @@ export class GridMap {
     this.#fill();
     changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => this.run());
-    [...this.inputs.flat(), this.output].forEach((field) => field.addEventListener("change", () => this.#preview()));
+    this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
+    this.output.addEventListener("change", () => this.run(this.shown?.points ?? COARSE, this.shown));
     find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
     find("map-png").addEventListener("click", () => this.#picture());
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
@@ -104,18 +82,6 @@ export class GridMap {
   }
 
   /**
-   * Return the outputs that a map can show: the number and the last time of impacts, the largest forces and penetrations, the
-   * energy and the position of the tip at the end.
-   */
-  get #outputs() {
-    const { scene } = this.changes;
-    const tip = `point[${scene.links}]`;
-    const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
-    const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
-    return [...first, ...largestOf(scene), ...last];
-  }
-
-  /**
    * Fill the lists with the parameters that a map can vary and the outputs that it can show, and choose usual parameters and outputs; stop
    * and remove the map of another scene.
    */
@@ -135,9 +101,9 @@ export class GridMap {
       name.value = preferred[k];
       this.#range(k);
     });
-    const outputs = this.#outputs;
+    const outputs = outputsOf(this.changes.scene);
     this.output.replaceChildren(...outputs.map(({ name }) => new Option(quantityOf(name), name)));
-    this.output.value = (MAIN_OUTPUTS.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0]).name;
+    this.output.value = mainOutput(this.changes, outputs).name;
   }
 
   /** Return the words for a parameter, as its slider has them. */
@@ -166,17 +132,21 @@ export class GridMap {
     });
   }
 
-  /** Compute the map with `points` values of each parameter, and draw it as it grows; do nothing if the fields have a fault. */
-  async run(points = POINTS) {
+  /**
+   * Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, do nothing or, with the
+   * map `before`, compute its runs with the chosen output.
+   */
+  async run(points = POINTS, before = undefined) {
     let request;
+    this.#refuses = false;
     try {
       request = this.#requestOf(points);
     } catch (error) {
       this.#refuses = true;
       this.#say(`${error.message}.`, true);
-      return;
+      if (!before) return;
+      request = { names: before.names, axes: before.axes, values: before.values, ...this.#chosenOutput() };
     }
-    this.#refuses = false;
     this.#stop();
     this.#touched = this.#chosen = undefined;
     const coarse = this.#coarseFor(request);
@@ -191,8 +161,9 @@ export class GridMap {
     this.#stop();
     if (this.#refuses) return; // the text stays: it tells that fields which have changed during the runs are refused
     const seconds = ((performance.now() - began) / 1000).toPrecision(2);
+    const grey = shown.faults.size ? "; grey runs fail" : shown.results.includes(null) ? "; grey runs have only impulses" : "";
     const summary = points === POINTS
-      ? `${points * points} runs in ${seconds} s${shown.faults.size ? "; grey runs fail" : ""}.`
+      ? `${points * points} runs in ${seconds} s${grey}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
@@ -220,8 +191,13 @@ export class GridMap {
       const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
       return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
-    const output = this.#outputs.find(({ name }) => name === this.output.value);
-    return { names, axes, values: { ...this.changes.values }, output };
+    return { names, axes, values: { ...this.changes.values }, ...this.#chosenOutput() };
+  }
+
+  /** Return the chosen `output`, and `rigid`, the law under which it is unknown in a run with impacts where it is 0. */
+  #chosenOutput() {
+    const output = outputsOf(this.changes.scene).find(({ name }) => name === this.output.value);
+    return { output, rigid: rigidLaw(this.changes, output.name) };
   }
 
   /** Return the number in a field for an end of an axis; an angle without a unit is in degrees, as on the axis. */
@@ -234,7 +210,7 @@ export class GridMap {
   /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
     const { names, axes, values, output, points } = shown;
-    const words = [this.changes.scene.layout.status, ...output.words];
+    const words = [this.changes.scene.layout.status, ...output.words, ...outputsLike(this.changes.scene, "impact.count")[0].words];
     const rows = rowOrder(points);
     const work = async (engine) => {
       while (rows.length) {
@@ -246,7 +222,7 @@ export class GridMap {
       }
     };
     this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
-    this.#say(`0 of ${points} rows`);
+    if (!this.#refuses) this.#say(`0 of ${points} rows`);
     await Promise.all(this.#engines.map(work));
   }
 
@@ -260,14 +236,15 @@ export class GridMap {
    * Store the outputs of a row of runs from the kernel's results (`rows`); store null and the reason for a run that failed or is refused.
    */
   #store(rows, row) {
-    const { output, results, points } = this.shown;
+    const { output, results, points, rigid } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
     for (let column = 0; column < points; column += 1) {
-      const status = (1 + output.words.length) * column;
+      const status = (2 + output.words.length) * column;
       const index = row * points + column;
       const largest = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
       const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : SHARED.kernel.STATUS_TEXT[integers[status]]);
-      results[index] = fault ? null : largest;
+      const isUnknown = rigid && largest === 0 && integers[status + 1 + output.words.length] > 0n;
+      results[index] = fault || isUnknown ? null : largest;
       if (fault) this.shown.faults.set(index, fault);
     }
     this.shown.rows += 1;
@@ -359,12 +336,13 @@ export class GridMap {
 
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
-    const { faults, output, scale, results: { [index]: value } } = this.shown;
+    const { faults, output, rigid, scale, results: { [index]: value } } = this.shown;
     const at = this.#valuesAt(index);
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
-    const told = value === null ? `the run fails: ${faults.get(index)}` : `${quantityOf(output.name)} = ${number}`;
+    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : `only impulses with ${rigid}`;
+    const told = value === null ? reason : `${quantityOf(output.name)} = ${number}`;
     this.#say(`${parameters.join(", ")}: ${told}`);
   }
 

@@ -1,0 +1,50 @@
+// The outputs that a map can show.
+
+import { impulsiveLaw } from "../parameters/sliders.js";
+
+// the first of these outputs that the scene has is the one that the map shows first
+const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "impact.count"];
+
+/**
+ * Return a list with the scene's output of a name, empty if there is none. Besides name and unit, an output of a map has `words`: indices
+ * in the record; the map shows the largest of their values.
+ */
+export function outputsLike({ columns }, name) {
+  return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
+}
+
+/**
+ * Return the outputs that are largest values of a run: at walls, at stops of joints, and of forces in joints. Their names are those of a
+ * sweep.
+ */
+function largestOf({ contactPoints, sliderStops, stops, columns, layout: { peaks } }) {
+  const touch = contactPoints.length + sliderStops.length;
+  const largest = Object.entries(SHARED.peaks)
+    .filter(([, { atStops }]) => (atStops ? stops.length : touch))
+    .map(([name, { unit }]) => ({ name, unit, integer: false, words: [peaks[name]] }));
+  const loads = columns.filter(({ isPeakLoad }) => isPeakLoad).map(({ word }) => word);
+  const ofJoints = { name: "joint_force", unit: SHARED.impactUnits.AT_WALL.joint_force, integer: false, words: loads };
+  return loads.length ? [...largest, ofJoints] : largest;
+}
+
+/**
+ * Return the outputs that a map can show: the number and the last time of impacts, the largest forces and penetrations, the energy and the
+ * position of the tip at the end.
+ */
+export function outputsOf(scene) {
+  const tip = `point[${scene.links}]`;
+  const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
+  const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
+  return [...first, ...largestOf(scene), ...last];
+}
+
+/** Return the law of rigid walls or stops under which a largest force or moment is that of no impact; "" if there is none. */
+export function rigidLaw(changes, name) {
+  return ["peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
+}
+
+/** Return the output that a map shows first. */
+export function mainOutput(changes, outputs) {
+  const wanted = MAIN_OUTPUTS.filter((name) => !rigidLaw(changes, name));
+  return wanted.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0];
+}
