@@ -103,6 +103,14 @@ def test_the_impulse_of_a_rest_is_no_largest_impulse():
     assert told.row == 0
 
 
+def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak():
+    """A rigid wall stops a ball by an impulse, and then bears its weight, which does not measure the impact."""
+    run = simulate(load_scene("bouncing_ball").with_values({"contact.restitution": 0.0}))
+    assert run.impacts["peak_force"].max() > 0.0
+    assert peaks(run) == []
+    assert "peak" not in message(run)
+
+
 @pytest.mark.parametrize(("end", "touches"), [(0.05, False), (0.6, True)])
 def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
     recording = simulate(load_scene("rod_drop"), end)

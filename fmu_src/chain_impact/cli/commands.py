@@ -134,7 +134,8 @@ class Parser(argparse.ArgumentParser):
         if option.startswith("-o") and written:
             return f"{option} is not an option; files are written by {', '.join(written)}"
         # without the dashes, which make short names look alike
-        near = nearest(option.strip("-"), [name.strip("-") for name in self._option_string_actions])
+        long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
+        near = nearest(option.strip("-"), long)
         return f"{option} is not an option" + (f"; the nearest is --{near}" if near else "")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -93,17 +93,19 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
 def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force, and the largest moment at a stop of a joint, if there are any.
 
-    If impacts have no force, as under an impulsive law, it is the largest impulse of those that end: the
-    impulse of a contact that lasts grows with the duration of the run.
+    Under an impulsive law it is the largest impulse of the impacts that end: the impulse of a contact that
+    lasts grows with the duration of the run. If the law is unknown, an impact without a force tells that the
+    law is impulsive.
     """
-    impacts, found = recording.impacts, []
+    impacts, found, law = recording.impacts, [], recording.parameters.get("contact.model", "")
     for is_stop, of_force in ((False, "force"), (True, "moment")):
         forces, impulses = (
             np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
             for quantity in ("peak_force", "impulse")
         )
         # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
-        is_impulsive = bool(((forces == 0.0) & (impulses > 0.0)).any())
+        is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
+        is_impulsive |= bool(((forces == 0.0) & (impulses > 0.0)).any())
         values, quantity = (impulses * ~lasts(impacts), "impulse") if is_impulsive else (forces, "peak_force")
         if values.max(initial=0.0) > 0.0:
             words = (
@@ -167,10 +169,15 @@ def of_contacts(recording: Recording) -> list[str]:
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
         # an impulsive law uses no stiffness
-        if not (law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive):
+        if not has_impulses(law):
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     return parts
+
+
+def has_impulses(law: str) -> bool:
+    """Return whether a contact law acts by impulses; False for a law of a user and an unknown law."""
+    return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
 
 
 def friction(name: str, value: Any) -> str:

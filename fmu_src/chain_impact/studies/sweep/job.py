@@ -60,11 +60,17 @@ class Job:
         return {name: peak.path for name, peak in PEAKS.items() if has_stops or not peak.at_stops}
 
     @property
-    def rigid(self) -> dict[str, DataPath]:
-        """The columns of peak forces and moments: name → flag in the record, 1 for rigid walls or stops."""
-        joints = stop_pairs(self.scene)
-        kinds = ["stop.peak_moment" if pair in joints else "peak_force" for pair in candidates(self.scene)]
-        return {kind: ("law", kinds.index(kind), "impulsive") for kind in kinds}
+    def rigid(self) -> dict[str, list[DataPath]]:
+        """The columns of peak forces and moments: name → places in the record of an instance.
+
+        The first is a flag, 1 for rigid walls or stops; then follow the numbers of the latest onset at each
+        candidate of these walls or stops, 0 before the first onset.
+        """
+        joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
+        for c, pair in enumerate(candidates(self.scene)):
+            name = "stop.peak_moment" if pair in joints else "peak_force"
+            found.setdefault(name, [("law", c, "impulsive")]).append(("touch", "number", c))
+        return found
 
     @property
     def columns(self) -> dict[str, Variable]:
@@ -185,13 +191,12 @@ class Runner:
             ("step", "time"),
             *(variable.record_path for variable in self._columns.values()),
             *(variable.record_path for variable in self._loads.values()),
-            *job.rigid.values(),
+            *(path for rigid in job.rigid.values() for path in rigid),
         ]
         kept = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
         loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
-        self._rigid = {name: f"{name} is rigid" for name in job.rigid}
-        flags = [(flag, np.dtype(np.int64)) for flag in self._rigid.values()]
-        self._words = np.dtype([*kept, *loads, *flags])
+        rigid = [(f"{name} of rigid", np.dtype(np.int64), (len(paths),)) for name, paths in job.rigid.items()]
+        self._rigid, self._words = list(job.rigid), np.dtype([*kept, *loads, *rigid])
         self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
@@ -238,16 +243,17 @@ class Runner:
         """Return the rows of the table from the kernel's rows.
 
         The kernel's rows end with the largest force in each joint, of which the table has the largest, and
-        with a flag for rigid walls and one for rigid stops.
+        with the numbers of ``Job.rigid``.
         """
         rows = np.zeros(len(words), self._dtype)
         for name in rows.dtype.names or ():
             rows[name] = words[name] if name != JOINT_FORCE else 0.0
         for joint in range(len(self._loads)):
             np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
-        for name, flag in self._rigid.items():
-            # a rigid wall has a force only where it holds a point at rest
-            rows[name][(words[flag] == 1) & (words[name] == 0.0) & (words["impact.count"] > 0)] = np.nan
+        for name in self._rigid:
+            flag, *onsets = words[f"{name} of rigid"].T
+            # an impulse has no peak; the force of a rigid wall that later holds the point does not measure it
+            rows[name][(flag == 1) & np.any(onsets, axis=0)] = np.nan
         self._forget_unknown(rows)
         return rows
 

@@ -67,7 +67,8 @@ def draw_maps(
         if x.names:
             axes.tick_params(axis="x", rotation=90)
         if np.ma.is_masked(shown):
-            grey = "failed, or rigid walls without a force" if shown.mask.sum() > failed else grey or "failed"
+            causes = ["failed"] * (failed > 0) + ["only impulses"] * (int(shown.mask.sum()) > failed)
+            grey = max(grey, " or ".join(causes), key=len)
     if grey:
         legend_at_foot(figure, [Patch(facecolor=FAILED_COLOUR, label=grey)])
 

@@ -40,7 +40,7 @@ class Sweep(Runs):
     varied parameters. The other columns are:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest values of all contacts at walls and at stops
-      of the slider; 0 without a contact. The force is NaN if rigid walls act by impulses only.
+      of the slider; 0 without a contact. The force is NaN after an impulse of a rigid wall.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the largest values at stops of joints, in
       a scene with stops.
     - ``joint_force`` [N]: the largest force in any joint at any time, without impulses, in a scene with
