@@ -104,7 +104,7 @@ def test_the_impulse_of_a_rest_is_no_largest_impulse():
 
 
 def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak():
-    """A rigid wall stops a ball by an impulse, and then bears its weight, which does not measure the impact."""
+    """A rigid wall stops a ball by an impulse, and then bears its weight: no measure of the impact."""
     run = simulate(load_scene("bouncing_ball").with_values({"contact.restitution": 0.0}))
     assert run.impacts["peak_force"].max() > 0.0
     assert peaks(run) == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SceneWarning, load_scene, simulate
+from chain_impact.scene.scene import parse_scene
 from tests.helpers.scenes.moving_scenes import pendulum, room, shaken, stepped
 from tests.helpers.tools.differences import slope
 
@@ -181,3 +182,26 @@ def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until)
         assert result["point[0].x"][-1] == pytest.approx(course(1.0), abs=1e-9)
     else:
         assert result["point[0].vx"][-1] == pytest.approx(0.0 if signal == "base.vx" else until, abs=1e-6)
+
+
+PUSHED = """
+name = "Pushed"
+gravity = [0.0, 0.0]
+walls = [{{ name = "pusher", point = [0.5, 0.0], normal = [-1.0, 0.0] }}]
+chain = {{ base = "pinned", links = [{{ length = 0.4, mass = 1.0 }}] }}
+inputs = {{ base_motion = true, wall_motion = ["pusher"] }}
+signals.push = {{ input = "{driven}", form = "ramp", final = 0.2, start = {start}, duration = {lasts} }}
+contact = {{ stiffness = 1e6 }}
+initial = {{ angles = [0.0] }}
+simulation = {{ stop_time = 2.5 }}
+"""
+
+
+@pytest.mark.parametrize("driven", ["wall.pusher.displacement", "base.x"])
+@pytest.mark.parametrize(("start", "lasts"), [(0.0, 0.3), (1e-4, 1.0), (0.01, 0.1), (0.5, 0.5), (0.8, 0.7)])
+def test_a_smooth_ramp_ends_a_rest_by_an_impact(driven, start, lasts):
+    """All is at rest at both ends of the ramp; at half of its time the wall is at the tip."""
+    scene = parse_scene(PUSHED.format(driven=driven, start=start, lasts=lasts), "pushed.toml")
+    for method in ("explicit", "implicit"):
+        run = simulate(scene, method=method)
+        assert run.impacts["onset"][0] == pytest.approx(start + 0.5 * lasts, abs=1e-9), method

@@ -367,6 +367,14 @@ def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts
     assert rate_in_limited_drives(d) == (rate_of_signals(d) if counts else 0.0)
 
 
+def test_a_smooth_ramp_changes_like_half_a_period_of_a_cosine():
+    ramp = 'input = "joint[2].torque"\nform = "ramp"\nfinal = 1.0\nduration = 0.5\nshape = '
+    d = begun(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"smooth"', "arm.toml"))
+    assert rate_of_signals(d) == pytest.approx(math.pi / 0.5)
+    d = begun(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"trapezoid"', "arm.toml"))
+    assert rate_of_signals(d) == 0.0
+
+
 @pytest.mark.parametrize("one", [TORQUE, PUSH, TARGET])
 def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(one):
     """A torque, a force or an angle is not a length; where a speed is a sine, its integral is the travel."""

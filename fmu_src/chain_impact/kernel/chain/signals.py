@@ -139,26 +139,47 @@ def acts_in_limited_drive(d, j):
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
-def largest_rate(acts):
-    """Return a function for the largest angular frequency [rad/s] of the sines for which ``acts`` is true.
+def moves_base_as_sine(d, j):
+    """Return whether signal j is a sine that has begun, and drives a prescribed motion of the base."""
+    return is_sine(d, j) and moves_base(d, j)
 
-    The returned function takes an instance, and finds the largest frequency within its last step; without
-    such a sine, it is 0. ``acts`` takes the instance and the index of a signal.
+
+def signal_rate(d, j):
+    """Return the angular frequency [rad/s] at which signal j changes in the last step.
+
+    A polynomial of a degree above 3, as of a smooth ramp, can move and be at rest at both ends of a step. It
+    counts as half a period of a cosine that lasts as long as the segment. The result is 0 for a polynomial of
+    a lower degree, because its rates at both ends of a step bound its motion.
+    """
+    if is_sine(d, j):
+        return largest_frequency(d, j)
+    signal, k = d.signal, d.signal.segment[j]
+    for p in range(SPLINE_DEGREE + 1, signal.degree[j] + 1):
+        if d.knot.powers[k, p] != 0.0:
+            return 0.5 * TAU / (segment_end(d, j) - signal.lap[j] * signal.period[j] - d.knot.time[k])
+    return 0.0
+
+
+def largest_rate(acts):
+    """Return a function for the largest ``signal_rate`` [rad/s] of the signals for which ``acts`` is true.
+
+    The returned function takes an instance; without such a signal, its result is 0. ``acts`` takes the
+    instance and the index of a signal.
     """
 
     def rate(d):
         most = 0.0
         for j in range(d.signals):
-            if is_sine(d, j) and acts(d, j):
-                most = max(most, largest_frequency(d, j))
+            if acts(d, j):
+                most = max(most, signal_rate(d, j))
         return most
 
     return rate
 
 
-rate_of_signals = largest_rate(is_sine)
+rate_of_signals = largest_rate(lambda _d, _j: True)
 rate_in_limited_drives = largest_rate(acts_in_limited_drive)
-rate_of_base = largest_rate(moves_base)
+rate_of_base = largest_rate(moves_base_as_sine)
 
 
 def travel_of_sines(d):
