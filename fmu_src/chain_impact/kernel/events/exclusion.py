@@ -10,7 +10,6 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.motion import fastest_wall, travel_of_piece
-from chain_impact.kernel.chain.signals import rate_of_signals
 from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_change, time_rate_of
@@ -60,8 +59,7 @@ def excludes_events(d):
     chosen.
     """
     # an input with this angular frequency may change the acceleration in the step as a rotating link does
-    changing = max(d.inputs.piece.change_rate, rate_of_signals(d))
-    turn = max(largest_turn(d), (d.step.end - d.step.start) * changing)
+    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.search.input_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True
     if known_clearances(d) != WITH_CURVES:

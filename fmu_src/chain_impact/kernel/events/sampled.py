@@ -29,7 +29,7 @@ the force would grow without bound.
 from chain_impact.kernel.chain.drives import along_drive, mode_margin
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals
+from chain_impact.kernel.chain.signals import rate_in_limited_drives
 from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
@@ -85,7 +85,7 @@ WHOLE = (lambda _d: 1, lambda _d, _k: 0)
 
 def turn_of_inputs(d):
     """Return the largest turn [rad] of an input in the last step: angular frequency times duration."""
-    return (d.step.end - d.step.start) * max(d.inputs.piece.change_rate, rate_of_signals(d))
+    return (d.step.end - d.step.start) * d.search.input_rate
 
 
 def sample_count_of_turn(d):

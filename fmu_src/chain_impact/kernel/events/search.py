@@ -8,6 +8,7 @@ event are searched for before it. handlers.py lists all kinds of event.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.signals import rate_of_signals
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events.crossing import (
     SIMULTANEOUS_TIME,
@@ -71,6 +72,7 @@ def find_event(d):
         (marks.py) show which kinds of event happen at θ. A step that is too inaccurate to locate the event is
         rejected.
     """
+    d.search.input_rate = max(d.inputs.piece.change_rate, rate_of_signals(d))
     if d.candidates == 0:
         return find_event_without_crossing(d)
     if d.step.last_method == IMPLICIT:

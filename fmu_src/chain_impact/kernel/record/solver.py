@@ -250,7 +250,11 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     )
 
 
-@written_by("events/exclusion.py", curvature=("events/crossing.py", "ode/collocation.py"))
+@written_by(
+    "events/exclusion.py",
+    curvature=("events/crossing.py", "ode/collocation.py"),
+    input_rate="events/search.py",
+)
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
@@ -261,6 +265,8 @@ def search_dtype(candidates: int) -> np.dtype:
         ("known_for", INTEGER),
         # m, lower bound on the clearances of all candidates without contact, at the end of a step
         ("safe_distance", REAL),
+        # rad/s, largest angular frequency at which an input changes in the searched step
+        ("input_rate", REAL),
         ("speed", REAL),  # m/s, bound on the speeds of places relative to walls at the end of a step
         # m/s², bound on the accelerations of places relative to walls at the end of a step
         ("acceleration", REAL),
