@@ -79,13 +79,13 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
 
 
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
-    for field in ("turn", "change_rate", "fade"):
+    for field in ("turn", "input_rate", "fade"):
         d, _motion = stepped(0, near=2.0)
         # the walls are close to the end of the step, so that the known clearance is small
         if field == "turn":
             d.scratch.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
-        elif field == "change_rate":
-            d.inputs.piece.change_rate = 1.1 / d.step.size
+        elif field == "input_rate":
+            d.search.input_rate = 1.1 / d.step.size
         else:
             d.chain.joint_rate_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
@@ -125,7 +125,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         motion = translation(d, [0.0], [0.0])
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
-        d.inputs.piece.change_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
+        d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
         d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
