@@ -8,6 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions, has_contact, message, peaks
+from chain_impact.pictures.style import PEAK_COLOUR
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee
 from tests.pictures.pictures import MODELS, hit, recorded, swing
@@ -75,8 +76,11 @@ def test_the_largest_force_and_its_impact_are_told(title):
 
 
 def test_a_narrow_picture_has_the_peak_as_its_headline():
-    page = recorded("pinned_arm").plot(size=(84 / 25.4, None))
+    recording = recorded("pinned_arm")
+    page = recording.plot(size=(84 / 25.4, None))
     assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
+    (line,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
+    assert line.get_text() == f"impact 1: point 2 hits x_max at {recording.impacts['onset'][0]:.4g} s"
     assert any("1 impact in 2 s" in text.get_text().replace("\n", " ") for text in page.texts)
 
 

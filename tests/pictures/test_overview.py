@@ -410,7 +410,7 @@ def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
         next((part.removesuffix(end) for part in parts if part.endswith(end)), "")
         for end in (f" in the {panel}" for panel in PANELS)
     )
-    beside = [text.get_text().partition(" + ") for text in motion.texts]
+    beside = [text.get_text().replace("\n", " ").partition(" + ") for text in motion.texts]
     assert any(rest.endswith(" more") for _, _, rest in beside)
     count = sum(len(expanded(listed)) + int(rest.removesuffix(" more") or 0) for listed, _, rest in beside)
     impacts = len(recorded("rod_drop").impacts)

@@ -80,14 +80,17 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str) ->
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is the title, or the message if the title is "". ``first`` are texts that come before the
-    conditions. A narrow figure has a short message; then the conditions give the rest of it.
+    conditions. A narrow figure has a short message, with the impact of the largest force in its own colour
+    below; then the conditions give the rest of it.
     """
     short, most = is_narrow(figure), peaks(recording)
-    results = [*first, *(where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most))]
+    places = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
+    shown = places[0].partition(" in ")[2] if short and places and not title else ""
+    results = [*first, *places[bool(shown) :]]
     if short and not title:
         results += [*([counted(recording)] if most else []), dissipated(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
-    headline(figure, title or message(recording, short=short), known)
+    headline(figure, title or message(recording, short=short), known, shown)
 
 
 def peaks(recording: Recording) -> list[Peak]:

@@ -27,6 +27,7 @@ from chain_impact.pictures.style import (
     force_text,
     give_ticks,
     scale_numbers,
+    tells_peak,
 )
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.recording import Recording
@@ -224,6 +225,8 @@ def plot_rings(
 ) -> None:
     """Draw a ring of a size [points] at the place of each impact; rings of the largest forces have a colour.
 
+    The first has no legend on a page on which a text below the headline has its colour.
+
     ``spots`` maps rows of impacts to positions in the axes.
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
@@ -231,8 +234,10 @@ def plot_rings(
     if places := list(dict.fromkeys(spots.values())):
         label = "impacts" if len(places) > len(most) else "_"
         axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
+    named = peaks(recording)[:1] if tells_peak(axes.get_figure(root=True)) else []
     for peak in most:
-        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
+        name = "_" if peak in named else peak.words
+        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": name}
         axes.plot(*spots[peak.row], **look | bold)
 
 

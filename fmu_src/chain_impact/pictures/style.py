@@ -28,6 +28,7 @@ from chain_impact.system import written_whole
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 OCHRE, BROWN, VIOLET = "#c07f00", "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force
+PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text below a headline on the largest force
 LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
@@ -195,8 +196,10 @@ def scale_numbers(axis: Axis, factor: float) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
 
-def headline(figure: Figure, message: str, conditions: str = "") -> None:
+def headline(figure: Figure, message: str, conditions: str = "", peak: str = "") -> None:
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
+
+    ``peak`` is a text on the largest force, which stands between them in the colour of its marks.
 
     Lines are broken at the edge of the figure; the font has the same size in all figures. In a narrow figure
     the conditions are at the foot. A figure that is too low for the conditions does not have them.
@@ -206,6 +209,11 @@ def headline(figure: Figure, message: str, conditions: str = "") -> None:
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
     in_lines(title, (width - 2.0 * LEFT) * figure.dpi)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
+    if peak:
+        look: dict[str, Any] = {"fontsize": "small", "color": PEAK_COLOUR, "va": "top"}
+        line = figure.text(s=broken(figure, peak), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
+        line.set_gid(PEAK_LINE)
+        top += line.get_window_extent().height / figure.dpi
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
     elif conditions:
@@ -219,6 +227,11 @@ def headline(figure: Figure, message: str, conditions: str = "") -> None:
         else:
             lines_below.remove()
     reserve(figure, top / height, 0.0)
+
+
+def tells_peak(figure: Figure | None) -> bool:
+    """Return whether a figure has a text below its headline on the largest force."""
+    return figure is not None and any(text.get_gid() == PEAK_LINE for text in figure.texts)
 
 
 def broken(figure: Figure, text: str, more: int = 1) -> str:
