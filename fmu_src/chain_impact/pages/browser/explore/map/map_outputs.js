@@ -2,8 +2,8 @@
 
 import { impulsiveLaw } from "../parameters/sliders.js";
 
-// the first of these outputs that the scene has is the one that the map shows first
-const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment", "impact.count"];
+// the first of these outputs that the scene has is the one that the map shows first, unless its law is rigid
+const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
 /**
  * Return a list with the scene's output of a name, empty if there is none. Besides name and unit, an output of a map has `words`: indices
@@ -43,8 +43,9 @@ export function rigidLaw(changes, name) {
   return ["peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
 }
 
-/** Return the output that a map shows first. */
+/** Return the output that a map shows first: the energy without walls and stops, and the number of impacts if all of them are rigid. */
 export function mainOutput(changes, outputs) {
-  const wanted = MAIN_OUTPUTS.filter((name) => !rigidLaw(changes, name));
-  return wanted.map((name) => outputs.find((output) => output.name === name)).find(Boolean) ?? outputs[0];
+  const named = (name) => outputs.filter((output) => output.name === name);
+  const largest = MAIN_OUTPUTS.flatMap(named);
+  return [...largest.filter(({ name }) => !rigidLaw(changes, name)), ...named(largest.length ? "impact.count" : "energy.total")][0];
 }
