@@ -38,7 +38,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
-    """Return the difference for equality ``e``, which is active at the start."""
+    """Return the difference that equality constraint ``e`` makes: the scene does not have it."""
     kinds, ids = mujoco.mjtObj, (int(model.eq_obj1id[e]), int(model.eq_obj2id[e]))
     kind = mujoco.mjtEq(model.eq_type[e]).name.removeprefix("mjEQ_").lower()
     joints, bodies = frozenset[str](), frozenset[int]()

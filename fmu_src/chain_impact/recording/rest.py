@@ -58,7 +58,8 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 def _extent(positions: np.ndarray, axis: int) -> float:
     """Return the longest diagonal [m] of the rectangles around positions along an axis of the array.
 
-    The last axis of the array is x and y. Axis 0, the time, gives the largest path of a point.
+    The last axis of the array is x and y. Along axis 0, the time, the result is the largest region in which a
+    point moves.
     """
     return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 

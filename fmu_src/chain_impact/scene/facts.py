@@ -33,7 +33,7 @@ _OFF_KEYS = {
     for entry in keys(table)
     if entry.metadata["default"] is OFF
 }
-"""Keys whose value in rules is missing, not the default 0, if the file does not give the key."""
+"""Keys with the default OFF: if the file lacks such a key, its value is 0, but a rule sees no value."""
 
 
 class Members(NamedTuple):

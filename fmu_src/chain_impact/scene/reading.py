@@ -115,7 +115,7 @@ class UnknownNameError(SceneError, KeyError):
 def _names_of_owner(name: object, names: Collection[str]) -> str:
     """Return "joint[2] has angle, torque" for ``joint[2].stop``; "" if no name has this owner.
 
-    Every name has the owner ``*``, so the result for it is "", too.
+    The result is also "" for a pattern such as ``*.stop``, because its owner ``*`` stands for all owners.
     """
     owner = str(name).rpartition(".")[0]
     alike = find_names(f"{owner}.*", names) if owner.strip("*") else []

@@ -260,9 +260,9 @@ def _without_no_points(link: Any) -> Any:
 
 
 def _holds(table: Any) -> bool:
-    """Return whether a table has a value other than None.
+    """Return False for a table whose values are all None, True for any other table or object.
 
-    The result is true for anything that is no table.
+    The values of tables inside the table are not examined.
     """
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())
 

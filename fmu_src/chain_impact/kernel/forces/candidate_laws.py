@@ -141,9 +141,10 @@ def record_law_kind(d, c):
 
 
 def given_number(d, c):
-    """Return the given number of the law of candidate c.
+    """Return the index of the contact law that the scene gives for candidate c.
 
-    A stop in a joint has the number in `stops` if it is given; any other candidate has the number in `given`.
+    This is `stops.law` for a stop in a joint if the scene gives a law for stops, and `given.law` in all other
+    cases.
     """
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 

@@ -363,14 +363,14 @@ def maximum_of(value_at):
     """
 
     def maximum_near(d, index, middle, reach, end):
-        """Return the maximum near the fraction ``middle`` of the last step, before its fraction ``end``.
+        """Return the maximum of the quantity near the fraction ``middle`` of the last step.
 
-        Values before the event at which the step begins do not count, either: in a tangent instance a
-        parameter shifts this event.
+        Values after the fraction ``end`` do not count, and values before the event at which the step begins
+        do not count: in a tangent instance a parameter shifts this event.
 
         The search uses three parabolas, each through three points around the maximum of the parabola before.
-        The result is the largest of three values: the maximum of the third parabola, the largest sample, and
-        0.
+        The result is the largest of three values: the maximum of the third parabola, the largest value at the
+        points of all three, and 0.
 
         Args:
             d: the instance.

@@ -85,7 +85,7 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
 )
-# the largest number of iterations in a step: if more are needed, shorter steps cost less
+# the largest number of Newton iterations in a step: if more are needed, shorter steps cost less
 MOST_ITERATIONS = 10
 ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, relative to the tolerance
 # if each correction is more than this part of the correction before (θ, the convergence rate), the iteration

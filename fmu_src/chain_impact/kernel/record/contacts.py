@@ -231,7 +231,10 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 @written_by("rows/limits.py")
 def limited_forces_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the search for constraint forces within the limits of friction."""
+    """Return the layout of the scratch memory of rows/limits.py.
+
+    That module finds, by iterations, constraint forces within the limits of friction.
+    """
     # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
     count = 2 * elements
     return record(
@@ -241,8 +244,8 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
         # ±1: the force of a sticking element is at its limit, and has this sign; 0: the force is below the
         # limit; packed
         ("at_limit", INTEGER, (elements,)),
-        ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration of rows/limits.py
-        ("center", REAL, (count,)),  # N, force p of each constraint before the iteration
+        ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
+        ("center", REAL, (count,)),  # N, force p of each constraint before this iteration
         ("residual", REAL, (count,)),  # m/s², the required acceleration minus the one with the forces p
         # N, the force p + D m⁺ before it is clipped to its limits, with the force p before the iteration, the
         # impedance D, and the residual m⁺ after the iteration (rows/limits.py)

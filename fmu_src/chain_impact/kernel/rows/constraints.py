@@ -265,7 +265,9 @@ def find_residual(d):
 def correct_impulses(d):
     """Correct the impulses once, to reduce the residuals, and compute the motion with the new impulses."""
     constraints, motion = d.constraints, d.scratch.motion
-    # with impulses p, residuals m and impedances D: (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
+    # p: impulses, m: residuals (target − motion), D: impedances, J: rows of the constraints, M: mass matrix,
+    # z: change of the coordinates' rates
+    # (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
     for k in range(constraint_count(d)):
         constraints.residual[k] *= constraints.impedance[k]
     solve_contacts(d, HELD, constraints.residual, constraints.change)
