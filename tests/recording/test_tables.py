@@ -1,5 +1,6 @@
 """Results as tables of pandas and datasets of xarray."""
 
+import csv
 import sys
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.extras import MissingExtraError
-from chain_impact.recording.impacts import LOG_DTYPE
+from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.problems import default_scene
@@ -31,11 +32,20 @@ def test_a_dataframe_has_time_as_index_and_a_column_for_each_output(result):
 
 def test_impacts_are_a_table_with_the_names_of_walls(result):
     table = result.impact_table()
-    assert tuple(table.columns) == LOG_DTYPE.names
+    columns = {*IMPACT_DTYPE.names} - {"wall_name"}
+    assert {*table.columns} == columns
     assert table.index.tolist() == [1, 2]
     assert table["wall"].tolist() == ["y_min", "y_min"]
     assert table["onset"].tolist() == result.impacts["onset"].tolist()
-    assert set(table.attrs["units"]) == set(LOG_DTYPE.names) - {"point", "wall", "joint"} == set(IMPACT_UNITS)
+    assert set(table.attrs["units"]) == columns - {"point", "wall", "joint"} == set(IMPACT_UNITS)
+
+
+def test_impacts_and_files_of_them_have_the_duration(result, tmp_path):
+    impacts = result.impacts
+    assert (impacts["duration"] == impacts["end"] - impacts["onset"]).all()
+    result.save_impacts(tmp_path / "impacts.csv")
+    rows = csv.DictReader((tmp_path / "impacts.csv").read_text(encoding="utf-8").splitlines())
+    assert [float(row["duration"]) for row in rows] == impacts["duration"].tolist()
 
 
 def test_a_result_without_impacts_has_an_empty_table():

@@ -92,7 +92,7 @@ def calm(recording: Recording) -> np.ndarray:
 def short_contacts(recording: Recording) -> np.ndarray:
     """Return whether each row is inside an impact that is too short to be seen, shape (T,)."""
     impacts, span = recording.impacts, np.ptp(recording.time)
-    return within(recording, impacts[impacts["end"] - impacts["onset"] < SEEN_CONTACT * span])
+    return within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
 
 
 def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:

@@ -18,20 +18,26 @@ _LOG = contact_log_dtype(0)
 # fields of the kernel's log of contacts that are not columns of the table of impacts
 _OF_RING = ("count", "collected", "number")
 LOG_DTYPE = np.dtype([(name, _LOG[name].base) for name in _LOG.names or () if name not in _OF_RING])
-"""The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has, too: all but the name of the
-wall."""
-IMPACT_DTYPE = np.dtype([*((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()), ("wall_name", "U32")])
+"""The columns of ``IMPACT_DTYPE`` that the kernel's log of contacts has, too: all but the name of the wall
+and the duration."""
+IMPACT_DTYPE = np.dtype(
+    [
+        *((name, LOG_DTYPE[name]) for name in LOG_DTYPE.names or ()),
+        ("wall_name", "U32"),
+        ("duration", np.float64),
+    ]
+)
 """The columns of the table of impacts; a row is one contact. The columns are: the number of the point; the
 index of the wall in ``scene.wall_names``; onset and end [s]; impact speed and separation speed [m/s]; peak
 force [N]; largest penetration [m]; effective mass at the onset [kg]; impulse of the wall [N·s], as accurate
 as the momentum of the chain; the largest force in any joint during the contact [N], and the number of this
-joint, 1…N; the first 32 characters of the wall's name.
+joint, 1…N; the first 32 characters of the wall's name; the duration, which is end − onset [s].
 
 If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
-of the simulation, its end and its separation speed are NaN.
+of the simulation, its end, duration and separation speed are NaN.
 
-Under the law ``newton_impact`` a bounce has no duration and no peak: its peak force, the force in a joint,
+Under the law ``newton_impact`` a bounce has the duration 0 and no peak: its peak force, the force in a joint
 and the number of the joint are 0. ``joint[i].impulse`` jumps by the impulse of the bounce in joint i. For a
 contact with a duration, the forces are the largest ones during the contact, as under the other laws.
 
@@ -57,7 +63,7 @@ COLUMNS = {
 
 
 def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
-    """Return the impacts of a log of contacts as a table with the names of their walls.
+    """Return the impacts of a log of contacts as a table with the names of their walls and the durations.
 
     ``walls`` has the names, in the order of the walls' numbers.
     """
@@ -65,6 +71,7 @@ def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
     # the columns are copied as plain numbers, because NumPy copies tables of columns much more slowly
     _numbers(table)[:, : len(LOG_DTYPE.names or ())] = _numbers(impacts)
     table["wall_name"] = _names(tuple(walls)).take(impacts["wall"] + 1, mode="clip")
+    table["duration"] = impacts["end"] - impacts["onset"]
     return table
 
 

@@ -183,14 +183,13 @@ class Sensitivities:
     def relative(self, quantity: str) -> np.ndarray:
         """Return ``impact_changes`` divided by the quantity's value, shape (I, P).
 
-        The result is NaN for an unknown or 0 value. The quantity "duration" is the end minus the onset.
+        The result is NaN for an unknown or 0 value.
         """
-        rows = self.impacts
+        values = self.impacts[quantity]
         if quantity == "duration":
-            values = rows["end"] - rows["onset"]
             changes = self.impact_changes("end") - self.impact_changes("onset")
         else:
-            values, changes = rows[quantity], self.impact_changes(quantity)
+            changes = self.impact_changes(quantity)
         valid = np.isfinite(values) & (values > 0.0)
         shares: np.ndarray = changes / np.where(valid, values, np.nan)[:, np.newaxis]
         return shares

@@ -124,7 +124,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
     point = result.toucher(impact).removeprefix("point ")
-    speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * (impact["end"] - impact["onset"]))
+    speed, lasting = f"{impact['impact_speed']:.4f}", _peak(1e3 * impact["duration"])
     lasting = LASTS if lasts(impact) else lasting
     values = (speed, lasting, _peak(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak(impact["joint_force"]), str(impact["joint"] or NONE))

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
@@ -45,7 +44,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
     ``stops``: whether joints have stops, at which forces are moments; the units there are added, too.
     """
     pandas = require("pandas", "pandas")
-    columns = {name: impacts[name] for name in LOG_DTYPE.names or ()}
+    columns = {name: impacts[name] for name in impacts.dtype.names or () if name != "wall_name"}
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
     table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
     table.attrs["units"] = dict(IMPACT_UNITS)

@@ -335,14 +335,11 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         fields = ", ".join((*slopes, DURATION))
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
     impact = impacts[number - 1]
-    if field == DURATION:
-        value, slope = impact["end"] - impact["onset"], slopes["end"] - slopes["onset"]
-    else:
-        value, slope = impact[field], slopes[field]
+    value, slope = impact[field], slopes["end"] - slopes["onset"] if field == DURATION else slopes[field]
     units = impact_units(stop=recording.is_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
-    return float(value), units.get(field, "s"), where, slope[number - 1], abs(float(value))
+    return float(value), units[field], where, slope[number - 1], abs(float(value))
 
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> _Found:

@@ -270,12 +270,13 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     if law and law.impulsive and impact["end"] != impact["onset"]:
         # With an impulse the impact ends at its onset. The recorded end is later if the rigid wall then holds
         # the point, which does not count here.
-        impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
+        impact["end"] = impact["onset"]
+        impact["duration"] = impact["separation_speed"] = impact["peak_force"] = 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
         "peak_force": impact["peak_force"],
         "max_penetration": impact["max_penetration"],
-        "duration": impact["end"] - impact["onset"],
+        "duration": impact["duration"],
     }
     values_of_run: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):

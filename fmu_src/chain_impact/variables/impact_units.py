@@ -16,6 +16,7 @@ IMPACT_UNITS = {
     "effective_mass": "kg",
     "impulse": "N.s",
     "joint_force": "N",
+    "duration": "s",
 }
 STOP_UNITS = IMPACT_UNITS | {
     "impact_speed": "rad/s",

@@ -24,7 +24,7 @@ TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", 
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
-"""The measurable quantities of an impact: fields of ``Result.impacts``, and the duration, end − onset [s]."""
+"""The measurable quantities of an impact: fields of ``Result.impacts``."""
 SIGMA = "sigma({})"
 # If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
 # later than the measured ones.
@@ -303,11 +303,11 @@ class _Book:
         if number is None:
             number = self._counts[point, wall] = self._counts.get((point, wall), 0) + 1
         measured = {name: table.number(row, name) for name in names}
-        onset = measured.get("onset", math.nan)
-        order = measured.get("end", math.nan) if math.isnan(onset) else onset
-        self._impacts.append(ImpactRow(number, point, wall, alike, order))
+        onset, end = (measured.get(name, math.nan) for name in ("onset", "end"))
+        self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
         for name in names:
-            self._add(table, row, name, len(self._impacts) - 1.0, True)
+            if name != DURATION or math.isnan(end - onset):  # onset and end determine the duration
+                self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
         """Return what a cell in a column of WHICH says of its row's impact; None if the cell is empty.
