@@ -155,6 +155,15 @@ def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):
     page.locator("#map-text").get_by_text("only impulses with newton_impact").wait_for()
 
 
+def test_a_map_whose_runs_all_fail_tells_why_and_what_is_changed(show):
+    page = show("bouncing_ball")
+    page.evaluate("chainImpact.show({ 'initial.y': -1 })")
+    page.get_by_role("button", name="Map…").click()
+    text = page.locator("#map-text")
+    text.get_by_text("All 81 runs fail; the first one: ").wait_for()
+    assert "initial.y" in text.inner_text()
+
+
 def test_a_run_that_a_scene_would_refuse_has_no_colour(show):
     page = show("sliding_rod", {"simulation.stop_time": 0.05})
     page.get_by_role("button", name="Map…").click()

@@ -10,6 +10,7 @@ const JOINT_FORCE = "in joint"; // head of the column for the largest force in a
 const TITLES = {
   "e′": "Speed after the impact over the speed before",
   peak: "Largest force of the contact, at a stop the largest moment; the impulse of a rigid wall or stop",
+  impulse: "Impulse of the contact, at a stop its angular impulse: walls and stops are rigid",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
@@ -67,7 +68,9 @@ export class ImpactList {
     const table = make("table");
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
     const columns = recording.impacts.some(({ joint }) => joint > 0) ? [...COLUMNS, JOINT_FORCE] : COLUMNS;
-    const heads = columns.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
+    const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
+    const names = columns.map((name) => (areImpulses && name === "peak" ? "impulse" : name));
+    const heads = names.map((name) => make("th", { textContent: name, scope: "col", title: TITLES[name] ?? "" }));
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));

@@ -36,6 +36,14 @@ function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
+/** Return why all runs of a map fail, and the parameters that all of them have changed; "" if a run does not fail. */
+function failureOf({ names, values, faults, results }) {
+  if (faults.size < results.length) return "";
+  const changed = Object.keys(values).filter((name) => !names.includes(name));
+  const others = changed.length ? ` All have changed values of ${changed.join(", ")}.` : "";
+  return `All ${faults.size} runs fail; the first one: ${faults.get(0)}.${others}`;
+}
+
 export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run that a finger has touched once
@@ -168,7 +176,7 @@ export class GridMap {
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
     const stopped = `Stopped after ${shown.rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
-    this.#say(fault || (shown.rows === points ? done : stopped));
+    this.#say(fault || (shown.rows === points ? failureOf(shown) || done : stopped));
   }
 
   /** Return the shown map if it is the preview of a request, with the same ends of the axes, changes and output; otherwise undefined. */
