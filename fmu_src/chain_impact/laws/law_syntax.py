@@ -89,7 +89,7 @@ def _line(node: Any) -> int:
 
 
 def _refused(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield each node of a file's syntax tree that is not allowed; the smallest such nodes."""
+    """Yield, for each part of a file's syntax tree that is not allowed, the node that an error shows."""
     names = _Names(tree)
     for node in ast.walk(tree):
         for child in ast.iter_child_nodes(node):

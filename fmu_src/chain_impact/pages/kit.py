@@ -51,7 +51,8 @@ COUNTED = {
     **dict.fromkeys(("point", "contact"), "points"),
     "site": "sites",
 }
-"""Kind of owner of variables → what its number counts, if the removal of a link or point can change it."""
+"""Kind of owner of variables → what its number counts, if the removal of a link or point can change this
+number."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD.items()},
     **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},

@@ -121,7 +121,7 @@ def declaration() -> str:
 
 
 def _parsed(rule: Rule) -> dict[str, Any]:
-    """Return a rule of a file or of signals as a table; its condition and least value are parsed to trees."""
+    """Return the data of a rule that refuses a value, with its condition and least value as syntax trees."""
     least = tree(rule.least) if rule.least else None
     return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}
 

@@ -26,7 +26,7 @@ from chain_impact.pictures.style import (
 # the height for one bar
 WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
-HEADING_ROW = -1.0  # the position of the heading of the texts, in rows above the first bar
+HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # Blocks with the same label have one scale if the longest bar of any block is at most so many times as long
 # as the longest bar of another.

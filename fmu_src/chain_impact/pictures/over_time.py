@@ -208,7 +208,7 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
 
 
 def over_all_time(axes: Axes, recording: Recording) -> None:
-    """Shade the times in which nothing moves, and give both axes enough numbers."""
+    """Shade the times in which nothing moves, and give ``axes`` enough numbers along x and y."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
 

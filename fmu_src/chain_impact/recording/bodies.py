@@ -17,10 +17,10 @@ def is_of_body(name: str) -> bool:
 
 
 def site_radii(values: Mapping[str, Any]) -> list[float]:
-    """Return the radius [m] of each point of a link beside its ends, in the order of the points' numbers."""
+    """Return the radius [m] of each point of a link other than its ends, in the order of their numbers."""
     return [radius for discs in discs_of_links(values).values() for *_, radius in discs]
 
 
 def sites_of_links(values: Mapping[str, Any]) -> dict[int, int]:
-    """Return number of a link → number of its points beside its ends, for each link with such points."""
+    """Return number of a link → number of its points other than its ends, for each link with such points."""
     return {link: len(discs) for link, discs in discs_of_links(values).items()}

@@ -20,8 +20,8 @@ CLOSE_TIMES = 1000  # number of times in a picture of one impact (a close view)
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
 BEFORE, AFTER = 0.5, 1.0
 # An interval between two times is divided into PARTS if a curve deviates from a straight line there by more
-# than BEND times its range; this is repeated at most ROUNDS times, and stops at MOST_TIMES times. Without it
-# a peak late in a long contact would be drawn too low.
+# than BEND times its range; this is repeated at most ROUNDS times, and stops at MOST_TIMES times.
+# Without these additional times, a peak late in a long contact would be drawn too low.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # [1] what a close view shows of a contact that lasts to the end of the run, relative to the run's duration
 LASTING_SHARE = 0.02

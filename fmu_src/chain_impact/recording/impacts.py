@@ -98,7 +98,7 @@ def _numbers(table: np.ndarray) -> np.ndarray:
 
 
 def common_count(first: np.ndarray, second: np.ndarray) -> int:
-    """Return how many impacts two tables have in common from the start on, with equal points and walls."""
+    """Return for how many rows, from the first one on, two tables of impacts have equal points and walls."""
     pairs = [[(row["point"], row["wall"]) for row in table] for table in (first, second)]
     different = (k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other)
     return next(different, min(map(len, pairs)))

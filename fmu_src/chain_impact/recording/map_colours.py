@@ -20,13 +20,17 @@ MOST_COLOURS = 12
 
 
 def spread(values: np.ndarray) -> float:
-    """Return the ratio of the large to the small quantile of values; 1 if any value is not positive."""
+    """Return the ratio of large to small values (LARGE_QUANTILE); 1 if any value is not positive."""
     low, high = np.quantile(values, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
     return float(high / low) if values.min() > 0.0 else 1.0
 
 
 def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the values at the ends of the colours: extremes, or quantiles if a few values are far off."""
+    """Return the least and the largest value on the scale of colours; values beyond get the colour of an end.
+
+    Each is the extreme of ``values`` or, if a few values are far off, a quantile (BEYOND_QUANTILES). If
+    ``logarithmic``, the distances of values are those of their logarithms.
+    """
     scaled = np.log(values) if logarithmic else values
     whole, extremes = ([part.min(), part.max()] for part in (values, scaled))
     ends = np.quantile(scaled, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
@@ -36,7 +40,10 @@ def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float
 
 
 def count_bins(least: float, most: float) -> list[float]:
-    """Return the limits between colours of counts, at most MOST_COLOURS colours: 0.5 between two counts."""
+    """Return the limits of the colours of counts from ``least`` to ``most``, at most MOST_COLOURS colours.
+
+    A limit is 0.5 below a count, so that each count has one colour.
+    """
     sizes = (round(step * 10**power) for power in count() for step in (1, 2, 5))
     size = next(width for width in sizes if most // width - least // width < MOST_COLOURS)
     first, last = least // size, most // size

@@ -74,7 +74,10 @@ def signed(value: float) -> str:
 
 
 def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return two lists: effects of steps of 1 %, and of fixed steps at the value 0; they do not compare."""
+    """Return two lists: effects of steps of 1 %, and, for parameters with the value 0, of fixed steps.
+
+    The sizes of effects in different lists cannot be compared.
+    """
     return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 

@@ -116,7 +116,10 @@ def check_rules(scene: Contents) -> None:
 
 
 def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
-    """Return for each table of a contact law: its path → the values for rules, with the law's properties."""
+    """Return path of a table → names in ``RULES`` and their values, for each table with a contact law.
+
+    The names are keys of the table, and properties of its law, such as "law.id".
+    """
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}

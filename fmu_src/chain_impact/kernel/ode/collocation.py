@@ -147,7 +147,7 @@ find_residuals, correct_stages, _converge = simplified_newton(
 
 
 def prepare(d, h):
-    """Prepare a step of size h [s]; return a size ≤ h that suits the end of a contact and a fast motion."""
+    """Prepare a step; return its size [s]: h, changed to suit the end of a contact and a fast motion."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d)

@@ -201,10 +201,10 @@ _high_01, _high_23 = combinations(*D[:2]), combinations(*D[2:])
 
 
 def size_toward_end(d, h):
-    """Return the size of the next step; h is the size that the error control allows.
+    """Return the size of the next step; h is the size that the errors allow, both in the step's variable.
 
-    Near the predicted end of a contact, the step either passes this end or covers at most half of the way to
-    it.
+    Near the predicted end of a contact with a force law, the step either passes this end, and may then exceed
+    h a little, or covers at most half of the way to it.
     """
     if d.touch.compliant_count == 0:
         return h

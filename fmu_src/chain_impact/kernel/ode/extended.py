@@ -166,7 +166,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set the slopes of the forces of active contacts and drives at the extended state z.
+    """Set the slopes, by position and speed, of the forces of active contacts and drives at the state z.
 
     The function also stores the present link vectors, for the linear systems.
     """
@@ -325,7 +325,10 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """Return the largest difference between a located clearance and the one in z, relative to max(δ, δ*)."""
+    """Return the largest difference between a clearance at the located points and the one in z.
+
+    It is relative to the penetration or, if larger, the expected penetration δ* of the contact.
+    """
     worst = 0.0
     for k in range(clearance_count(d)):
         c = d.touch.active_index[k]

@@ -36,8 +36,8 @@ def refine_rate(d, theta, y, rate):
     """Improve the rate ẏ of state y at the fraction θ of the last step, and the forces of constraints.
 
     The rate must have just been evaluated. The function acts only near a fold or another toggle position.
-    There the rate is evaluated again with the true forces of contacts, which a step would continue smoothly
-    beyond a kink.
+    There the rate is evaluated again with the true forces of contacts: a step uses beyond the kink of a force
+    the smooth continuation of this force.
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return

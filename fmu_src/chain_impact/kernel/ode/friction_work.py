@@ -123,7 +123,10 @@ def count_holding_work(d, h):
 
 
 def holding_at(d, z, elapsed):
-    """Return ``work_of_holding`` [J] at the extended state z, ``elapsed`` [s] after the step's start."""
+    """Return the work [J] of sticking forces along the way from each anchor to its element.
+
+    The places of the elements are those at the extended state z, ``elapsed`` [s] after the step's start.
+    """
     if d.channels > 0:
         set_inputs(d, d.step.clock + elapsed)
     locate_points_now(d, z)

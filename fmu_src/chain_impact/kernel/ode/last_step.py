@@ -88,7 +88,8 @@ def make_last_step(d):
         project_trial(d)
         move_missed_anchors(d)
     step.remainder_whole = step.remainder_end
-    # only with dissipation may components of the state fade toward 0
+    # coordinates and rates that fade toward 0 are set to 0; only contacts, friction, springs and dampers can
+    # make them fade
     resisted = d.touch.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
     faded = clear_faded(d, y) if resisted else False
     for j in range(len(step.state)):

@@ -221,7 +221,11 @@ def fastest_contact(d):
 
 
 def prepare(d, h):
-    """Prepare a step of the current method at the start of the step; return the size to try first, from h."""
+    """Prepare a step of the current method at the step's start; return the size that is to be tried first.
+
+    h is the size that the errors allow. The result also suits the end of a contact and, in an implicit step,
+    a fast motion.
+    """
     if d.step.method == IMPLICIT:
         return collocation.prepare(d, h)
     return explicit.size_toward_end(d, h)

@@ -28,8 +28,8 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 
 # value of step.regularized if no contact is regularized: the integration variable of the step is time
 NO_CONTACT = -1
-# The least u to which a step may go; u is the root of the penetration divided by δ*. Where u < 0 the step has
-# passed the end of the contact, and time runs backwards.
+# The least u = √(δ/δ*) to which a step may go, with the penetration δ. Where u < 0 the step has passed the
+# end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
 # A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is its
 # normal speed relative to the impact speed. A step from such a state runs in time: with s as the variable,

@@ -18,7 +18,7 @@ class Counts(NamedTuple):
     loads: int = 0
     # K, number of prescribed motions (chain/motion.py): two for a moving base, and two for each moving wall
     channels: int = 0
-    sites: int = 0  # P, number of sites: points of links beside the joints (chain/sites.py)
+    sites: int = 0  # P, number of sites: points of links other than their ends (chain/sites.py)
     signals: int = 0  # D, number of inputs and prescribed motions that signals drive (chain/signals.py)
     knots: int = 0  # R, number of knots of all signals: times at which polynomials of the signals begin
 

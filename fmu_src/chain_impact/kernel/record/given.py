@@ -187,7 +187,8 @@ def solver_dtype() -> np.dtype:
         # number of the method of integration, from 1: its position in SOLVER_METHODS of ode/control.py
         ("method", bounded(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),
-        ("work_limit", POSITIVE),  # 1/s, largest number of evaluations per second of simulated time
+        # 1/s, largest cost per second of simulated time, as a number of evaluations of ẏ (kernel/cost.py)
+        ("work_limit", POSITIVE),
     )
 
 
@@ -319,9 +320,11 @@ def moved_dtype(channels: int) -> np.dtype:
         # m/s, mean velocity since the previous given position, of a base without a given velocity; else 0
         ("mean", REAL, (channels,)),
         # ---- numbers that are 0, but have derivatives with respect to given values (tangent/replay.py)
-        ("added", REAL, (channels,)),  # m, 0, but with derivatives: those of a given position
-        ("added_rate", REAL, (channels,)),  # m/s, 0, but with derivatives: those of a given velocity
-        # m/s², 0, but with derivatives: those of a given acceleration
+        # m, 0, but with the derivatives of the given position; it is added to the position
+        ("added", REAL, (channels,)),
+        # m/s, 0, but with the derivatives of the given velocity; it is added to the velocity
+        ("added_rate", REAL, (channels,)),
+        # m/s², 0, but with the derivatives of the given acceleration; it is added to the acceleration
         ("added_acceleration", REAL, (channels,)),
     )
 

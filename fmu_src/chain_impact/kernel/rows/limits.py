@@ -45,6 +45,7 @@ def find_limited_forces(d):
     """Find forces within the limits of friction that satisfy the constraints as well as possible.
 
     ``add_constraint_forces`` of forces/holding.py must have set the constraints before. Afterwards
+    ``d.limited_forces`` has the forces in ``force`` and the accelerations that they cause in ``change``;
     ``at_limit`` of a sticking element is 0 if its force is below its limit, else the sign of the force.
     """
     limited, scale = d.limited_forces, largest_start(d)
@@ -114,10 +115,11 @@ def clipped(d, k, force):
 def minimize_within_limits(d, scale):
     """Solve one iteration of the method of multipliers, with all forces within their limits.
 
-    The forces inside their limits move toward the values that minimize the function with the other forces
-    fixed. The first force that reaches a limit stays at this limit. When these values are reached, the
-    constraint whose force tends most from its limit to the inside is released. Each change reduces the
-    function, so no set of constraints inside their limits occurs twice, and the search ends.
+    An iteration minimizes a function of the forces. The forces inside their limits move toward the values
+    that minimize it while the other forces are fixed. The first force that reaches a limit stays at this
+    limit. When these values are reached, the constraint whose force tends most from its limit to the inside
+    is released. Each change reduces the function, so no set of constraints inside their limits occurs twice,
+    and the search ends.
     """
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
@@ -136,7 +138,7 @@ def minimize_within_limits(d, scale):
 
 
 def first_at_limit(d):
-    """Return which constraint's force reaches a limit first as the forces move to the unlimited forces.
+    """Return which constraint's force reaches a limit first as the forces move to those in ``unlimited``.
 
     Returns:
         The constraint, or −1 if no force reaches a limit; and the fraction of the way at which it is reached,
@@ -153,7 +155,7 @@ def first_at_limit(d):
 
 
 def constraint_to_release(d, scale):
-    """Return the constraint at a limit whose unlimited force lies farthest inside its limits.
+    """Return the constraint at a limit whose force in ``unlimited`` lies farthest inside its limits.
 
     The result is −1 if no force lies inside by more than round-off.
     """

@@ -305,7 +305,8 @@ def check_onsets_at_rest(t):
     """Check elements whose friction begins now at a speed that is zero, but has derivatives.
 
     If the element sticks, sticking stops the speed also for nearby parameters, and the element is marked
-    STOPPED. If it slides, friction would stop the speed in one direction only, and the derivatives end.
+    STOPPED. If it slides, friction would stop only a speed against the direction in which it slides, and the
+    derivatives end.
     """
     for i in range(t.friction.count):
         e = t.element.index[i]
@@ -332,9 +333,9 @@ def contact_resistance(t):
 
 
 def check_coefficients(t):
-    """Mark the directions that change a friction of 0: of an active contact, a joint or the slider.
+    """Mark the parameters that change the friction of a contact, a joint or the slider if this friction is 0.
 
-    Such friction has one-sided derivatives only (``check_coefficient``).
+    The motion has only one-sided derivatives with respect to them (``check_coefficient``).
     """
     if t.elements == 0:
         return

@@ -150,7 +150,7 @@ def event_fraction(t):
 
 
 def iterated_enough(_t, iterations):
-    """Return whether ``iterations`` of the residual reduce the derivatives of constraint forces to round-off.
+    """Return whether this number of iterations reduces the derivatives of constraint forces to round-off.
 
     Each iteration reduces the derivatives of a residual to a millionth. The value of a residual is no
     measure: where it is zero, its derivatives may be large.

@@ -64,7 +64,7 @@ def near_least_speed(t, c, speed):
 
 
 def check_coefficient(t, friction):
-    """Mark in ``trust.missing`` the directions that change a coefficient of friction whose value is 0.
+    """Mark in ``trust.missing`` the parameters that change a coefficient or limit of friction of the value 0.
 
     Friction cannot be less than 0, so the motion has a derivative on one side only.
     """
@@ -100,7 +100,10 @@ def check_turns(t):
 
 
 def jumps_at_rest(t, c, depth):
-    """Return whether the force of contact c jumps at a penetration ``depth`` [m] where its rate is zero."""
+    """Return whether the force of contact c jumps where the rate of its penetration is 0.
+
+    ``depth`` [m] is the penetration there.
+    """
     rate = NEAR_REST * t.touch.impact_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
@@ -110,7 +113,7 @@ def jumps_at_rest(t, c, depth):
 def mark_untrusted(t, reason, c, time):
     """End the derivatives at a ``time`` [s]; the cause is candidate or element c, or NO_IMPACT.
 
-    ``reason`` is one of the numbers above.
+    ``reason`` is one of this module's numbers for a reason, such as JUMP.
     """
     trust = t.trust
     trust.reason, trust.time = reason, time
