@@ -80,7 +80,9 @@ def test_a_narrow_picture_has_the_peak_as_its_headline():
     page = recording.plot(size=(84 / 25.4, None))
     assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
     (line,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
-    assert line.get_text() == f"impact 1: point 2 hits x_max at {recording.impacts['onset'][0]:.4g} s"
+    impact = recording.impacts[0]
+    place = f"impact 1: point 2 hits x_max at {impact['onset']:.4g} s"
+    assert line.get_text() == f"{place} with {impact['impact_speed']:.3g} m/s"
     assert any("1 impact in 2 s" in text.get_text().replace("\n", " ") for text in page.texts)
 
 

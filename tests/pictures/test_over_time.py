@@ -1,6 +1,6 @@
-"""Pictures over time: energies, and the speeds of the impacts."""
+"""Pictures over time: energies, and the forces of the impacts."""
 
-# Tests: pictures/impact_speeds.py
+# Tests: pictures/impact_marks.py
 
 import itertools
 import re
@@ -11,12 +11,25 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.impact_speeds import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, point_groups
+from chain_impact.pictures.impact_marks import MOST_OWN_MARKS, POINT_MARKS, STOP_MARKS, point_groups
 from chain_impact.pictures.over_time import ENERGIES, VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.style import GREY
 from chain_impact.scene.scene import model_names
 from tests.pictures.pictures import MODELS, drawn, hit, recorded, swing, texts
+
+
+def strengths(recording):
+    """Return peak forces, or impulses under a rigid law; if all are 0, impact speeds.
+
+    All impacts are at walls, or all at stops.
+    """
+    impacts, law = recording.impacts, recording.parameters.get("contact.model")
+    if recording.at_stops.all():
+        law = recording.stop_law or law
+    impulses = np.where(np.isnan(impacts["end"]), 0.0, impacts["impulse"])
+    values = impulses if law == "newton_impact" else impacts["peak_force"]
+    return values if values.any() else impacts["impact_speed"]
 
 
 @pytest.mark.full("more cases", but=1)
@@ -27,7 +40,7 @@ def test_every_impact_is_in_the_picture(model):
     energy, speeds = panels["energy"], panels["impacts"]
     lines = [path for item in speeds.collections for path in item.get_segments()]
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
-    expected = sorted(recording.impacts[["onset", "impact_speed"]].tolist())
+    expected = sorted(zip(recording.impacts["onset"], strengths(recording), strict=True))
     assert sorted(tuple(stem[1]) for stem in stems) == expected
     (lines,) = (item for item in energy.collections if isinstance(item, LineCollection))
     assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
@@ -39,8 +52,8 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
     (speeds,) = (axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts")
     for text in speeds.texts:
-        impact = recording.impacts[int(re.split("[,–:]", text.get_text())[0]) - 1]
-        assert text.xy == (impact["onset"], impact["impact_speed"])
+        row = int(re.split("[,–:]", text.get_text())[0]) - 1
+        assert text.xy == (recording.impacts["onset"][row], strengths(recording)[row])
         box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
         assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
 
@@ -75,7 +88,7 @@ def test_measured_quantities_name_their_units():
     _, motion, clock, energy, speeds = drawn(recorded("pinned_arm"))
     names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
     assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]
-    assert speeds.get_ylabel() == "impact speed [m/s]"
+    assert speeds.get_ylabel().replace("\n", " ") == "peak force [kN]"
 
 
 def test_energy_from_inputs_is_drawn_if_there_is_any():

@@ -284,7 +284,7 @@ def test_panels_are_drawn_into_axes_that_are_there():
     result, page = recorded("sliding_rod"), Figure()
     axes = page.subplots(1, 2)
     assert result.plot(panels=["impacts", "energy"], ax=axes) is axes
-    assert [panel.get_ylabel() for panel in axes] == ["energy [J]", "impact speed [m/s]"]
+    assert [panel.get_ylabel() for panel in axes] == ["energy [J]", "peak force [N]"]
     assert [panel.get_xlabel().partition(";")[0] for panel in axes] == ["time [s]"] * 2
     one = page.add_subplot()
     assert result.plot(ax=one) is one
@@ -384,7 +384,7 @@ def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
     assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
 
 
-PANELS = ("motion", "speeds")
+PANELS = ("motion", "panel of impacts")
 
 
 def missing_count(told):

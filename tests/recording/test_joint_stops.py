@@ -12,7 +12,7 @@ from rich.table import Table
 from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.pictures.figures import FIGURE_SIZE
-from chain_impact.pictures.impact_speeds import draw_impact_speeds, stop_scale
+from chain_impact.pictures.impact_marks import draw_impacts, stop_scale
 from chain_impact.pictures.motion import by_speed, rings
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
@@ -136,12 +136,12 @@ def test_impacts_at_stops_have_marks_and_their_own_axis():
     found = rings(page.axes[0], recording).values()
     assert recording.at_stops[[hit for hits in found for hit in hits]].any()
     axes = Figure().add_subplot()
-    draw_impact_speeds(axes, recording)
+    draw_impacts(axes, recording)
     (right,) = axes.child_axes
-    assert (axes.get_ylabel(), right.get_ylabel()) == ("impact speed [m/s]", "at stops [rad/s]")
+    assert (axes.get_ylabel(), right.get_ylabel()) == ("peak force [kN]", "at stops [N·m]")
     scale, heights = stop_scale(recording), {line.get_label(): max(line.get_ydata()) for line in axes.lines}
-    fastest = recording.impacts["impact_speed"][recording.at_stops].max()
-    assert heights["joint 2"] == pytest.approx(scale * fastest)
+    hardest = recording.impacts["peak_force"][recording.at_stops].max()
+    assert heights["joint 2"] == pytest.approx(scale * hardest)
     assert heights["joint 2"] == pytest.approx(heights["point 2"]), "each kind fills its axis"
 
 
@@ -155,7 +155,7 @@ def test_with_impacts_at_stops_only_the_axis_is_theirs():
         recording.impacts[recording.at_stops],
         statistics=recording.statistics,
     )
-    draw_impact_speeds(axes, recording)
-    assert axes.get_ylabel() == "impact speed [rad/s]"
+    draw_impacts(axes, recording)
+    assert axes.get_ylabel() == "peak moment [N·m]"
     assert not axes.child_axes
     assert stop_scale(recording) == 1.0

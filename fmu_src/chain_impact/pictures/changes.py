@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bands import MOST_GREY, fill_band
 from chain_impact.pictures.figures import settle
-from chain_impact.pictures.impact_speeds import IMPACT_DOT
+from chain_impact.pictures.impact_marks import IMPACT_DOT
 from chain_impact.pictures.legends import legend_at_foot
 from chain_impact.pictures.message import conditions
 from chain_impact.pictures.over_time import SEEN_CONTACT, impact_lines, mark_impacts, name_time

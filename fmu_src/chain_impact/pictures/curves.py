@@ -111,7 +111,9 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     if title is not None:
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
-        write_head(figure, recording, title or summary, seen if title else "")
+        row = curves.number - 1 if seen else None
+        first = seen if title else "", largest_vectors(curves)
+        write_head(figure, recording, title or summary, *first, row=row)
     panels = clear_panels(curves)
     zero = always_zero(curves, panels)
     if zero:
@@ -151,6 +153,24 @@ def extremes(
             look, position = {"color": style["color"]}, (float(time[row]), scale * value)
             found.append((abs(value), Label(text, position, (0.0, math.copysign(1.0, value)), look=look)))
     return [label for _, label in sorted(found, key=lambda each: -each[0])]
+
+
+def largest_vectors(curves: Curves) -> str:
+    """Return words for the largest amounts of the forces whose components x and y both have a curve.
+
+    For example "largest |force|: joint[1] 636 N and joint[2] 670 N at 0.75 ms"; "" if there are none.
+    """
+    start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
+    told: dict[str, list[str]] = {}
+    for name in (name for names in curves.panels for name in names):
+        owner = name.removesuffix(".force.x")
+        if owner != name and (beside := f"{owner}.force.y") in curves.values:
+            sizes = np.nan_to_num(np.hypot(curves.values[name], curves.values[beside]))
+            if largest := float(sizes.max()):
+                when = f"{factor * (curves.time[sizes.argmax()] - start):.3g} {unit}"
+                told.setdefault(when, []).append(f"{owner} {force_text(largest, 'N')}")
+    parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
+    return f"largest |force|: {', '.join(parts)}" if parts else ""
 
 
 def in_view(recording: Recording, curves: Curves) -> str:

@@ -13,7 +13,7 @@ from chain_impact.pictures.names import brief_hit
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import number, plural, prefixed
+from chain_impact.recording.text import number, plural, prefixed, speed_unit
 from chain_impact.scene.names import name_parts
 from chain_impact.scene.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
@@ -76,14 +76,15 @@ def hit(recording: Recording, impact: np.void) -> str:
     return f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
 
 
-def write_head(figure: Figure, recording: Recording, title: str, *first: str) -> None:
+def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is the title, or the message if the title is "". ``first`` are texts that come before the
     conditions. A narrow figure has a short message, with the impact of the largest force in its own colour
-    below; then the conditions give the rest of it.
+    below; then the conditions give the rest of it. ``row``: the row of the only impact that is told, for a
+    picture of it.
     """
-    short, most = is_narrow(figure), peaks(recording)
+    short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     places = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     shown = places[0].partition(" in ")[2] if short and places and not title else ""
     results = [*first, *places[bool(shown) :]]
@@ -100,34 +101,52 @@ def peaks(recording: Recording) -> list[Peak]:
     lasts grows with the duration of the run. If the law is unknown, an impact without a force tells that the
     law is impulsive.
     """
-    impacts, found, law = recording.impacts, [], recording.parameters.get("contact.model", "")
-    for is_stop, of_force in ((False, "force"), (True, "moment")):
-        forces, impulses = (
-            np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
-            for quantity in ("peak_force", "impulse")
-        )
-        # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
-        is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
-        is_impulsive |= bool(((forces == 0.0) & (impulses > 0.0)).any())
-        values, quantity = (impulses * ~lasts(impacts), "impulse") if is_impulsive else (forces, "peak_force")
+    found = []
+    for is_stop in (False, True):
+        words, unit, values = strengths(recording, is_stop=is_stop)
         if values.max(initial=0.0) > 0.0:
-            words = (
-                f"largest impulse{' at a stop' if is_stop else ''}" if is_impulsive else f"peak {of_force}"
-            )
-            most = force_text(float(values.max()), unit_at(quantity, stop=is_stop))
-            found.append(Peak(words, most, int(values.argmax())))
+            if words == "impulse":
+                words = f"largest impulse{' at a stop' if is_stop else ''}"
+            found.append(Peak(words, force_text(float(values.max()), unit), int(values.argmax())))
     return found
 
 
+def peak_of(recording: Recording, row: int) -> list[Peak]:
+    """Return how hard an impact is, given by its row; an empty list if this is not known."""
+    words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
+    return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
+
+
+def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+    """Return how hard the impacts at walls, or at the stops of joints, are: words, unit, values, shape (I,).
+
+    The words are "peak force", "peak moment" or "impulse". The value is 0 if it is not known, for an impact
+    of the other kind, and for an impulse of a contact that lasts.
+    """
+    impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
+    forces, impulses = (
+        np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
+        for quantity in ("peak_force", "impulse")
+    )
+    # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
+    is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
+    if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
+        return "impulse", unit_at("impulse", stop=is_stop), impulses * ~lasts(impacts)
+    return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
+
+
 def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
-    """Return words for the impact of a peak: "peak force in impact 1: point 4 hits y_min at 0.5 s".
+    """Return words for the impact of a peak.
+
+    For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s".
 
     ``valued``: with the value of the peak.
     """
     impact = recording.impacts[peak.row]
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     told = f"{peak.words}{f' {peak.value}' if valued else ''} in impact {peak.row + 1}"
-    return f"{told}: {brief_hit(recording, impact)} at {factor * impact['onset']:.4g} {unit}"
+    speed = f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
+    return f"{told}: {brief_hit(recording, impact)} at {factor * impact['onset']:.4g} {unit} with {speed}"
 
 
 def has_contact(recording: Recording) -> bool:

@@ -13,7 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from chain_impact.pictures.arrangement import axes_of, broadness, is_beside, is_over_time, size_for
 from chain_impact.pictures.figures import settle
 from chain_impact.pictures.given import drawn_into, fit_into_figure
-from chain_impact.pictures.impact_speeds import draw_impact_speeds, number_impacts
+from chain_impact.pictures.impact_marks import draw_impacts, number_impacts
 from chain_impact.pictures.labels import Ink
 from chain_impact.pictures.legends import legend_beside
 from chain_impact.pictures.lines import SEPARATOR
@@ -30,7 +30,7 @@ from chain_impact.recording.recording import Recording
 BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # NUMBER: [points] the width of the visible area beyond a wall, in which numbers of impacts stand; MOST_BAND:
 # the largest width of this area, relative to the size of the motion
-NUMBER, MOST_BAND = 26.0, 0.25
+NUMBER, MOST_BAND = 30.0, 0.25
 
 
 def draw_place(axes: Axes, recording: Recording) -> None:
@@ -45,7 +45,7 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of impacts into the panel of a motion in the plane.
 
-    Returns the numbers without room as text. If the motion is drawn over time, only the panel of speeds has
+    Returns the numbers without room as text. If the motion is drawn over time, only the panel of impacts has
     numbers.
     """
     return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
@@ -54,7 +54,7 @@ def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
     "motion": draw_place,
     "energy": draw_energy,
-    "impacts": draw_impact_speeds,
+    "impacts": draw_impacts,
     "friction": draw_stick_slip,
 }
 """The panels of a picture: name → function that draws the panel."""
@@ -67,7 +67,7 @@ The functions return the numbers without room, as text.
 LISTED_HEIGHT = 0.25
 # how often, at most, the panels are arranged again because the text at the foot takes room from them
 FEET = 3
-PANEL_WORDS = {"motion": "motion", "impacts": "speeds"}
+PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
 """Name of a panel → its word in the sentence that names the impacts without room for their numbers."""
 
 

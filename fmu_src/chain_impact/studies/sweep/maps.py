@@ -95,12 +95,13 @@ def _draw_map(
     elif spread(shown.compressed()) >= WIDE_COLOURS:
         norm = LogNorm(*(ends := colour_ends(shown.compressed(), logarithmic=True)))
     else:
-        norm = Normalize(*(ends := colour_ends(shown.compressed())))
+        ends = quantity.ends_for(shown.compressed()) or colour_ends(shown.compressed())
+        norm = Normalize(*ends)
     colours = colours.with_extremes(bad=FAILED_COLOUR)
     mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, rasterized=True)
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[are_beyond((least, most), ends)]
-    label = quantity.label + beyond_ends((least, most), ends)
+    label = quantity.label_for(shown.compressed()) + beyond_ends((least, most), ends)
     bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
     if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
         number_few_decades(bar.ax.yaxis)

@@ -114,11 +114,9 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [conditions(runs, varying), constants(runs, results)]
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    if is_narrow(figure):  # the ranges of results move below the headline, so that this has one line
-        told = [", ".join(parts), *told]
-    else:
-        head = ", ".join([head, *parts])
-    headline(figure, head, "; ".join(filter(None, told)))
+    kept = 1 if is_narrow(figure) else len(parts)  # other ranges of results move below the headline
+    told = [", ".join(parts[kept:]), *told]
+    headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
     first, *others = sorted(varying, key=lambda variation: bool(variation.choices))
     across = _across(len(quantities), kind, figure.get_figwidth())
@@ -293,11 +291,15 @@ def _dots(figure: Figure, runs: Runs, quantities: list[Quantity], across: Variat
     panels = _panels(figure, count, _dots_across(count, figure.get_figwidth()), sharey=True)
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
+        shown = quantity.of(runs)
+        finite = shown[np.isfinite(shown)]
         axes.grid(axis="y", color="0.92")
-        axes.plot(quantity.of(runs), rows, "o", color=COLOURS[0], markersize=4.0)
+        axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
         failed = rows[runs.failed]
         axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
-        axes.set_xlabel(quantity.label)
+        axes.set_xlabel(quantity.label_for(finite))
+        if ends := quantity.ends_for(finite):
+            axes.set_xlim(*ends)
         if quantity.is_count:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
     panels[0].set_yticks(rows, names)
@@ -309,8 +311,10 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
 
     ``shown``: the values of the quantity in all runs, NaN where a run failed.
     """
-    axes.set_ylabel(quantity.label)
     finite = shown[np.isfinite(shown)]
+    axes.set_ylabel(quantity.label_for(finite))
+    if ends := quantity.ends_for(finite):
+        axes.set_ylim(*ends)
     if not finite.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:

@@ -20,6 +20,9 @@ from chain_impact.variables.prepared import PreparedScene
 # MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given; MOST_PANELS:
 # the largest number of panels that ``panels`` may name
 MOST_ASKED, MOST_PANELS = 4, 8
+# the least range of an axis and of the colours of a map, relative to the largest |result|, so that a result
+# that hardly depends on a parameter does not look as if it does
+LEAST_RANGE = 0.1
 EQUAL_RESULTS = 1e-9  # results are equal if their range, relative to the largest |result|, is at most this
 
 
@@ -50,6 +53,19 @@ class Quantity:
     def is_count(self) -> bool:
         """Whether the quantity is the number of impacts, so that its values are whole numbers."""
         return self.column == COUNT
+
+    def label_for(self, values: np.ndarray) -> str:
+        """Return the label for values, which are finite; it tells how little they differ."""
+        within = np.ptp(values) / max(np.abs(values).max(initial=0.0), 1e-300) if len(values) else 0.0
+        is_told = not self.is_count and EQUAL_RESULTS < within < LEAST_RANGE
+        return f"{self.label}, within {100.0 * within:.2g} %" if is_told else self.label
+
+    def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
+        """Return the ends of an axis for values that differ less than LEAST_RANGE; None for other values."""
+        if self.label_for(values) == self.label:
+            return None
+        middle, half = 0.5 * (values.min() + values.max()), 0.55 * LEAST_RANGE * np.abs(values).max()
+        return float(middle - half), float(middle + half)
 
     def of(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, in the unit of the picture, NaN where a run failed, shape (R,)."""

@@ -1,4 +1,4 @@
-"""The panel with the speeds of impacts over time."""
+"""The panel that shows how hard the impacts are, over time."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_labels
 from chain_impact.pictures.legends import legend_above
-from chain_impact.pictures.message import peaks
-from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, by_speed, numbers_text
+from chain_impact.pictures.message import peaks, strengths
+from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, numbers_text
 from chain_impact.pictures.names import short_names
 from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
-from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR
+from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, scale_numbers
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.text import speed_unit
+from chain_impact.recording.text import prefixed, speed_unit
 
 # the largest number of points (or joints at stops) with a mark of their own, so that the legend has room
 MOST_OWN_MARKS = 5
@@ -29,7 +30,7 @@ MOST_OWN_MARKS = 5
 # smallest distance differ at most by EQUAL, relative to the mean distance
 REGULAR, EQUAL = 5, 0.2
 NUMBERED = 60  # the largest number of marks of impacts to which numbers are written
-# the upper end of the axis of impact speeds, relative to the largest speed; the excess is room for numbers
+# the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
 # [points] the size of the mark of an impact, and the increase of a mark for each mark that covers it
 IMPACT_DOT, COVERED_RIM = 4.5, 3.0
@@ -54,15 +55,15 @@ MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P":
 """Form of a mark → factor on its size, so that all forms look equally large."""
 
 
-def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """Draw the impact speed of each impact over time, with a mark for each point.
+def draw_impacts(axes: Axes, recording: Recording) -> None:
+    """Draw the peak force, or the impulse, of each impact over time, with a mark for each point.
 
-    At most MOST_OWN_MARKS points have a mark of their own: those with the fastest impacts. The
-    others are grey. The impact with the largest force has a colour of its own.
+    If none is known, the impact speeds are drawn. At most MOST_OWN_MARKS points have a mark of their own:
+    those with the hardest impacts. The others are grey. The hardest impact has a colour of its own.
 
-    Thick, pale lines below the speeds, a row for each mark, show the contacts that are long enough to be
-    seen; the axis of time is below them.
-    If there are impacts at walls and at stops, the speeds at stops have their own axis on the right.
+    Thick, pale lines below the marks, a row for each kind of mark, show the contacts that are long enough to
+    be seen; the axis of time is below them.
+    If there are impacts at walls and at stops, those at stops have their own axis on the right.
     """
     stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
@@ -88,14 +89,15 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
             draw_contacts(axes, times[goes_on], ends[goes_on], lanes, mark)
             lanes += 1
     axes.spines["bottom"].set_position(("outward", lanes * ROW))
-    at_stops, at_walls = bool(stopped.any()), not stopped.all()
-    axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
+    at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
+    axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)))
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
         scale = stop_scale(recording)
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
-        right.set_ylabel("at stops [rad/s]")
+        _, unit, values = measure(recording, is_stop=True)
+        right.set_ylabel(scaled_name(right.yaxis, "at stops", unit, values))
         axes.spines["right"].set_visible(True)
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
@@ -138,20 +140,45 @@ def contact_ends(recording: Recording) -> np.ndarray:
     return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 
-def stop_scale(recording: Recording) -> float:
-    """Return the factor from speeds at stops [rad/s] to heights in the panel, whose axis has m/s.
+def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+    """Return what marks at walls, or at stops of joints, show: words, unit, and values, shape (I,).
 
-    With this factor the fastest impacts at walls and at stops have the same height.
+    It is the result of ``strengths`` or, if no value is known, the impact speed.
     """
-    speeds, stopped = recording.impacts["impact_speed"], recording.at_stops
-    at_walls, at_stops = (speeds[kind].max(initial=0.0) for kind in (~stopped, stopped))
+    words, unit, values = strengths(recording, is_stop=is_stop)
+    if not values.any():
+        speeds = recording.impacts["impact_speed"] * (recording.at_stops == is_stop)
+        words, unit, values = "impact speed", speed_unit(is_stop), speeds
+    return words, unit, values
+
+
+def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
+    """Give the numbers at an axis a unit with a prefix that suits the values, and return words with it."""
+    factor, unit = prefixed(values.max(initial=0.0), unit)
+    scale_numbers(axis, factor)
+    return f"{words} [{unit}]"
+
+
+def stop_scale(recording: Recording) -> float:
+    """Return the factor from values at stops to heights in the panel, whose axis is that of walls.
+
+    With this factor the hardest impacts at walls and at stops have the same height.
+    """
+    at_walls, at_stops = (
+        measure(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)
+    )
     return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
 
 
 def heights(recording: Recording) -> np.ndarray:
     """Return the height of each impact's mark in the panel, in the unit of its left axis, shape (I,)."""
-    scales = np.where(recording.at_stops, stop_scale(recording), 1.0)
-    return np.asarray(recording.impacts["impact_speed"] * scales)
+    at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
+    return np.asarray(at_walls + stop_scale(recording) * at_stops)
+
+
+def hardest(recording: Recording) -> np.ndarray:
+    """Return the rows of the impacts in the order of their heights, the highest first."""
+    return np.argsort(-heights(recording), kind="stable")
 
 
 def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
@@ -184,13 +211,13 @@ def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray
 def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.ndarray]]:
     """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
-    The points, and the joints at their stops, with the fastest impacts have a group each; all others share a
+    The points, and the joints at their stops, with the hardest impacts have a group each; all others share a
     grey group. The mark is given by properties with matplotlib's names.
     """
     impacts = recording.impacts
     names = [short_names(recording, recording.toucher(row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
-    hit = list(dict.fromkeys(members[row] for row in by_speed(recording)))
+    hit = list(dict.fromkeys(members[row] for row in hardest(recording)))
     marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
     marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
     groups = [
@@ -203,7 +230,7 @@ def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.nda
 
 
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of the impacts at their marks, where ``ink`` is free, the fastest impact first.
+    """Write the numbers of the impacts at their marks, where ``ink`` is free, the hardest impact first.
 
     Impacts whose marks coincide share a label. The number of the impact with the largest force has the force
     beside it, if there is room. Of impacts at equal distances in time only every k-th is
@@ -212,7 +239,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     Returns words for the impacts without a number; "" if there are none.
     """
     tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
-    order, step = by_speed(recording), numbered_step(axes, recording)
+    order, step = hardest(recording), numbered_step(axes, recording)
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
     common = {row: rows for rows in common_marks(recording).values() for row in rows}
