@@ -65,10 +65,10 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
-    """Replace each part whose file is missing by a stand-in, so that MuJoCo can compile the rest.
+    """Replace each part whose file is missing by a stand-in, after MuJoCo has refused to compile the whole.
 
-    If no file is missing, some file has a fault; then all parts with files are replaced. Return name of a
-    replaced part → its file.
+    A skin is deleted. If no file is missing, some file has a fault; then all parts with files are replaced.
+    Return name of each replaced part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
     absent = [asset for asset in assets if _file(asset) and not _found(spec, path, _file(asset))]

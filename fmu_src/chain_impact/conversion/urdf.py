@@ -199,9 +199,10 @@ def _shapes(link: Element) -> Iterator[LinkShape]:
 
 
 def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
-    """Return corners, radius and disc (see ``LinkShape``) of a shape, in the axes of its link.
+    """Return the attributes of ``LinkShape`` for a shape, in the axes of its link.
 
-    The result is empty for a mesh, and for a shape with sizes that are no numbers.
+    These are corners, radius and, for a cylinder, the vector ``disc``. The result is empty for a mesh, and if
+    the sizes or the origin do not have the right count of numbers.
     """
 
     def numbers(element: Element | None, key: str, count: int = 1) -> np.ndarray:

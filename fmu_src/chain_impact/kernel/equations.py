@@ -124,9 +124,11 @@ def rate_from_points(d, y, rate):
 
 
 def true_rate_from_inputs(d, y, rate):
-    """Set rate = f(y) with the true forces of contacts, which end at a kink instead of continuing.
+    """Set rate = f(y) with contact forces that are cut off at their kinks.
 
-    The dissipated power in ẏ lacks the parts of contacts and of sliding friction.
+    The stages of a step use forces that continue beyond their kinks. The inputs must be set and the points
+    located. The dissipated power in ẏ lacks the parts of contacts and of sliding friction, because callers
+    use the accelerations only.
     """
     apply_true_contacts(d)
     free_rate_from_loads(d, y, 0.0, rate)

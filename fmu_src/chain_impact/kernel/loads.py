@@ -62,7 +62,10 @@ def start_loads(d, time):
 
 
 def store_tip_impulse(d, j, impulse):
-    """Store component j of the impulse [N·s] of the force at the tip since the start, for joint impulses."""
+    """Store component j, x or y, of the impulse [N·s] of the input force at the tip since the run's start.
+
+    The impulses in joints are computed from it.
+    """
     d.transmitted.tip_impulse[j] = impulse
 
 

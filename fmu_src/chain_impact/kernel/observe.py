@@ -110,7 +110,7 @@ def fill_motion(d, theta):
 
 
 def fill_points(d, vectors, out):
-    """Copy the ``vectors`` of points 0…N and of sites to ``out``; the row is the number of the point."""
+    """Copy the ``vectors`` of points 0…N and of sites to ``out``; its row k has the vector of point k."""
     for k in range(d.links + 1):
         out[k, 0], out[k, 1] = vectors.x[k], vectors.y[k]
     for s in range(d.sites):

@@ -51,7 +51,7 @@ MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are wri
 # the part of the text's colour in the colour of the line at the end of an impact; the rest is the colour of
 # the ground
 END_LINE = 0.5
-# the largest number of outputs, of those that are always 0, that are named at the foot of the picture
+# the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves with which the legend is beside the panel; with more curves it is above

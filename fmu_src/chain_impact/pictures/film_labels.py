@@ -91,7 +91,7 @@ def write_numbers(
 
 
 def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
-    """Return whether a box for a number is within ``room`` and covers nothing; all are in pixels.
+    """Return whether a box for a number is within ``room`` and free of other things; all are in pixels.
 
     It must cover none of ``dots``, shape (D, 2), its middle must be outside of all ``bodies``, and it must
     not overlap the boxes ``taken``.

@@ -133,7 +133,7 @@ def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, m
 def contact_ends(recording: Recording) -> np.ndarray:
     """Return the ends of the contacts of the recording's I impacts, shape (I,) [s].
 
-    A contact that lasts ends with the recording. An unknown end is replaced by the onset.
+    A contact that has not ended gets the end of the recording; an unknown end is replaced by the onset.
     """
     impacts = recording.impacts
     ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
@@ -171,7 +171,10 @@ def stop_scale(recording: Recording) -> float:
 
 
 def heights(recording: Recording) -> np.ndarray:
-    """Return the height of each impact's mark in the panel, in the unit of its left axis, shape (I,)."""
+    """Return the height of each impact's mark in the panel, in the unit of the left axis, shape (I,).
+
+    The height is the value by ``measure``; at stops it is multiplied by ``stop_scale``.
+    """
     at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
     return np.asarray(at_walls + stop_scale(recording) * at_stops)
 

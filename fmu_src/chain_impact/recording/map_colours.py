@@ -6,8 +6,8 @@ from itertools import count
 
 import numpy as np
 
-# [1] colours are logarithmic if the ratio of large to small values (``spread``) exceeds this; with linear
-# colours, all values below a tenth of the largest one would look the same
+# [1] colours, except those of counts, are logarithmic if the ratio of large to small values (``spread``) is
+# at least this; with linear colours, all values below a tenth of the largest one would look the same
 WIDE_COLOURS = 10.0
 # [1] the colours end at a quantile, not at the extreme value, if the distance from this quantile to the
 # extreme exceeds this times the range between both quantiles

@@ -193,7 +193,10 @@ class SceneFacts(dict[str, Any]):
         return tuple(replace(link, **missing.get(i, {})) for i, link in enumerate(links))
 
     def _members(self, row: Members) -> list[dict[str, Any]]:
-        """Return the members of ``row.over`` for which the rule of the list ``row`` is true."""
+        """Return the members of the list ``row``, each as a table with the values of ``row.values``.
+
+        There is one for each member of the list ``row.over`` for which the rule ``row.has`` is true.
+        """
         found = list[dict[str, Any]]()
         for order, of_member in enumerate(of_members(members_in(row.over, self.value_of), self.value_of)):
             if holds(row.has, of_member):

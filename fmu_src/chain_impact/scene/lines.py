@@ -30,7 +30,7 @@ def line_of(text: str, path: DataPath) -> int | None:
         text: a scene file.
         path: the path of the key, ``("chain", "links", 0, "mass")``.
     """
-    # the best line so far, as two numbers: how many steps of the path it matches, and the line's number
+    # the best line so far, as two numbers: how many entries of ``path`` it matches, and the line's number
     best: tuple[int, int | None] = (0, None)
     table: DataPath = ()
     counts: dict[DataPath, int] = {}

@@ -1,7 +1,7 @@
 """Links that are boxes: their first four points are the corners, which follow from length and height.
 
-A scene contains these points. A scene file and the plain data of a scene do not contain them, so that a
-change of length or height moves the corners. The kernel, too, derives the corners from the parameters.
+A ``Scene`` contains these points. Its file and its plain data do not contain them, so that a change of
+length or height moves the corners. The kernel, too, derives the corners from the parameters.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ class Form(NamedTuple):
     Attributes:
         required: the keys that the file must give.
         optional: the keys that the file may leave out → their defaults.
-        knots: the number of polynomials that describe the signal, or None if the given values decide the
-            number.
+        knots: the number of polynomials of the signal, to which the form of a sine adds the sine; None if
+            the given values decide the number.
     """
 
     required: tuple[str, ...]

@@ -43,7 +43,10 @@ class Driven(NamedTuple):
 
     @property
     def order(self) -> int:
-        """The number of integrations of the input over time that lead to the first of the ``outputs``."""
+        """The number of integrations over time that lead from the driven input to the first of the outputs.
+
+        It is 2 for ``base.ax``, 1 for ``base.vx``, and 0 for ``base.x`` or a force.
+        """
         return self.outputs.index(self.input)
 
 

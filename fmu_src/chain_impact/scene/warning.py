@@ -1,4 +1,4 @@
-"""Warnings of values and motions that are probably mistakes."""
+"""Warnings of values and motions that are probably mistakes; each names the line of the user's code."""
 
 from __future__ import annotations
 

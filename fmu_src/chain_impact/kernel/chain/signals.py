@@ -122,7 +122,7 @@ def is_sine(d, j):
 
 
 def largest_frequency(d, j):
-    """Return the largest angular frequency [rad/s] of the sine of signal j in the last step."""
+    """Return the largest absolute angular frequency [rad/s] in the last step of signal j, a sine."""
     signal, i = d.signal, d.signal.source[j]
     f, chirp = signal.frequency[i], signal.frequency_rate[i]
     begin, end = f + chirp * (d.step.start - signal.start[i]), f + chirp * (d.step.end - signal.start[i])

@@ -140,9 +140,11 @@ def apply_events(d):
 
 
 def renew_modes(d, jumped):
-    """Choose held contacts, all modes and sides of kinks again, because laws or inputs may have changed.
+    """Choose again what laws and inputs decide, because they may have changed.
 
-    ``jumped`` tells whether speeds may have jumped, such as the speed of a belt.
+    These are the contacts with rigid walls that go on, the drives that are at their limits, the modes of
+    friction and the sides of kinks. ``jumped`` tells whether speeds may have jumped, such as the speed of a
+    belt. If they have not, an element that stuck counts as at rest, whatever small speed it has.
     """
     recompute_active_set(d)
     choose_saturation(d)

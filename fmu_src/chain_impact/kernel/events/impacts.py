@@ -293,7 +293,10 @@ def end_changed_contacts(d):
 
 
 def update_active_set(d):
-    """Keep active the held contacts whose walls must push to hold their points, and end the others."""
+    """End the contacts with rigid walls that would have to pull their points; the others stay active.
+
+    The state is projected onto the constraints first. A released point gets a small clearance.
+    """
     touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)

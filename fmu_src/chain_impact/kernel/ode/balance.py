@@ -103,8 +103,9 @@ LONG_TURN = 1.0
 # the change of the energy balance that is allowed from the start to the middle of a step, where the dense
 # output has a lower order, divided by the change that is allowed to the end
 MIDDLE_CHANGE = 10.0
-# The round-off of the energy balance in a step, relative to a sum: the energies, and each contact force,
-# spring force and weight, times the coordinates at which the force acts.
+# The round-off of the energy balance in a step, relative to the sum of all energies and of the products of
+# each contact force, spring force and weight with the coordinates at which it acts. Relative to the available
+# energy, it is also the least loss that is allowed.
 ENERGY_ROUND_OFF = 1e-15
 
 

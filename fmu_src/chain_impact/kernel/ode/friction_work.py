@@ -93,10 +93,11 @@ def work_along(d, change):
 
 
 def work_of_sliding(d, change, force):
-    """Return the work [J] of the sliding elements along a ``change`` of the coordinates.
+    """Return the work [J] that sliding friction does on the chain in a ``change`` of the coordinates.
 
-    ``force`` has the friction force of each element. If ``change`` is a velocity, the result is a power [W].
-    The function also sets ``scratch.motion``, the motion of all places in this change.
+    It is negative if friction dissipates energy. ``force`` has the friction force of every element, but those
+    of sticking elements are not used. If ``change`` is a velocity, the result is a power [W]. The points must
+    be located. The function also sets ``scratch.motion``, the motion of all places in this change.
     """
     work = 0.0
     move_points(d, d.scratch.link, change, d.scratch.motion)

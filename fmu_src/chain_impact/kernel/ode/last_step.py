@@ -269,7 +269,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """Ensure that the points are located and accelerated at the end of the last step.
+    """Ensure that positions, velocities and accelerations of points are those at the end of the last step.
 
     The rate at this end must be known.
     """

@@ -192,11 +192,12 @@ def stiffness_number(d, h):
 
 
 def find_joint_stiffness(d, h):
-    """Return hρ for a step of size h [s], with the fastest rate ρ of joints with dampers or springs.
+    """Return hρ for a step of size h [s].
 
-    If an upper bound of hρ is at most STIFF_STEP, the function returns this bound, and does not compute ρ.
-    The computation of ρ overwrites the loads on all places; afterwards they are reset to the input force at
-    the tip alone.
+    ρ is the largest rate that the damper or the spring of a single joint or slider causes alone
+    (chain/joints.py). If the upper bound h ``chain.joint_rate_bound`` of hρ is at most STIFF_STEP, the
+    function returns this bound, and does not compute ρ. To compute ρ, it overwrites the loads on all places;
+    then it sets the load at the tip to the input force there, and all other loads to 0.
     """
     z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:

@@ -130,8 +130,8 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("joint_square", REAL, (candidates,)),  # N², largest squared force in a joint during the contact
         # number of the joint with the largest force during the contact so far, 1…N; 0 for none
         ("joint", INTEGER, (candidates,)),
-        # m, errors of the clearances of the active contacts, packed, for each of both error estimates of an
-        # explicit step
+        # m, error of the clearance of each active contact, packed; row 0 and row 1 belong to the two error
+        # estimates of an explicit step
         ("gap_error", REAL, (2, candidates)),
     )
 

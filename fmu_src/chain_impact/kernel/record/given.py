@@ -231,8 +231,9 @@ def given_dtype(links: int) -> np.dtype:
     continues the present piece without a jump is applied at the start of the next step.
     """
     return record(
-        # what has been set, but is not in use yet; the values are those of chain/inputs.py. REINITIALIZE: a
-        # value; CONTINUES: only the next piece of the inputs, without a jump; 0: nothing
+        # what has been set, but is not in use yet; the values are those of chain/inputs.py. REINITIALIZE: an
+        # input or a parameter, so that the solver begins anew; CONTINUES: only the next piece of the inputs,
+        # without a jump; 0: nothing
         ("changed", INTEGER),
         ("law", INTEGER),  # number of the contact law of all walls and of the slider's stops, from 1
         # N/m^exponent, stiffness K of the slider's stops, and of walls without a stiffness in `walls`

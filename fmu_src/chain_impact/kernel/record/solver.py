@@ -47,7 +47,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # size of the whole step in its integration variable: time [s], or the fictitious time of a contact
         # (kernel/ode/sundman.py)
         ("size", REAL),
-        ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if no event truncates it
+        ("end_fraction", REAL),  # fraction of ``size`` at which the step ends; 1 if it is not truncated
         ("next_size", REAL),  # the proposed size of the next step, in its integration variable
         # ``next_size`` as it was before the present contacts began, for the first step after they have ended
         ("flight_size", REAL),

@@ -143,9 +143,9 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """Whether a value counts in the test up to which time the model follows the data, shape (M,).
+        """Whether a value is used to find the time up to which the model follows the data, shape (M,).
 
-        The outputs count or, if no data set has outputs, the onsets and ends of impacts.
+        The outputs are used or, if no data set has outputs, the onsets and ends of impacts.
         """
         outputs = np.concatenate([~data_set.of_impact for data_set in self.data])
         if outputs.any():

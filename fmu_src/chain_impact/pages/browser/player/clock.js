@@ -3,7 +3,7 @@
 export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
 const STEP = 1 / 30; // [s] time on the screen by which one press of an arrow key moves the motion
 
-/** The clock. It calls its listeners when the frame or the speed changes, and at play and pause. */
+/** The clock. It calls its listeners whenever one of its properties is set. */
 export class Clock {
   #listeners = [];
   // the impact to which the reader has gone, until the time changes; the time alone would not tell it, because impacts may have the same

@@ -196,7 +196,7 @@ export class Kernel {
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
-  /** Return `count` contacts of the log; `rowOf` is a function from 0, 1, … to the index of each one's row in the log. */
+  /** Return `count` contacts of the log; contact k, from 0, is in row `rowOf(k)` of the log. */
   #contactsInLog(count, rowOf) {
     const { reals, integers, scene: { layout: { contactLog, impulses, loads } } } = this;
     const unknown = { ...(integers[impulses] === 0n && { impulse: NaN }), ...(integers[loads] === 0n && { joint_force: NaN }) };
