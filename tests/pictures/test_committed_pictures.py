@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.style import words_of
 from chain_impact.scene.scene import model_names
 from docs.tools.images import OTHERS
@@ -25,7 +26,7 @@ def lines(words):
     """
     told = words["Description"].split("\n")
     kept = [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
-    return " ".join(kept).split()
+    return [word for word in " ".join(kept).split() if word != SEPARATOR.strip()]
 
 
 @pytest.mark.full("more cases", but=1)
