@@ -118,8 +118,8 @@ def _changed(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
 
 def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
     """Return whether other values of the scene depend on a number, or must be checked together with it."""
-    # a table's motion ends at rest if the table ends before the stop time, so its last polynomial depends on
-    # this time
+    # a motion that a signal's table gives ends at rest if the table ends before the stop time, so its
+    # last polynomial depends on this time
     if path == ("simulation", "stop_time"):
         return any(signal.samples for signal in scene.signals.values())
     return path[0] == "contact" and (value == 0.0 or ("stops", *path[1:]) in scene.derived_paths)

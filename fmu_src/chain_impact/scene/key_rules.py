@@ -68,8 +68,8 @@ class Derived:
         of_box: the other rule for a link that is a box, if there is one.
         or_key: the key of the same table that can be given in place of this key, if there is one.
         with_stops: the constant default in a scene with stops of joints, if there is one.
-        off: the constant default of a value without which a scene lacks what the value describes, such as dry
-            friction: for rules (rules.py) a value that is not given is missing, a given 0 is not.
+        off: the constant default of a value, if a scene that does not give the value lacks what it describes,
+            such as dry friction: for rules (rules.py) the value is then missing, but a given 0 is not.
     """
 
     text: str

@@ -53,7 +53,7 @@ def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
 def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
     """Return the error for a key at ``path`` that names no existing wall.
 
-    Its sentence starts with ``value``.
+    ``value`` has the first words of its sentence, such as "= 'roof' "; "" if the key itself is the name.
     """
     if not walls:
         return refusal(path, "no_walls")

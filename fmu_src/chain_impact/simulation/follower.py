@@ -141,9 +141,10 @@ class Follower:
         return pieces
 
     def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return pieces of all signals: of the functions, and of the ``held`` signals, from samples.
+        """Return the pieces ``held`` of all signals, with polynomials of the functions in their ``columns``.
 
-        ``columns`` are the indices of the functions among all signals.
+        In a piece of ``held`` all signals are constant or linear. It is divided where the functions need more
+        than one polynomial.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
@@ -259,7 +260,7 @@ class Follower:
         return before, after
 
     def _kink(self, left: Piece, right: Piece, time: float) -> float:
-        """Return the time of a kink near ``time`` [s], where two pieces of low degree have one value."""
+        """Return the time of a kink near ``time`` [s], where two pieces of low degree are equal."""
         unit = min(time - left.start, right.end - time)
         difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
         allowed = np.maximum(DROPPED * self._accuracy, VALUE_ROUND_OFF) * self._scale

@@ -283,9 +283,10 @@ def _with_functions(
     held: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return pieces of all signals: polynomials for the functions, and the samples in ``held``.
+    """Return the pieces ``held`` of all signals, with polynomials of the ``functions`` in their ``columns``.
 
-    ``errors`` are the arguments ``accuracy`` and ``resolved`` of ``Follower``, each of shape (M,).
+    In ``held`` all signals are constant or linear; see ``Follower.with_held``. ``errors`` are the
+    arguments ``accuracy`` and ``resolved`` of ``Follower``, each of shape (M,).
     """
     names = list(functions)
 

@@ -1,4 +1,4 @@
-"""Finds times of signals that are the start of the run: derivatives by them are one-sided."""
+"""Finds knots of signals at t = 0, the start of the run: derivatives by their times are one-sided."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
 
 
 def compared_impact(scene: Scene) -> str:
-    """Return the words for the impact by which laws are compared: the first at which their force acts."""
+    """Return the words for the impact by which laws are compared, the first that obeys ``contact.model``."""
     return "first impact" if scene.stops.model is None else "first impact at a wall"
 
 

@@ -138,7 +138,7 @@ def value_at(scene: Any, path: DataPath) -> Any:
 
 
 def absent_hint(name: str) -> str | None:
-    """Return a hint how to get a parameter into the FMU that only some scenes have.
+    """Return a hint how to get into the FMU a parameter that only some scenes have.
 
     The result is None for any other name.
     """

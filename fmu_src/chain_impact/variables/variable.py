@@ -142,7 +142,7 @@ class Variable:
 
     @property
     def set_path(self) -> DataPath:
-        """The path in the record of the value that users set, with respect to which derivatives are.
+        """The path in the record of the value that users set; derivatives are with respect to this value.
 
         This path differs from ``record_path`` for a parameter that the scene can derive.
         """

@@ -217,7 +217,7 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
-    """Return the next horizon [s]: up to when the model follows the data, or later GROWTH × ``horizon``.
+    """Return the next horizon [s]: until when the model follows the data, or GROWTH × ``horizon`` if later.
 
     The horizon is infinite if all measured times are before it: then all data are used. The model follows the
     data as long as its outputs (or, if none were measured, its onsets and ends of impacts) differ from the
@@ -229,6 +229,6 @@ def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: floa
     last = float(np.nanmax(order))
     reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
     next_horizon = max(GROWTH * horizon, reached)
-    if next_horizon == horizon:  # only at time 0, which no factor makes later
+    if next_horizon == horizon:  # only at time 0, which GROWTH cannot make later
         next_horizon = float(np.min(order, initial=math.inf, where=order > horizon))
     return next_horizon if next_horizon < last else math.inf

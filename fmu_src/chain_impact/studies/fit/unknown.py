@@ -16,8 +16,8 @@ UNKNOWN = 0.3
 # Another value between two bounds is not determined if its standard error, relative to the range between the
 # bounds, exceeds this number: the 95 % interval then covers half the range.
 UNKNOWN_PART = 0.125
-# The sentence on a parameter names a second one that is not determined if with this one fixed the parameter
-# is determined, and its standard error is less than BETTER times as large.
+# The sentence on a parameter that is not determined also names a second such parameter if fixing the second
+# one makes the first one determined, and its standard error less than BETTER times as large.
 BETTER = 0.5
 # a relative standard error above HUGE is not given in percent, but as a factor (on a logarithmic scale) or in
 # the unit of the value
@@ -55,8 +55,8 @@ def unknown(
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
     """Return whether a standard error is too large for a value to count as determined.
 
-    ``error`` is the standard error on the scale of the search. A value without bounds counts as determined
-    if its error is finite.
+    ``error`` is the standard error on the scale of the search. On a scale that is not logarithmic, a finite
+    error can be too large only for a value with two bounds, or with the lower bound 0.
     """
     if not math.isfinite(error):
         return True

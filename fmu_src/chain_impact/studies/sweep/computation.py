@@ -96,7 +96,7 @@ class Computation:
     def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
         """Compute the runs of a batch; return their rows or the name of their file, and the time taken [s].
 
-        The file has a temporary name, ``Dataset.add`` gives it the final one.
+        The file has a temporary name; ``Dataset.add`` gives it the final one.
 
         Raises:
             CancelledError: when ``wanted``, which is called at least once a second, returns False.

@@ -120,7 +120,7 @@ class Dataset:
             SceneError: when the folder belongs to another sweep, or has files but no manifest.
             OSError: when the folder cannot be read or written.
         """
-        # such a folder has an incomplete manifest of a process that was killed
+        # temporary folders, in which processes that were killed have left incomplete manifests
         for left in self.path.glob(f".{MANIFEST}-*"):
             rmtree(left, ignore_errors=True)
         if (self.path / MANIFEST).exists():

@@ -252,7 +252,8 @@ class Runner:
             np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
         for name in self._rigid:
             flag, *onsets = words[f"{name} of rigid"].T
-            # an impulse has no peak; the force of a rigid wall that later holds the point does not measure it
+            # an impulse has no peak force; the force with which a rigid wall later holds
+            # the point is not that of an impact
             rows[name][(flag == 1) & np.any(onsets, axis=0)] = np.nan
         self._forget_unknown(rows)
         return rows

@@ -210,7 +210,7 @@ def varying_in(design: Design) -> list[Variation]:
 def _across(count: int, kind: str, width: float) -> int:
     """Return how many of ``count`` panels to put in a row of a figure of some width [inches].
 
-    They are two, but three of three panels; three maps are in one column if the figure is narrower than
+    These are two, or three if ``count`` is 3; three maps are in one column if the figure is narrower than
     THREE_MAPS. ``kind`` is the kind of picture.
     """
     if count != IN_ONE_ROW:

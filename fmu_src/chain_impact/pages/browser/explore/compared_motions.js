@@ -197,8 +197,8 @@ function placeText(impact) {
 }
 
 /**
- * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip on how long; a dash without impact. The cell
- * is marked if the impact `beside` of the present motion has another place.
+ * Return a table's cell for an impact: time, peak force or impulse, and place, with a tooltip that tells the duration; a dash without
+ * impact. The cell is marked if the impact `beside` of the present motion has another place.
  */
 function cellOf(impact, beside) {
   if (!impact) return make("td", { textContent: "–" });

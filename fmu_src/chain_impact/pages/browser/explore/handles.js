@@ -38,8 +38,8 @@ export class Handles {
     this.player = player;
     this.changes = changes;
     this.element = element;
-    // the handle that is being dragged, {kind, index, time, pointer}, or with `by` [pixels] in place of `pointer` if a key moves it; else
-    // null
+    // the handle that is being dragged, or null: {kind, index, apart (from `#apart`), time (from `#arrowTime`), pointer}, or with
+    // `by` [pixels] in place of `pointer` if a key moves it
     this.dragged = null;
     const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     player.drawing.linesAbove = () => (this.areShown ? this.#arrows().map(({ from, to }) => [from, to]) : []);

@@ -15,8 +15,8 @@ const TITLES = {
 };
 
 /**
- * Return the largest force of an impact or, at a stop of a joint, the largest moment as text; the impulse if the impact has no duration; a
- * dash if it is unknown.
+ * Return the largest force of an impact or, at a stop of a joint, the largest moment as text; the impulse if the impact has no peak
+ * force; a dash if both are unknown.
  */
 function peakText(impact) {
   return impact.peak === null ? impulseText(impact) || "–" : forceText(impact.peak, 3, unitsOf(impact).force);

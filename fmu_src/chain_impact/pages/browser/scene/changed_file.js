@@ -3,7 +3,7 @@
 import { numberText } from "../base/format.js";
 import { asWritten } from "./scene_file.js";
 
-/** Return the contents of the scene file with the reader's changes of its parameters, which inputs are not, and with further `signals`. */
+/** Return the contents of the scene file with the reader's changes, except those of inputs, and with further `signals`. */
 export function contentsOf(changes, signals = {}) {
   const file = structuredClone(changes.scene.file);
   for (const [name, value] of Object.entries(changes.values)) {

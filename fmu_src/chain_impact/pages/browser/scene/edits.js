@@ -18,8 +18,8 @@ export function setOfLink(file, k, key, value) {
 }
 
 /**
- * Return a point of a link by its index among all points of the link, of which a box's corners are the first; a scene file has no entries
- * for corners.
+ * Return the entry of a link's point in a scene file. `entry`: index among all points of the link; the first are the corners of a box, for
+ * which a file has no entries.
  */
 export function ownPoint({ chain: { links } }, link, entry) {
   return links[link].points[entry - (links[link].shape ? CORNERS.length : 0)];

@@ -77,7 +77,7 @@ function tablesOfLaws({ chain, contact, stops }, valueAt) {
   ];
 }
 
-/** Refuse the value at a path that should name a wall and names none; the sentence begins with `value`. */
+/** Refuse the value at a path that should name a wall and names none; `value`: the first words of the sentence. */
 export function refuseWall(path, walls, value = "") {
   if (!walls.length) refuse(path, "no_walls");
   refuse(path, "no_wall", { value, walls: walls.join(", ") });

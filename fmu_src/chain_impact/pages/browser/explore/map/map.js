@@ -202,7 +202,7 @@ export class GridMap {
     return { names, axes, values: { ...this.changes.values }, ...this.#chosenOutput() };
   }
 
-  /** Return the chosen `output`, and `rigid`, the law under which it is unknown in a run with impacts where it is 0. */
+  /** Return the chosen `output`, and `rigid`, the rigid law, if any, with which an output of 0 in a run with impacts is unknown. */
   #chosenOutput() {
     const output = outputsOf(this.changes.scene).find(({ name }) => name === this.output.value);
     return { output, rigid: rigidLaw(this.changes, output.name) };

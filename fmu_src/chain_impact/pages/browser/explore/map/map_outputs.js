@@ -2,12 +2,12 @@
 
 import { impulsiveLaw } from "../parameters/sliders.js";
 
-// the first of these outputs that the scene has is the one that the map shows first, unless its law is rigid
+// a map first shows the first of these outputs that the scene has, without those that a rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
 /**
- * Return a list with the scene's output of a name, empty if there is none. Besides name and unit, an output of a map has `words`: indices
- * in the record; the map shows the largest of their values.
+ * Return a list with the output `name` as a map needs it; the list is empty if the scene does not have the output. Besides name and unit,
+ * an output of a map has `words`: indices in the record; the map shows the largest of the values there.
  */
 export function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
@@ -38,12 +38,18 @@ export function outputsOf(scene) {
   return [...first, ...largestOf(scene), ...last];
 }
 
-/** Return the law of rigid walls or stops under which a largest force or moment is that of no impact; "" if there is none. */
+/**
+ * Return the rigid law of the walls, for the output `peak_force`, or of the stops of joints, for `stop.peak_moment`: an impulse has no peak
+ * force. The result is "" if the law is not rigid, and for all other outputs.
+ */
 export function rigidLaw(changes, name) {
   return ["peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
 }
 
-/** Return the output that a map shows first: the energy without walls and stops, and the number of impacts if all of them are rigid. */
+/**
+ * Return the output that a map shows first: the first of MAIN_OUTPUTS that no rigid law leaves unknown. If all that the scene has of these
+ * are unknown, it is the number of impacts; if the scene has none of these, the energy.
+ */
 export function mainOutput(changes, outputs) {
   const named = (name) => outputs.filter((output) => output.name === name);
   const largest = MAIN_OUTPUTS.flatMap(named);

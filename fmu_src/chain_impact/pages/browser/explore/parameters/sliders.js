@@ -112,8 +112,8 @@ function choiceSentence(changes, { name, items }) {
 }
 
 /**
- * Return the slider of a parameter, and two functions that set slider and field: `follow` to the value at the present time, `show` to the
- * same value after a change, when a refusal is forgotten.
+ * Return the slider of a parameter, and two functions: `follow` sets slider and field to the value at the present time; `show`, for use
+ * after a change, also removes the mark of a refused value.
  */
 function slider(changes, entry, { field, write, now, unit }) {
   const { name } = entry;
