@@ -75,6 +75,16 @@ def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewpo
     assert cards == sorted(cards, key=lambda card: card[1])
 
 
+def test_the_labels_of_sliders_have_one_line_on_a_desk(show):
+    heights = (
+        show(viewport=DESK)
+        .locator(".main-parameter-label")
+        .evaluate_all("labels => labels.map((label) => [label.textContent, label.offsetHeight])")
+    )
+    assert len(heights) > 4
+    assert [label for label in heights if label[1] > 1.5 * heights[0][1]] == []
+
+
 def test_the_help_needs_no_scrolling_on_a_desk(show):
     page = show(viewport=DESK)
     page.keyboard.press("?")
