@@ -71,7 +71,7 @@ def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewpo
     cards = page.locator("aside > section:not(#list)").evaluate_all(
         "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
     )
-    assert [name for name, _ in cards] == ["contact-title", "inputs-title", "outputs-title", "energy-title"]
+    assert [name for name, _ in cards] == ["contact-title", "outputs-title", "energy-title", "inputs-title"]
     assert cards == sorted(cards, key=lambda card: card[1])
 
 

@@ -207,6 +207,7 @@ def test_a_rigid_wall_or_stop_has_the_impulse_of_an_impact(show_recording, model
     scene = load_scene(model).with_values({"simulation.stop_time": 0.55})
     impact = simulate(scene).impacts[0]
     page = show_recording(record_slowly(scene))
+    assert page.locator("#impacts th").last.inner_text() == "impulse"
     page.locator("#impacts tbody tr").first.click()
     assert time_of(page) == pytest.approx(impact["onset"], abs=2e-5)
     for text in (page.locator("#impacts tbody tr").first.inner_text(), page.inner_text("#caption")):
