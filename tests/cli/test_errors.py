@@ -17,7 +17,13 @@ from chain_impact import model_names
 from chain_impact.cli import parser
 from chain_impact.extras import MissingExtraError
 
-SCENES = {"half": "name = ", "name": 'name = "A"', "zero": "\0", "links": 'name = "[/]"\n[chain]\nlinks = 3'}
+SCENES = {
+    "half": "name = ",
+    "name": 'name = "A"',
+    "zero": "\0",
+    "floor": 'name = "A"\n[floor]\ny = 0',
+    "links": 'name = "[/]"\n[chain]\nlinks = 3',
+}
 SEVEN = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
 WORDS = {
     "long": 300 * "a",
@@ -66,6 +72,7 @@ def files(here, fmu):
     (here / "full.csv").symlink_to("/dev/full")
     for name, text in SCENES.items():
         (here / f"{name}.toml").write_text(text)
+    (here / "impacts.csv").write_text("point,wall,onset,end\n4,y_min,0.1,0.2\n")
     (here / "motion.csv").write_text("time,point[4].x\n0.1,2.4\n0.2,2.5\n")
     content = fmu.read_bytes()
     for name, data in {"empty": b"", "hello": b"hello", "half": content[: len(content) // 2]}.items():

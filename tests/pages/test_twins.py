@@ -291,8 +291,10 @@ def misspelt(chance, name):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_misspelt_name_gets_the_same_proposal(script, seed):
     chance, known = random(seed), [*recorded("four_link_box").columns, "contact.stiffness", "link[1].length"]
+    known += ["contact.restitution", "box"]
     wrong = [misspelt(chance, str(chance.choice(known))) for _ in range(30)]
     wrong += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
+    wrong += ["contact.bounce", "floor", "a.law"]
     assert script.evaluate(PROPOSED, [wrong, known]) == [proposed(name, known) for name in wrong]
 
 

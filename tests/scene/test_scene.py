@@ -205,7 +205,7 @@ def test_every_value_has_a_name_by_which_it_can_be_set():
         ("chain.links[1].mas", "the nearest is "),
         ("initial.angle", "the nearest is initial.angle[1]"),
         ("mass", "the nearest is link[1].mass"),
-        ("?", "`chain-impact info` lists the names"),
+        ("?", "`chain-impact info SCENE` lists the names"),
     ],
 )
 def test_an_unknown_name_is_refused_and_the_nearest_is_named(name, hint):

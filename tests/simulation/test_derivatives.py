@@ -51,7 +51,7 @@ def test_a_repeated_name_counts_once():
         ("point[2].x", "it is an output"),
         ("contact.points", "change it in the scene file"),
         ("joint[2].torque", "inputs.joint_torques = true makes it"),
-        ("*.wall", "`chain-impact info` lists the names"),
+        ("*.wall", "`chain-impact info SCENE` lists the names"),
     ],
 )
 def test_a_name_without_derivatives(name, said):

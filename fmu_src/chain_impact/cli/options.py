@@ -122,6 +122,8 @@ def inputs_of(options: argparse.Namespace) -> Inputs | None:
     """Return the table of inputs that the options name, and its interpolation; None without a table."""
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
+    if options.inputs is not None and not options.inputs.exists():
+        raise UsageError(f"--inputs {options.inputs}: there is no such file; must be a CSV or Parquet table")
     return None if options.inputs is None else (options.inputs, options.interpolation)
 
 

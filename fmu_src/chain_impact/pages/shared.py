@@ -71,6 +71,7 @@ def shared() -> dict[str, Any]:
         },
         "nearest": {
             "NUMBER": similar_names.NUMBER.pattern,
+            "SYNONYMS": similar_names.SYNONYMS,
             "LIKE_NAME": similar_names.LIKE_NAME,
             "SAME_LAST": similar_names.SAME_LAST,
             "LIKE_LAST": similar_names.LIKE_LAST,

@@ -81,6 +81,8 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         head, *text = text_of(path).splitlines() or [""]
         check_separator(head)
         names = [name.strip().strip('"') for name in head.split(",")]
+        if "time" not in names and {"onset", "wall"} <= {*names}:
+            raise ValueError("it is a list of impacts, not a motion; `simulate --csv` writes a motion")
         rows = _numbers(names, text)
     # the error is of a cell that is not a number, of a line with too many cells, or of a wrong encoding
     except ValueError as error:

@@ -97,7 +97,7 @@ class UnknownNameError(SceneError, KeyError):
         what: str,
         hint: str | None = None,
         *,
-        otherwise: str = "`chain-impact info` lists the names",
+        otherwise: str = "`chain-impact info SCENE` lists the names",
     ) -> None:
         """Make the message: ``name`` is ``what``, for example "not a parameter"; then follows the ``hint``.
 

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 NUMBER = re.compile(r"\[\d*\]")
+SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
+"""Word that a user may write as the last part of a name → the part that is meant."""
 SHORTEST = 3
 """The least number of letters of a name in which ``one_typo`` recognises a typo."""
 LIKE_NAME = 0.6
@@ -21,6 +23,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
 
     The first of these groups that contains a name decides:
 
+    - the name with a synonym of the part after the last dot: ``contact.model`` for ``contact.law``
     - names that differ from ``name`` only by numbers in brackets: ``link[1].mass`` for ``link.mass``
     - names of the same owner that contain the part after the last dot as whole words:
       ``joint[2].peak_force`` for ``joint[2].force``
@@ -32,6 +35,9 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
     - all names with at least the similarity ``at_least``, from 0 to 1
     """
     every, (owner, _, last) = list(names), name.rpartition(".")
+    meant = f"{owner}{'.' * bool(owner)}{SYNONYMS.get(last, last)}"
+    if meant != name and meant in every:
+        return meant
     bare = NUMBER.sub("", name)
     numbered = [other for other in every if other != name and NUMBER.sub("", other) == bare]
     if numbered:

@@ -1,6 +1,6 @@
 // The known name that is most similar to an unknown one: as scene/similar_names.py finds it.
 
-const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST } = SHARED.nearest;
+const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST, SYNONYMS } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");
 const lastOf = (name) => name.slice(name.lastIndexOf(".") + 1);
 
@@ -32,6 +32,10 @@ function mostAlike(name, names, least) {
 
 /** Return, from the list `names`, the one that is most similar to the unknown name; undefined if none is similar. */
 function nearest(name, names) {
+  const last = lastOf(name);
+  const owner = name.slice(0, -last.length);
+  const meant = `${owner}${Object.hasOwn(SYNONYMS, last) ? SYNONYMS[last] : last}`;
+  if (meant !== name && names.includes(meant)) return meant;
   const bare = name.replaceAll(INDICES, "");
   const numbersOf = (text) => [...text.matchAll(INDICES)].map(([found]) => Number(found.slice(1, -1)));
   const numbered = names.filter((other) => other !== name && other.replaceAll(INDICES, "") === bare);
@@ -41,8 +45,6 @@ function nearest(name, names) {
     const alike = numbered.filter((other) => numbersOf(other).length === own.length);
     return alike.length ? alike.reduce((best, other) => (distance(other) < distance(best) ? other : best)) : numbered[0];
   }
-  const last = lastOf(name);
-  const owner = name.slice(0, -last.length);
   const own = names.filter((other) => owner && other.startsWith(owner)).map((other) => other.slice(owner.length));
   const owned = longer(last, own);
   if (owned) return `${owner}${owned}`;
