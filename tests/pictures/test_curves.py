@@ -142,7 +142,7 @@ def test_the_largest_value_of_each_force_stands_at_its_curve():
         forces, places = page.axes
         told = {text.get_color(): text for text in forces.texts}
         assert not places.texts
-        assert len(told) == len(forces.texts) >= 3
+        assert len(told) == len(forces.texts) >= 4
         for line in forces.lines[1:]:
             if line.get_color() in told:
                 text = told[line.get_color()].get_text()

@@ -151,4 +151,4 @@ def test_no_large_part_of_the_axes_is_empty(model):
         for along, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
             reach = places[:, along]
             empty = max(reach.min() - limits[0], limits[1] - reach.max())
-            assert empty < np.ptp(limits) / 3.0
+            assert empty < 0.3 * np.ptp(limits)

@@ -30,7 +30,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
 # it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one the panel is higher. All
 # are relative to the height of the panel of energies.
-RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 1.8, 3.5
+RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
 # HIGH_ROWS: more rows than this number have the height LOW_ROW, relative to that of the panel of energies
 HIGH_ROWS, LOW_ROW = 2, 0.24
 # the panel of up to FEW_IMPACTS impacts has the height LOW_IMPACTS, relative to that of the panel of energies

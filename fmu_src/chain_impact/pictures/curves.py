@@ -53,6 +53,7 @@ MARKED = ("N", "N.m", "N.s")  # the units of curves whose largest values are wri
 END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
+TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
 LONGEST = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the largest number of curves with which the legend is beside the panel; with more curves it is above
 SIDE = 8
@@ -60,7 +61,8 @@ SIDE = 8
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves [inches]."""
-    return FULL, max(3.4, AROUND_PANELS + PANEL_HEIGHT * len(clear_panels(curves)))
+    told = TOLD_HEIGHT if largest_vectors(curves) else 0.0
+    return FULL, max(3.4, AROUND_PANELS + told + PANEL_HEIGHT * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
@@ -112,8 +114,8 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         seen = in_view(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
         row = curves.number - 1 if seen else None
-        first = seen if title else "", largest_vectors(curves)
-        write_head(figure, recording, title or summary, *first, row=row)
+        told = (seen if title else "", largest_vectors(curves))
+        write_head(figure, recording, title or summary, *told, row=row)
     panels = clear_panels(curves)
     zero = always_zero(curves, panels)
     if zero:

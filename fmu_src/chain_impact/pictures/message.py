@@ -85,9 +85,9 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     picture of it.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
-    places = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
-    shown = places[0].partition(" in ")[2] if short and places and not title else ""
-    results = [*first, *places[bool(shown) :]]
+    told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
+    shown = place(recording, most[0].row) if short and most and not title else ""
+    results = [*first, *told[bool(shown) :]]
     if short and not title:
         results += [*([counted(recording)] if most else []), dissipated(recording)]
     known = conditions(recording, *results, touches=has_contact(recording))
@@ -142,11 +142,16 @@ def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
 
     ``valued``: with the value of the peak.
     """
-    impact = recording.impacts[peak.row]
+    return f"{peak.words}{f' {peak.value}' if valued else ''} in {place(recording, peak.row)}"
+
+
+def place(recording: Recording, row: int) -> str:
+    """Return words for the impact in a row: "impact 1: point 4 hits y_min at 0.5 s with 2 m/s"."""
+    impact = recording.impacts[row]
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
-    told = f"{peak.words}{f' {peak.value}' if valued else ''} in impact {peak.row + 1}"
     speed = f"{impact['impact_speed']:.3g} {speed_unit(recording.is_stop(impact['wall']))}"
-    return f"{told}: {brief_hit(recording, impact)} at {factor * impact['onset']:.4g} {unit} with {speed}"
+    at = f"{factor * impact['onset']:.4g} {unit}"
+    return f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed}"
 
 
 def has_contact(recording: Recording) -> bool:

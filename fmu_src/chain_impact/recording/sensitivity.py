@@ -177,8 +177,13 @@ class Sensitivities:
 
         A change is the derivative times the step; the shape is (I, P).
         """
-        changes: np.ndarray = self.impact_slopes[quantity] * self._steps
+        changes: np.ndarray = self.slopes_of_impacts(quantity) * self._steps
         return changes
+
+    def slopes_of_impacts(self, quantity: str) -> np.ndarray:
+        """Return the derivatives of a quantity of impacts or of their duration, shape (I, P)."""
+        slopes = self.impact_slopes
+        return slopes["end"] - slopes["onset"] if quantity == "duration" else slopes[quantity]
 
     def relative(self, quantity: str) -> np.ndarray:
         """Return ``impact_changes`` divided by the quantity's value, shape (I, P).
@@ -186,12 +191,8 @@ class Sensitivities:
         The result is NaN for an unknown or 0 value.
         """
         values = self.impacts[quantity]
-        if quantity == "duration":
-            changes = self.impact_changes("end") - self.impact_changes("onset")
-        else:
-            changes = self.impact_changes(quantity)
         valid = np.isfinite(values) & (values > 0.0)
-        shares: np.ndarray = changes / np.where(valid, values, np.nan)[:, np.newaxis]
+        shares: np.ndarray = self.impact_changes(quantity) / np.where(valid, values, np.nan)[:, np.newaxis]
         return shares
 
     @property

@@ -338,7 +338,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         fields = ", ".join((*slopes, DURATION))
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
     impact = impacts[number - 1]
-    value, slope = impact[field], slopes["end"] - slopes["onset"] if field == DURATION else slopes[field]
+    value, slope = impact[field], sensitivities.slopes_of_impacts(field)
     units = impact_units(stop=recording.is_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"

@@ -56,16 +56,23 @@ class Quantity:
 
     def label_for(self, values: np.ndarray) -> str:
         """Return the label for values, which are finite; it tells how little they differ."""
-        within = np.ptp(values) / max(np.abs(values).max(initial=0.0), 1e-300) if len(values) else 0.0
-        is_told = not self.is_count and EQUAL_RESULTS < within < LEAST_RANGE
-        return f"{self.label}, within {100.0 * within:.2g} %" if is_told else self.label
+        within = self._small_range(values)
+        return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
         """Return the ends of an axis for values that differ less than LEAST_RANGE; None for other values."""
-        if self.label_for(values) == self.label:
+        if not self._small_range(values):
             return None
         middle, half = 0.5 * (values.min() + values.max()), 0.55 * LEAST_RANGE * np.abs(values).max()
         return float(middle - half), float(middle + half)
+
+    def _small_range(self, values: np.ndarray) -> float:
+        """Return the range of values, relative to the largest |value|; 0 if it is none or not small."""
+        largest = np.abs(values).max(initial=0.0)
+        if self.is_count or not largest:
+            return 0.0
+        within = float(np.ptp(values) / largest)
+        return within if EQUAL_RESULTS < within < LEAST_RANGE else 0.0
 
     def of(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, in the unit of the picture, NaN where a run failed, shape (R,)."""
