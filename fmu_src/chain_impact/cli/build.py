@@ -25,8 +25,8 @@ FMU_KINDS = {
     ),
     ("native", FMI_3): ("runs in tools with FMI 3.0, without Python", "for tools with FMI 2.0 only: --fmi 2"),
 }
-"""(Kind of FMU, version of FMI) → a sentence on where such an FMU runs, and which option makes another
-kind."""
+"""(Kind of FMU, version of FMI) → two texts: where such an FMU runs; and for which purpose another FMU is
+needed, with the option that makes it."""
 
 
 def add(verbs: Verbs) -> None:

@@ -133,7 +133,7 @@ class Parser(argparse.ArgumentParser):
         written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
         if option.startswith("-o") and written:
             return f"{option} is not an option; files are written by {', '.join(written)}"
-        # without the dashes, which make short names look alike
+        # names are compared without their dashes, which would make short names look alike
         long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near = nearest(option.strip("-"), long)
         return f"{option} is not an option" + (f"; the nearest is --{near}" if near else "")

@@ -103,9 +103,9 @@ def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
 
 
 def _rounded(value: object) -> object:
-    """Return a value for printing: a number that was computed with 15 digits, which hides its round-off.
+    """Return a derived value for printing: a real number gets 15 digits, which hide the round-off.
 
-    Any other value is printed as ``--set`` accepts it.
+    Any other value is returned in a form that ``--set`` accepts.
     """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 

@@ -169,7 +169,10 @@ class Once(argparse.Action):
 
 
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
-    """Add the options for a picture: its file, its size and its style; ``what`` it shows is in the help."""
+    """Add the options for a picture: its file, its size and its style.
+
+    ``what`` are the words for the contents of the picture in the help.
+    """
     command.add_argument(
         "--plot", action=Once, metavar="FILE", type=ending(*PICTURES), help=f"draw {what} (png, svg, pdf)"
     )

@@ -36,8 +36,8 @@ from chain_impact.scene.unit_text import unit_text
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import advice, formatted, heading, law_table as compared, legend
 
-# separates the numbers of the statuses, each with its meaning, in the description of an output such as
-# solver.status
+# matches the text before each status in the description of an output such as solver.status; a status is a
+# number and its meaning
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
 PHASES = 8  # the table of dry friction shows the first PHASES phases; a line tells how many more there are
 RELATIVE = {
@@ -54,7 +54,10 @@ SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """Return an empty table without lines; ``numbers`` are the heads of columns aligned to the right."""
+    """Return a table with the heads ``head`` and no rows, drawn without borders.
+
+    ``numbers`` are the heads of the columns that are aligned to the right.
+    """
     table = Table(box=None, header_style="bold")
     for name in head:
         table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
@@ -205,9 +208,10 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield for each parameter a table of the first-order changes of all impacts; then the limits of these.
+    """Yield for each parameter a table of how a small change of the parameter changes each impact.
 
-    A limit is a sentence on why some derivatives do not exist. Nothing is yielded if the run has no
+    The changes are of first order: derivatives times the change of the parameter, which the heading gives.
+    Then sentences follow on why some derivatives do not exist. Nothing is yielded if the run has no
     derivatives.
     """
     sensitivities = recording.sensitivities

@@ -99,7 +99,8 @@ HOOKS: OpenFunctions = {
 REGISTERS = """declare hidden i64 @usual_registers()
 declare hidden void @put_registers_back(i64)
 """
-# The same functions for WebAssembly, which has no such registers and always computes with the usual settings
+# The functions of REGISTERS for WebAssembly do nothing: it has no registers for settings of floating-point
+# arithmetic, and always computes with the usual settings.
 NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
   ret i64 0
 }
@@ -261,8 +262,8 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
     # without this option the library would contain the name of the folder in which it was made
     if "macos" in target:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # No start files, which nothing calls; no runtime of zig, which it would first have to build, except for
-    # Windows.
+    # Start files are left out, because nothing calls them, and so is zig's runtime, because zig would first
+    # have to build it; only a library for Windows needs the runtime.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     _zig(platform, library, *inputs, flags=options, libraries=libraries)
 

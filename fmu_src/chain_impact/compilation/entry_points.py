@@ -33,7 +33,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def log_contacts(d):
-    """Bring the log of contacts to the communication point: active contacts follow the ended ones."""
+    """Cut the last step at the communication point, and log the active contacts after the ended ones."""
     update_to_output_time(d)
     return 0
 
@@ -44,9 +44,9 @@ def record_words(d):
 
 
 def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # noqa: PLR0917
-    """Advance to each of the times [s] and fill a row with numbers of the record.
+    """Advance to each of the times [s], and fill a row with the numbers of the record in ``spans``.
 
-    Return how many are filled.
+    Return how many rows are filled; kernel/entry.py describes the arguments.
     """
     wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
     return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
@@ -57,7 +57,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ):
     """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
-    The result is the number of complete runs.
+    Return the number of complete runs; kernel/entry.py describes the arguments.
     """
     return entry.run_each(
         d,

@@ -199,8 +199,8 @@ class _Merger:
     def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
         """Return the tables of the links, and the numbers of the joints and ends that touch walls.
 
-        The numbers are None if the joints and ends of the scene touch. ``ours`` are the scene's tables of
-        links.
+        None stands in place of the numbers if the file's elements have the lengths and points that the scene
+        gives: then the same joints and ends touch as in the scene. ``ours`` are the scene's tables of links.
         """
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]

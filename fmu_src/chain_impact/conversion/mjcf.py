@@ -85,7 +85,10 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
 
 
 def _carried(text: str, source: str) -> dict[str, Any]:
-    """Return the data of the scene from the text element of a file; older versions wrote two parts."""
+    """Return the data of the scene from the text element of a file.
+
+    Older versions of this package wrote the data in two parts, which are joined.
+    """
     try:
         data = json.loads(text)
         return {**data["tables"], **data["numbers"]} if "numbers" in data else dict(data)

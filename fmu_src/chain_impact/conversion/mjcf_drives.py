@@ -303,5 +303,8 @@ class Drives:
 
 
 def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
-    """Return the difference that the control of a servo in the file is not just the scene's target."""
+    """Return a difference between the control of servo ``name`` in the file and the target in the scene.
+
+    ``text`` is the rest of the sentence; ``joints`` are the names of the joints of the servo.
+    """
     return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)

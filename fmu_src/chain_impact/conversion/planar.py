@@ -351,9 +351,9 @@ class _Conversion:
             )
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the base's key in [chain], ``slider`` or none, and the base's keys in [initial].
+        """Return the base's keys in [chain], which are ``slider`` or none, and its keys in [initial].
 
-        ``anchor`` is the place of joint 1 before any joint moves, ``gravity`` that of the scene.
+        ``anchor`` is the place of joint 1 before any joint moves [m], ``gravity`` the gravity of the scene.
         """
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":

@@ -101,8 +101,8 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
     Args:
         joint: the joint.
         rest: angle or position of the scene at which the joint's spring has no moment or force [rad or m].
-        low: its least angle or position in the scene; −∞ without a stop.
-        high: its largest angle or position in the scene; ∞ without a stop.
+        low: least angle or position of the joint in the scene [rad or m]; −∞ without a stop.
+        high: largest angle or position of the joint in the scene [rad or m]; ∞ without a stop.
     """
     # a value of 0 is left out, as None, because a scene has it without a key
     values = {key: getattr(joint, key) or None for key in JOINT_KEYS}

@@ -206,7 +206,7 @@ def _of_experiment(root: Element) -> Iterator[Finding]:
         start, stop, step, tolerance = (
             float(given.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
-    except ValueError:  # fmpy's check by the XML schema reports a number that is none
+    except ValueError:  # fmpy's check by the XML schema reports an attribute that is not a number
         return
     if stop < start:
         yield Finding(

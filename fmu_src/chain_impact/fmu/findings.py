@@ -27,7 +27,7 @@ never unpacks more than the declared size of a file.
 """
 # largest number of variables that one line names; of more, the line gives only the number
 NAMED_VARIABLES = 5
-# from this number on, findings that differ only in the variable share one line
+# if more findings than this differ only in the variable, they share one line
 MOST_ALIKE_FINDINGS = 10
 
 

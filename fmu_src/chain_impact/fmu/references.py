@@ -136,7 +136,7 @@ def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
         for t in (REFERENCE_TOLERANCE, tolerance)
     )
     count = min(len(exact), len(usual))
-    # a contact without an end has the end NaN
+    # a contact that lasts at the end of the run has NaN as its end, which is left out here
     edges = np.concatenate([table[end] for table in (contacts, others) for end in ("onset", "end")])
     edges = np.append(edges[~np.isnan(edges)], math.inf)
     apart = np.abs(times[:count, None] - edges).min(axis=1) > EVENT_DISTANCE * times[1]

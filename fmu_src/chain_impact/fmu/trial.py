@@ -152,7 +152,10 @@ class Trial:
                     )
 
     def steps(self, start: float, step: float) -> None:
-        """Take a step, and report values beyond their limits; then test restored states, if there are any."""
+        """Take a step, and report values beyond their limits; then test whether states are restored.
+
+        The second test is only for an FMU that can save its state.
+        """
         self.step(start, step)
         values = self.values()
         for variable in self.variables:

@@ -203,12 +203,12 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # convert the next size to seconds
+    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from units of s to seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # a chain at rest has proposed a step that is far too long for the motion that a new input may cause
+    # for a chain at rest the proposed step is far too long for the motion that a new input may cause
     control.limit_next_size(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -277,7 +277,7 @@ def find_step(d):
         limited = limit_to_segment(d, limited)
     h, grow = prepare(d, limited), control.GROW
     if limited < wanted:
-        # `prepare` may lengthen a step past the end of a contact, but no step may pass the end of a piece
+        # `prepare` may lengthen a step, but no step may pass the end of a piece of the inputs or of a signal
         h = min(h, limited)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
@@ -331,9 +331,9 @@ def must_land(d, theta):
 
 
 def land(d, theta):
-    """Repeat the last step so that it ends at its fraction θ; return the fraction at which contacts begin.
+    """Repeat the last step so that it ends at its fraction θ; return at which fraction contacts begin.
 
-    The result is −1 if contacts begin at the end of the repeated step, or if the step is rejected.
+    It is a fraction of the repeated step, or −1 for the end of this step: contacts begin there, or none do.
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)

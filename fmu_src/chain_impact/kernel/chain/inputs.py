@@ -39,8 +39,8 @@ UNEXPLAINED_DISPLACEMENT = 1e-9
 # relative to the sum of the positions at both ends of the cubic and of half its duration times the speeds
 # there. Also the largest third coefficient, relative to the same sum, that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
-# `change_rate` [rad/s] of a cubic motion that lasts a time h is CUBIC_CHANGE/h; the value is small because a
-# cubic has no sixth derivative
+# A cubic motion that lasts a time h counts as fast as a sine of the angular frequency CUBIC_CHANGE/h [rad/s],
+# which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative.
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
 # relative to the present time
@@ -186,8 +186,8 @@ def belts_jump(d):
 def begin_motion(d, time):
     """Begin all prescribed motions at a ``time`` [s], the start of a run.
 
-    They begin with the given values, which ``motion.interpolates`` turns into polynomials, or with the given
-    polynomials.
+    If ``motion.interpolates`` is 1, each motion begins with a polynomial of the given position, velocity and
+    acceleration; else with the given polynomial.
     """
     given, moved, piece = d.motion, d.moved, d.given.piece
     moved.began, moved.until, moved.contradiction = time, time, 0
