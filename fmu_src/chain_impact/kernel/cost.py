@@ -76,7 +76,10 @@ def cost_exceeded(d):
 
 
 def cost_of_a_call(d):
-    """Return the cost [evaluations] after which a call returns, so that its caller can stop the run."""
+    """Return the cost [evaluations] after which a long call of the kernel returns before it is done.
+
+    Its caller can then stop the run, or call again.
+    """
     return CALL_COST // (d.links + 1)
 
 
@@ -108,7 +111,10 @@ def check_cost(d):
 
 
 def check_events(d, events):
-    """Count a number of ``events``; return EVENT_STORM if there are too many (MOST_EVENTS), else OK."""
+    """Add ``events``, a number, to the events of the present window of time; return a status.
+
+    The status is EVENT_STORM if the window has too many events (MOST_EVENTS), else OK.
+    """
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:
         limits.event_start = d.step.end

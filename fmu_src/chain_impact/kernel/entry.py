@@ -78,7 +78,7 @@ def signals_fit(d):
         values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
-        # index of the first knot with given numbers; the signal has as many of these as knots of its own
+        # index of the first of the given times and values of the signal; there are as many as its knots
         given = signal.first[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
@@ -87,7 +87,11 @@ def signals_fit(d):
 
 
 def friction_counts_fit(d):
-    """Return whether the counts of elements with friction fit: no part of a group exceeds the group."""
+    """Return whether the counts of elements with friction fit together; none may be below 0.
+
+    No more contacts have friction than elements do, no more elements stick than have friction, and no more
+    joints and slider stick than elements do.
+    """
     friction = d.friction
     fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
     fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
@@ -96,7 +100,10 @@ def friction_counts_fit(d):
 
 
 def least_law(d):
-    """Return the least valid number of a law in the record: 1, or 0 if no law may have been set yet."""
+    """Return the least valid number of a law in the record: 1, or 0 if laws may still be missing.
+
+    Laws may be missing before the first start, and after a fault while no contact is active.
+    """
     started = d.chain.longest_link != 0.0 and d.statistics.status == OK
     return 1 if started or d.touch.active_count > 0 else 0
 

@@ -248,7 +248,8 @@ def knot_count(form, shape):
 def derive_signals(d, time):
     """Derive the polynomials of all signals from the given numbers, and begin the signals at ``time`` [s].
 
-    If a signal drives a velocity or an acceleration, its polynomials are integrated to give the position.
+    If a signal drives a velocity or an acceleration, its polynomials are integrated to give the position. The
+    polynomials of tables are not derived here: they are given, and already integrated.
     """
     signal = d.signal
     for j in range(d.signals):

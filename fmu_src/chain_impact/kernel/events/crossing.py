@@ -43,7 +43,7 @@ def first_passage(function, samples, resolution):
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of samples in the step. A fall between two samples,
             with a return, is missed.
-        resolution: accuracy of the location [s of the step's variable].
+        resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
         A function of (d, c, end) that returns the first such θ ≤ ``end``, or −1 if no sample is below zero.
@@ -133,7 +133,7 @@ def find_crossing(d):
             while a + width < 1.0 and math.floor(0.5 * a / width) == 0.5 * a / width:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # the cost exceeds its limit, with which the caller ends the run
+    return -1.0  # the cost exceeds its limit, so the caller ends the run
 
 
 def check_interval(d, a, b):
@@ -165,8 +165,8 @@ def check_candidate(d, c, a, b):
     rate_start, rate_end = d.search.phi_start_rate[c], d.search.phi_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
-    # φ must normally be negative at the end. At the step's end, and for a point in contact, φ must be below
-    # −`harmless`: a point beyond zero by a smaller distance may turn back
+    # For an event φ must be negative at the end of the interval. At the step's end, and for a point in
+    # contact, φ must be below −`harmless`: a point beyond zero by a smaller distance may turn back.
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
@@ -316,10 +316,11 @@ def links_curvature(d, c):
 def motion_bounds(d, c, along_x, along_y):
     """Return bounds on |ġ| and |dġ/ds| of candidate c's clearance g that follow from the base's motion.
 
-    For a joint's stop the bounds are complete, and follow from the joint's angle alone. s is the step's
-    variable.
+    The bounds lack the motions of links and all prescribed motions. For a joint's stop they are complete, and
+    follow from the motion of the joint's angle alone. s is the step's variable.
 
-    ``along_x`` and ``along_y`` are the bounds for the x and y components of the base's velocity.
+    ``along_x`` and ``along_y`` belong to the components x and y of the base's velocity: each is a pair of
+    bounds, of the component's size and of its derivative in s.
     """
     if at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
@@ -331,7 +332,7 @@ def motion_bounds(d, c, along_x, along_y):
         return arm * v, arm * a
     _, nx, ny = normal_row(d, c)
     if nx * ny == 0.0:
-        # the normal n is along an axis, so the bound for one component of the base's velocity suffices
+        # the normal n is along x or y, so one of the two terms is 0
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
     return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 

@@ -13,8 +13,8 @@ impacts. Every impulse p > 0 does the work ½ p (u⁺ + u⁻) = ½ p (1 − e) u
 point that all but touches a wall and moves away from it has u⁻ > 0, so an impact could add energy; then the
 impact is computed with e = 0 for all contacts, which adds no energy.)
 
-A contact that separates with a speed above round-off ends. Forces F hold the other contacts, which are at
-rest, as long as the forces push:
+A contact that separates with a speed above LEAST_REBOUND_SPEED and round-off ends. Forces F hold the other
+contacts, which are at rest, as long as the forces push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 
@@ -239,7 +239,10 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts whose points separate with a speed that exceeds round-off."""
+    """End the contacts whose points separate with a speed above LEAST_REBOUND_SPEED and round-off.
+
+    Neighbours that got no impulse become inactive, too.
+    """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
     fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
     # a point with the speed u rises to u²/(2 a) against the acceleration a; this height must exceed
@@ -248,7 +251,7 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
-            deactivate(d, c)  # the neighbour got no impulse, so it takes no part in the impact
+            deactivate(d, c)  # a neighbour without an impulse is not in contact
         elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)

@@ -102,15 +102,16 @@ def make_search(
         value: function of (d, c, θ) that falls below zero at the event.
         suspected: function of (d, c): whether stages and located points show that c may have an event.
         mark_ended: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
-        members: two functions: the number of possible c, of d; the k-th possible c, of (d, k).
+        members: a pair of functions: the first, of d, returns the number of c that are searched; the second,
+            of (d, k), returns the k-th of these.
         samples: function of d that returns the number of samples of the step.
-        resolution: accuracy of the location [s], as in ``first_passage``.
+        resolution: accuracy of the location of the event, as in ``first_passage``.
 
     Returns:
         A function of (d, earliest); ``earliest`` is the θ of the event found so far, −1 for none. If an event
-        of this kind happens before, the function drops all marks, marks this event and returns its θ, else it
-        returns ``earliest``. The points must be located at ``earliest``, or at the end for −1; afterwards the
-        points of contacts are located at the result.
+        of this kind happens before it (for −1: in the step), the function drops all marks, marks this event
+        and returns its θ, else it returns ``earliest``. The points must be located at ``earliest``, or at the
+        end for −1; afterwards the points of contacts are located at the result.
     """
     count, member = members
     first_end = first_passage(value, samples, resolution)

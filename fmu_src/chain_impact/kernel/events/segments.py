@@ -66,7 +66,10 @@ def has_ended(d, j):
 
 
 def check_segments(d):
-    """Return SIGNAL_JUMPS if a new segment makes the position or velocity of base or wall jump, else OK."""
+    """Return SIGNAL_JUMPS if a new segment makes the position or velocity of base or wall jump, else OK.
+
+    The travel and the speed of a belt may jump.
+    """
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and has_ended(d, j):
             before, rate, bend = signal_at(d, j, d.step.end)

@@ -141,10 +141,9 @@ def record_law_kind(d, c):
 
 
 def given_number(d, c):
-    """Return the index of the contact law that the scene gives for candidate c.
+    """Return the number, from 1, of the contact law that is given for candidate c.
 
-    This is `stops.law` for a stop in a joint if the scene gives a law for stops, and `given.law` in all other
-    cases.
+    It is `stops.law` for a stop in a joint if a law is given for stops, and `given.law` in all other cases.
     """
     return d.stops.law if at_joint_stop(d, c) and d.stops.law > 0 else d.given.law
 
@@ -244,7 +243,10 @@ def derive_damping(d, c):
 
 
 def set_parameters(d, c):
-    """Set the parameters of candidate c's law to the given values, in units of lengths also at a stop."""
+    """Set the parameters of candidate c's law to the given values.
+
+    At a joint's stop, values for angles are converted to values for lengths at the lever arm.
+    """
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)

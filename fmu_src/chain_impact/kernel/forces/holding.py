@@ -66,9 +66,10 @@ CONTACT_RESISTANCE = 1e3
 
 
 def set_start_to_state(d, derivative):
-    """Set ``start`` to clearances of contacts and distances of sticking elements from their anchors.
+    """Set ``constraints.start`` to clearances of contacts, and to distances of elements from their anchors.
 
-    If ``derivative`` is 1, the function sets ``start`` to the rates of these.
+    The contacts are the active ones, the elements are those that stick. If ``derivative`` is 1, the function
+    sets the rates of these clearances and distances.
     """
     constraints, first = d.constraints, d.touch.active_count
     for k in range(first):
@@ -83,9 +84,10 @@ def set_start_to_state(d, derivative):
 
 
 def set_start_to_load_motion(d):
-    """Set ``start`` to the motion along all constraints that the impulses in ``scratch.load`` cause.
+    """Set ``constraints.start`` to the motion along each constraint that ``scratch.load`` causes.
 
-    Return the largest component of the motion of any place.
+    The loads are impulses, and the constraints do not act on the chain. Return the largest component of the
+    motion of any place.
     """
     factorize_free(d)
     solve_space(d, d.scratch.link, d.scratch, FREE, d.scratch.change)

@@ -74,7 +74,7 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
-# up to here beyond the last whole step, in its lengths, the degree of the predicted stages is 5, 4, 3; else 1
+# stages are predicted with degree 5, 4, 3 up to this many uncut last steps beyond the last step, else with 1
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
@@ -135,7 +135,7 @@ def can_extrapolate(d):
 def set_jacobian(d, z):
     """Evaluate the Jacobian A at z, the predicted state in the middle of the step, if it is accurate.
 
-    If ``can_extrapolate`` is false, z is inaccurate, and A of the start stays, as it has a fast motion there.
+    If ``can_extrapolate`` is false, z is inaccurate, and A at the start of the step, which is known, stays.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -170,10 +170,10 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return h or, if a contact ends in the step, PAST_END × the time to this end: a kink of the force."""
+    """Return a step size ≤ h: PAST_END × the time to the end of a contact, a kink, if this is less than h."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # time to the end: −g/ġ, as the force is almost 0; an end within FORCELESS_PART of h does not limit h
+        # an almost zero force hardly changes ġ: the end is after −g/ġ; if within FORCELESS_PART h, h stays
         if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -225,7 +225,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Predict the stages by a polynomial through the last step; EXTRAPOLATED_LENGTHS gives its degree."""
+    """Predict the stages by a polynomial through nodes of the last step; EXTRAPOLATED_LENGTHS: its degree."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
@@ -324,7 +324,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output; keep the stages, to predict the next ones. If ``faded``, clear tiny values."""
+    """Set the dense output, and keep the stages for ``extrapolate_stages``; ``faded``: set tiny ones to 0."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):
@@ -339,7 +339,7 @@ def store_stages(d, faded):
 
 
 def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j, index ``at`` in z; its coefficients from ``degree`` on are 0."""
+    """Set the dense output of component j, index ``at`` in z; the coefficients F_m, m ≥ ``degree``, are 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
         values.dense[m, j] = coefficient(stages, m, at) if m < degree else 0.0
@@ -374,7 +374,7 @@ def match_clearances(d):
 
 
 def lagrange(first, m, x):
-    """Return at x the m-th Lagrange polynomial on the points of WITH_START from index ``first`` on."""
+    """Return at x the polynomial that is 1 at WITH_START[m], 0 at its other entries from ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:

@@ -33,8 +33,8 @@ FRACTION_RESOLUTION = 1e-15  # the accuracy of the fraction θ at which a step r
 def next_guess(low, high, guess, tries):
     """Return ``guess``, or the middle of the interval from ``low`` to ``high`` if the guess lies outside.
 
-    The guess of a fast method counts only in the first FAST_GUESSES ``tries``; afterwards the function
-    returns the middle, so that the search ends.
+    ``tries`` is the number of guesses before this one. From FAST_GUESSES on, the function always returns the
+    middle, so that the search ends also where the fast method of the guesses fails.
     """
     if tries < FAST_GUESSES and low < guess < high:
         return guess
@@ -76,7 +76,7 @@ def fraction(d, time):
 
 @has_dual_rule
 def event_fraction(_d):
-    """Return 0, the fraction of the last step at which the event lies with which this step begins.
+    """Return the fraction of the last step at which the event lies that began this step: 0, its start.
 
     In a tangent instance the fraction has derivatives, because parameters shift the event.
     """
@@ -140,7 +140,7 @@ def rate_bounds(step, j):
 
 
 def rate_bounds_along(step, j, nx, ny):
-    """Return bounds as ``rate_bounds`` does, for the vector (y_j, y_{j+1}) along the unit vector (nx, ny)."""
+    """Return bounds as ``rate_bounds`` does, for the sum nx y_j + ny y_{j+1} of two components."""
     value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
     for m in range(DENSE_COEFFICIENTS):
         f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
