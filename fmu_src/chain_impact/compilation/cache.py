@@ -198,9 +198,9 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """Return the folders of the cache: those for states of sources and compilers, and those of linkers.
+    """Return the folders of the cache: one for each state of sources and compilers or version of the linker.
 
-    The list is empty if other users can write to the cache.
+    The list is empty if there is no cache, or if other users can write to it.
     """
     base = base_folder()
     folders = sorted(base.iterdir()) if trusted(base) else []

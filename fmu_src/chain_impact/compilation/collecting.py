@@ -33,7 +33,7 @@ WORD = ir.IntType(64)
 
 
 class Library(codegen.JITCodeLibrary):
-    """numba's place for the code of a function, in LLVM's language: neither optimised nor compiled."""
+    """Replaces the library in which numba keeps a function's code: it is not optimised or compiled."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)

@@ -78,10 +78,10 @@ def is_beside(ratio: float, width: float) -> bool:
 
 
 def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
-    """Return the heights of the panels over time, and at last of the axis that shows the colours of time.
+    """Return the heights of the panels over time, relative to the height of the panel of energies.
 
-    They are relative to the height of the panel of energies. This axis exists only if other panels are shown
-    with a motion in the plane. ``shown`` has the names of the panels.
+    If a motion in the plane is shown beside or above them, the height of the axis that shows the colours of
+    time comes last. ``shown`` has the names of all panels.
     """
     timed = [name for name in shown if is_over_time(recording, name)]
     known = {"motion": ALONG_LINE, "friction": RUBBING}

@@ -304,7 +304,7 @@ def look_of_energy(name: str) -> dict[str, Any]:
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
     """Return the outputs that are left out of their panels, because they are 0 at all times.
 
-    A panel leaves such outputs out only if there are two or more of them, and another curve is drawn.
+    A panel leaves them out only if they are two or more, and at least one other curve of the panel is drawn.
     """
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 

@@ -25,7 +25,7 @@ Changes = dict[tuple[str | int, ...], Any]
 
 
 def needed_exponent(law: str, exponent: float) -> float:
-    """Return the exponent that a law prescribes or, if it prescribes none, the scene's ``exponent``."""
+    """Return the only exponent that a law allows; if it allows any, as ``hertz`` does, ``exponent``."""
     entry = CONTACT_LAWS.get(law)
     return exponent if entry is None or entry.exponent is None else entry.exponent
 

@@ -122,9 +122,9 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
 def _named(
     source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
 ) -> dict[str, None]:
-    """Return the keys of ``available`` that equal a wanted name or match a wanted pattern, each once.
+    """Return a table whose keys are the names in ``available`` that a wanted name or pattern matches.
 
-    The keys of the resulting table are in the order of ``wanted``.
+    Each name is there once, in the order of ``wanted``.
     """
     names = (wanted,) if isinstance(wanted, str) else wanted
     return {match: None for name in names for match in names_matching(source, name, available, what, hint)}

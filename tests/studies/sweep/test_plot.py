@@ -114,9 +114,10 @@ def test_a_scene_with_stops_has_panels_for_them():
     page, changing = drawn(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
     labels = labels_of(page)
     # joint forces are unknown without loads
-    assert labels[:6] == [
-        quantity.label for quantity in results_of(found).every if quantity.column != "joint_force"
-    ][:6]
+    assert (
+        labels[:6]
+        == [quantity.label for quantity in results_of(found).every if quantity.column != "joint_force"][:6]
+    )
     assert len(labels) == 6 + len(changing)
     assert all(name in page.texts[1].get_text() for name in {*outputs} - {*changing})
     assert "kN, peak moment of stops" in page.get_suptitle()

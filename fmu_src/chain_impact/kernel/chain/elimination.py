@@ -159,7 +159,11 @@ def accelerations(d, y, rate):
 
 @inlined
 def arms(d, y, rate, middle):
-    """Solve for the accelerations, as ``accelerations`` does; the two arms meet at the joint ``middle``."""
+    """Solve for the accelerations, as ``accelerations`` does, by elimination up to the joint ``middle``.
+
+    The part of the chain on each side of this joint is an arm. If ``middle`` is 0, the base, there is only
+    the arm that ends at the tip: for a pinned or sliding base, or a free chain of one link.
+    """
     n = d.links
     axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -175,7 +179,8 @@ def arms(d, y, rate, middle):
     # is the middle joint
     ax, ay = 0.0, 0.0
     if d.slides:
-        # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b)
+        # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b), with
+        # the force F of the drive, friction in the load, and A a + b, the force that the chain needs
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         stored = d.scratch.elimination
         stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy

@@ -87,7 +87,7 @@ def complex_hinge_inertia(link, axx, axy, ayy):
 
 
 COMPLEX_RULES = {reciprocal: complex_reciprocal, cross: complex_cross, hinge_inertia: complex_hinge_inertia}
-"""Function of the kernel → its replacement for complex arguments."""
+"""Function of the kernel → the function that replaces it for complex numbers, which implicit steps use."""
 
 
 def no_impedance(d, impedance):

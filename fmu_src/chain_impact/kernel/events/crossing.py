@@ -111,10 +111,10 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """Return θ of the first onset or end of a suspect's contact in the last step, or −1 if there is none.
+    """Return the fraction θ of the last step at which a suspect's contact first begins or ends, or −1.
 
-    The function marks the candidates that have an event at this θ. The clearances φ and their rates φ′ at the
-    start of the step must be set, and no candidate may be marked.
+    It is −1 if none does, or if the cost exceeds its limit. The candidates with an event at θ are marked.
+    Before, none may be marked, and the clearances φ and their rates φ′ at the step's start must be set.
     """
     a, b = 0.0, 1.0
     while not cost_exceeded(d):

@@ -251,7 +251,7 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
-            deactivate(d, c)  # a neighbour without an impulse is not in contact
+            deactivate(d, c)  # this point is near its wall, but takes no part in the impact
         elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_touching(d)

@@ -43,7 +43,7 @@ from chain_impact.kernel.ode.sundman import time_rate_now
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
-# The largest depth in the wall, relative to a link length, at which an onset may be located. Onsets are
+# The largest depth in the wall, relative to the longest link, at which an onset may be located. Onsets are
 # located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
 # for a depth of 1e-9 m and a stiffness of 1e12 N/m^1.5. The step is rejected.
 DEEPEST_ONSET = 1e-9

@@ -185,9 +185,10 @@ def deactivate(d, c):
 
 
 def set_rates(d, c, speed, force_rate):
-    """Set the rates δ̇ [m/s] and dF/dt [N/s] of candidate c's penetration and force at the next step's start.
+    """Set the rates of candidate c's penetration [m/s] and force [N/s] at the start of the next step.
 
-    From their signs the search of the next step decides whether the step contains a peak.
+    That step contains a peak if a rate falls through 0 in it (``find_peaks``). Only the sign of the force's
+    rate counts. At a joint's stop, too, lengths are in m: angles times the lever arm.
     """
     d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
 

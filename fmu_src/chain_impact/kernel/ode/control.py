@@ -71,10 +71,10 @@ EXPONENT = tuple(-1.0 / order for order in ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
 # The outcomes of a tried step:
 # INACCURATE  the error exceeds the tolerance
-# INFINITE    the error is infinite or NaN
+# INFINITE    the error, or a correction by Newton's iteration, is infinite or NaN
 # SPOILED     an event cannot be located, forces are not found, or the energy is wrong
 # RUNS_BACK   the time decreases in a regularized step
-# LATE        Newton's iteration converges too slowly
+# LATE        Newton's iteration converges, but not in time
 # DIVERGED    Newton's iteration diverges
 ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 # The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
@@ -120,7 +120,7 @@ def set_outcome(d, error, cost_factor):
 
 
 def reject_step(d, outcome):
-    """Reject the tried step; ``outcome`` is the reason, one of the outcomes from SPOILED on."""
+    """Reject the tried step; ``outcome`` is the reason: INFINITE, or one of the outcomes from SPOILED on."""
     d.trial.outcome = outcome
 
 

@@ -244,8 +244,8 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         # changes of all coordinates, or of their rates: the response of the chain to impulses or forces
         ("change", REAL, (coordinate_count(links),)),
         ("motion", places),  # motions of all places that the changes of coordinates cause
-        # m/s², for each point, a bound on the second derivative of its position relative to the base, in the
-        # integration variable of the step
+        # m/s², for each point, a bound on the second derivative of its position relative to the base, by the
+        # integration variable of the step: time or fictitious time, both in seconds
         ("reach", REAL, (points,)),
     )
 
@@ -258,8 +258,8 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with clearances at both ends of the searched interval."""
     return record(
-        # what is known of the clearances at the end of a step: NOTHING, VALUES, WITH_CURVES or FAR of
-        # kernel/events/exclusion.py
+        # what is known at the end of a step (kernel/events/exclusion.py): NOTHING; VALUES: φ and φ′;
+        # WITH_CURVES: also φ″; FAR: candidates without contact have at least the clearance ``safe_distance``
         ("known", bounded(0, FAR)),
         # value of `step.breaks` for which ``known`` is valid; after another break nothing is known
         ("known_for", INTEGER),

@@ -65,7 +65,7 @@ LEAST_SINGLE_MOBILITY = 1e-3
 # n iterations leave (1 + x)⁻ⁿ of a motion; one solution with the factor a leaves 1/(1 + a x). Both are equal
 # for a = ((1 + x)ⁿ − 1)/x: n for small x, and 10 for x = 0.36. For a larger x both leave little.
 SINGLE_SOLUTION_FACTOR = 10.0
-SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to the largest motion
+SOLVED_RESIDUAL = 1e-15  # the largest residual that needs no more iterations, relative to ``scale``
 # The largest residual of sticking elements that counts as round-off, so that no impulse is removed for it,
 # relative to the largest motion. With a much smaller limit, their forces would contain round-off times D, and
 # a chain at rest would change its energy.
@@ -80,9 +80,9 @@ SIGN_TOLERANCE = 1e-12
 # The number of successive pivots that may leave the least number of violated candidates unchanged. After one
 # more, pivots change one candidate each until it falls; these end if W is positive definite, but slowly.
 MAX_STALLED_PIVOTS = 3
-# the least impedance of a sticking element, relative to that of the element with the largest limit of
-# friction
-LEAST_STICKING_IMPEDANCE = 1e-2  # with less, the residual would fall too slowly
+# The least impedance of a sticking element, relative to that of the element with the largest limit of
+# friction. With a smaller one, the element's residual would fall too slowly.
+LEAST_STICKING_IMPEDANCE = 1e-2
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: moving walls leave no room.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3

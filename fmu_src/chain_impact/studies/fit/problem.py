@@ -165,10 +165,10 @@ class Problem:
         )
 
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
-        """Run the models with some values of the parameters, and return their differences from the data.
+        """Run the scenes with given values of the parameters; return the results minus the data.
 
-        ``coordinates``: the values on the scale of the search, shape (P,). Values that were measured after
-        ``horizon`` [s] are left out.
+        ``coordinates``: the values on the scale of the search, shape (P,). The residuals of values that were
+        measured after ``horizon`` [s] are NaN.
         """
         values = self.values(coordinates)
         scale = self.scale(values)
