@@ -177,13 +177,8 @@ class Sensitivities:
 
         A change is the derivative times the step; the shape is (I, P).
         """
-        changes: np.ndarray = self.slopes_of_impacts(quantity) * self._steps
+        changes: np.ndarray = slopes_of_impacts(self, quantity) * self._steps
         return changes
-
-    def slopes_of_impacts(self, quantity: str) -> np.ndarray:
-        """Return the derivatives of a quantity of impacts or of their duration, shape (I, P)."""
-        slopes = self.impact_slopes
-        return slopes["end"] - slopes["onset"] if quantity == "duration" else slopes[quantity]
 
     def relative(self, quantity: str) -> np.ndarray:
         """Return ``impact_changes`` divided by the quantity's value, shape (I, P).
@@ -198,3 +193,9 @@ class Sensitivities:
     @property
     def _steps(self) -> np.ndarray:
         return np.array([self.step(name) for name in self.parameters])
+
+
+def slopes_of_impacts(sensitivities: Sensitivities, quantity: str) -> np.ndarray:
+    """Return the derivatives of a quantity of impacts or of their duration, shape (I, P)."""
+    slopes = sensitivities.impact_slopes
+    return slopes["end"] - slopes["onset"] if quantity == "duration" else slopes[quantity]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import PART, Sensitivities
+from chain_impact.recording.sensitivity import PART, Sensitivities, slopes_of_impacts
 from chain_impact.recording.summary import digits
 from chain_impact.recording.text import LOAD_UNITS, TextTable, as_html, as_text, plural, prefixed
 from chain_impact.scene.names import name_parts
@@ -338,7 +338,7 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
         fields = ", ".join((*slopes, DURATION))
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
     impact = impacts[number - 1]
-    value, slope = impact[field], sensitivities.slopes_of_impacts(field)
+    value, slope = impact[field], slopes_of_impacts(sensitivities, field)
     units = impact_units(stop=recording.is_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
     where = f"impact {number}, {recording.toucher(impact)} at {wall}, t = {impact['onset']:.6g} s"
