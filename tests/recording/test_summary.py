@@ -63,3 +63,29 @@ def test_a_run_that_ends_at_rest_says_where():
     np.testing.assert_allclose(places, result.points[-1][[0, -1]], atol=1e-6)
     assert "rest " not in repr(simulate(scene, stop_time=0.5))
     assert "rest " not in repr(simulate(scene, output=["energy.total"]))
+
+
+def test_the_largest_force_in_a_joint_says_when():
+    scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
+    lines = [line for line in repr(simulate(scene, stop_time=0.6)).splitlines() if " N in joint[" in line]
+    fine = simulate(scene, stop_time=0.6, output_step=1e-5)
+    assert len(lines) == 2
+    for line in lines:
+        joint, first, last = re.search(
+            r"joint\[(\d)\], at ([\d.]+) … ([\d.]+) s, during impact 1$", line
+        ).groups()
+        time = fine.time[np.hypot(*fine.loads[int(joint)].T).argmax()]
+        assert float(first) <= time <= float(last)
+
+
+def test_a_largest_force_in_a_joint_without_an_impact_names_none():
+    scene = load_scene("kneed_leg").with_values({"outputs.loads": True})
+    lines = [line for line in repr(simulate(scene)).splitlines() if " N in joint[" in line]
+    assert [line.split(" s")[1] for line in lines] == ["", "", ", near impact 1"]
+    swings = {
+        "outputs.loads": True,
+        "initial.angles": [-1.57, -1.57],
+        "initial.angular_velocities": [3.0, 3.0],
+    }
+    lines = repr(simulate(load_scene("pinned_arm").with_values(swings), stop_time=0.1)).splitlines()
+    assert [line.split(", at ")[1] for line in lines if " N in joint[" in line] == ["0 s", "0 s"]

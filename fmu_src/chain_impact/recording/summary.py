@@ -13,13 +13,14 @@ from chain_impact.recording.joint_stops import at_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.recording.text import TextTable, plural
+from chain_impact.recording.text import TextTable, few, plural
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.unit_text import of_power
 from chain_impact.variables.impact_units import unit_at
 
 # largest numbers of impacts in a list: LISTED_IMPACTS in a long text, LISTED_IN_SHORT in a short one
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
+NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the largest force in a joint
 JOINTS = 8  # largest number of joints whose forces the summary lists
 NAMED_STICKING = 3  # largest number of contacts and joints that the summary names as sticking at the end
 VALUES = ("speed", "duration", "peak force", "impulse")
@@ -148,11 +149,37 @@ def digits(value: float) -> str:
 def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest force in each joint, in descending order, if the scene asks for loads."""
     joints = result.columns_of("joint").items()
-    peaks = {n: values["peak_force"][-1] for (n, _), values in joints if len(values.get("peak_force", ()))}
-    for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n])[:JOINTS]):
-        yield f"{'' if row else 'loads':8} at most {peaks[joint]:.6g} N in joint[{joint}]"
+    peaks = {n: values["peak_force"] for (n, _), values in joints if len(values.get("peak_force", ()))}
+    for row, joint in enumerate(sorted(peaks, key=lambda n: -peaks[n][-1])[:JOINTS]):
+        when = _when(result, joint, peaks[joint])
+        yield f"{'' if row else 'loads':8} at most {peaks[joint][-1]:.6g} N in joint[{joint}], {when}"
     if len(peaks) > JOINTS:
         yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
+
+
+def _when(result: Recording, joint: int, peaks: np.ndarray) -> str:
+    """Return words for when the force in a joint is largest: between two rows, and the impact.
+
+    An impact that touches the time between the rows only in part is told as near, unless its own largest
+    force is that of the joint.
+
+    Args:
+        result: the run.
+        joint: the number of the joint.
+        peaks: the largest force so far in the joint at each row [N].
+    """
+    row = int((peaks == peaks[-1]).argmax())
+    first, last = result.time[max(row - 1, 0)], result.time[row]
+    span = f"{first:g} … {last:g} s" if row else f"{last:g} s"
+    impacts = result.impacts
+    onset, end = impacts["onset"], np.where(lasts(impacts), np.inf, impacts["end"])
+    own = (impacts["joint"] == joint) & np.isclose(impacts["joint_force"], peaks[-1], rtol=1e-9, atol=0.0)
+    within = own | ((onset <= first) & (last <= end))
+    found = within if within.any() else (onset <= last) & (first <= end) & (onset < end)
+    numbers = [str(number) for number in found.nonzero()[0] + 1]
+    kind = "during" if within.any() else "near"
+    many = "s" * (len(numbers) > 1)
+    return f"at {span}" + (f", {kind} impact{many} {few(numbers, NAMED_IMPACTS)}" if numbers else "")
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
