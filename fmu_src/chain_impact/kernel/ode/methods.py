@@ -50,6 +50,10 @@ EQUAL_COST_RATIO = 2.5
 # If the size of the last explicit step is not known, the explicit method takes over again at an implicit step
 # with hρ < NOT_STIFF_STEP: two stable explicit steps then cover the same time at a lower cost.
 NOT_STIFF_STEP = 5.0
+# If explicit steps are shorter than the implicit steps that they have replaced by more than FAR_SHORTER, the
+# implicit method takes over again: far from the walls the round-off of positions causes errors of the forces
+# at random, which only very short explicit steps keep below the tolerance.
+FAR_SHORTER = 25.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
 # rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies
 # motions that are too small for the error control to notice.
@@ -86,12 +90,12 @@ def choose_method(d):
                 # the change to the implicit method has not saved cost, so the next change needs twice as many
                 # steps that favour it
                 step.switch_hysteresis *= 2
-                step.method = EXPLICIT
+                step.method, step.other_size = EXPLICIT, step.next_size
                 limit_to_stable(d)
             else:
                 # if an event or an input has truncated the step, its length is not the size that the errors
-                # allow: ``explicit_size`` 0 means unknown
-                step.explicit_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
+                # allow: ``other_size`` 0 means unknown
+                step.other_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
         elif step.stiff_count > 0 and step.method == EXPLICIT:
             limit_to_stable(d)
@@ -101,13 +105,15 @@ def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
     The implicit method is judged by the proposed size of the next step, the explicit one by the length of the
-    last step.
+    last step. An explicit method that has replaced the implicit one and takes far shorter steps costs more.
     """
     step = d.step
     if step.method == IMPLICIT:
-        if step.explicit_size > 0.0:
-            return step.next_size < EQUAL_COST_RATIO * step.explicit_size
+        if step.other_size > 0.0:
+            return step.next_size < EQUAL_COST_RATIO * step.other_size
         return stiffness_number(d, step.next_size) < NOT_STIFF_STEP
+    if FAR_SHORTER * step.next_size < step.other_size:
+        return True
     z = stiffness_number(d, step.end - step.start)
     return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and contacts_last(d))
 
@@ -181,7 +187,7 @@ def begin_explicit(d):
 def reset_stiff_count(d):
     """Reset the count of steps that favour the other method, and the count that a change needs."""
     step = d.step
-    step.stiff_count, step.explicit_size = 0, 0.0
+    step.stiff_count, step.other_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS
 
 

@@ -30,7 +30,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK
     "ode/last_step.py",
     dense=("ode/last_step.py", "ode/explicit.py", "ode/collocation.py"),
     **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
-    **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "explicit_size"), "ode/methods.py"),
+    **dict.fromkeys(("method", "stiff_count", "switch_hysteresis", "other_size"), "ode/methods.py"),
 )
 def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step and its dense output, which covers `start` to `end`."""
@@ -74,7 +74,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # integration variable is time
         ("regularized", bounded(NO_CONTACT, candidates - 1)),
         ("method", bounded(EXPLICIT, IMPLICIT)),  # number of the present or next step's method
-        ("explicit_size", REAL),  # s, size of the explicit step before the implicit ones; 0: not known
+        ("other_size", REAL),  # s, size of the other method's steps when the method changed; 0: not known
         ("stiff_count", INTEGER),  # number of steps in a row that have favoured the other method
         ("switch_hysteresis", INTEGER),  # value of ``stiff_count`` at which the method changes
     )
