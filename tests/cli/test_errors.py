@@ -1,6 +1,6 @@
 """Refusals of the command line, each with one line: wrong arguments, values, places, scenes and FMUs."""
 
-# Tests: cli/options.py, cli/source.py
+# Tests: cli/named_options.py, cli/options.py, cli/source.py
 
 import errno
 import os
@@ -15,6 +15,7 @@ from matplotlib import pyplot
 
 from chain_impact import model_names
 from chain_impact.cli import parser
+from chain_impact.cli.named_options import typed_in, with_option
 from chain_impact.extras import MissingExtraError
 
 SCENES = {
@@ -108,7 +109,7 @@ def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, her
 
 def test_a_disk_that_is_full_is_named_for_a_picture(refused, here):
     (here / "full.png").symlink_to("/dev/full")
-    told = r"^chain-impact: full\.png: No space left on device; free some space, or write to another disk$"
+    told = r"^chain-impact: --plot full\.png: No space left on device; free some space, or write to another d"
     refused(2, told, "simulate", "rod_drop", "--plot", "full.png")
 
 
@@ -177,3 +178,42 @@ def test_an_output_never_replaces_a_file_that_is_read(refused, here, arguments):
         file.write_text("as before", encoding="utf-8")
     refused(2, "is read by this command, and would be replaced", *arguments.format(here=here).split())
     assert {file.read_text(encoding="utf-8") for file in files} == {"as before"}
+
+
+def test_values_of_options_are_found_as_typed():
+    words = ["sweep", "--threads=4", "--vary", "a=1", "--plot", "--show", "-o", "runs.csv"]
+    options = ["--threads", "--vary", "-o"]
+    assert typed_in(words, options) == [("--threads", "4"), ("--vary", "a=1"), ("-o", "runs.csv")]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "error", "told"),
+    [
+        ("--set", "a.b=2.0", "S: a.b = 2 must be < 1", "S: --set a.b=2.0 must be < 1"),
+        ("--set", "a.b=2", "S: steps of a.b = 2.0 [s] are long", "S: steps of --set a.b=2 [s] are long"),
+        ("--vary", "a.b=0,2", "S: a.b = 2 must be < 1", "S: --vary a.b=0,2: a.b = 2 must be < 1"),
+        ("--set", "a=[0,x]", "S: a[2] = 'x' must be", "S: --set a=[0,x]: a[2] = 'x' must be"),
+        ("--stop-time", "-1", "S: simulation.stop_time = -1.0 must be", "S: --stop-time -1 must be"),
+        ("--laws", "hertz,x", "S: x is not a law", "S: --laws x is not a law"),
+        ("--sigma", "a=1%", "S: sigma of a: no such column", "S: --sigma a=1%: no such column"),
+        ("--threads", "0", "S: threads = 0 must be", "S: --threads 0 must be"),
+        ("-o", "no/a.csv", "no/a.csv: No such folder", "-o no/a.csv: No such folder"),
+    ],
+)
+def test_an_error_tells_the_option_whose_value_it_refuses(option, value, error, told):
+    assert with_option(error, [("--other", "c=1"), (option, value)]) == told
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        "s.toml: a.b = 2 must be < 1 (at line 3)",
+        "--check: a.b = 2 leaves no tighter one",
+        "S: c.d is not a parameter; the nearest is a.b",
+        "S: a.b.c is not a parameter",
+        "S: a.b[2] is not a parameter",
+        "S: the value of a.b is missing",
+    ],
+)
+def test_an_error_on_something_else_names_no_option(error):
+    assert with_option(error, [("--set", "a.b=2")]) == error

@@ -157,7 +157,7 @@ def test_quantities_that_cannot_be_ranked_are_refused(result):
         "peak_forc": "peak_forc is not a quantity that can be ranked; the nearest is peak_force",
         "force": "the nearest is peak_force",
         "joint[2].force": r"the nearest is joint\[2\].peak_force",
-        "impact[2].peak_force": "there is no impact 2; there are 1",
+        "impact[2].peak_force": r"impact\[2\].peak_force does not exist; the run has 1 impact",
         "impact[1].peak": r"impact\[1\].peak has no derivatives; must be onset, ",
     }.items():
         with pytest.raises(SceneError, match=told):

@@ -6,6 +6,7 @@ Each verb is a module with two functions: ``add`` adds it to the parser, ``run``
 from __future__ import annotations
 
 import argparse
+import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ from chain_impact.cli import (
     sweep,
     validate,
 )
+from chain_impact.cli.named_options import typed_in, with_option
 from chain_impact.cli.options import UsageError, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
@@ -64,20 +66,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(FIRST_STEPS)
         return 2
     out.quiet = options.quiet and not options.only_prints
+    typed = typed_in(sys.argv[1:] if arguments is None else arguments, options.valued)
     try:
         with hints_shown(), style_of(options):
             code: int = options.run(options)
-    except (AnimationError, SceneError, UsageError, ImportError) as error:
-        damaged = isinstance(error, ImportError) and not isinstance(error, MissingExtraError)
+    except (AnimationError, SceneError, UsageError, BuildError, RunError) as error:
+        complain(with_option(str(error), typed))
+        return 3 if isinstance(error, BuildError | RunError) else 2
+    except ImportError as error:
+        damaged = not isinstance(error, MissingExtraError)
         complain(f"a package is damaged, install it anew: {error}" if damaged else error)
         return 2
-    except (BuildError, RunError) as error:
-        complain(error)
-        return 3
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         what += f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
-        complain(what)
+        complain(with_option(what, typed))
         return 2
     except KeyboardInterrupt:
         complain("interrupted")
@@ -155,12 +158,14 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command line, with all verbs."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
     whole = Parser(prog="chain-impact", description=purpose)
-    whole.set_defaults(run=None, only_prints=False)
+    whole.set_defaults(run=None, only_prints=False, valued=())
     whole.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
     verbs = whole.add_subparsers(metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():
         quiet_help = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
+        free = (action for action in command._actions if action.nargs is None and action.choices is None)
+        command.set_defaults(valued=[name for action in free for name in action.option_strings])
         command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
     return whole

@@ -333,7 +333,8 @@ def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, 
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
-        raise SceneError(f"{recording.name}: there is no impact {number}; there are {len(impacts)}")
+        few = plural(len(impacts), "impact")
+        raise SceneError(f"{recording.name}: impact[{number}].{field} does not exist; the run has {few}")
     if field not in slopes and field != DURATION:
         fields = ", ".join((*slopes, DURATION))
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")

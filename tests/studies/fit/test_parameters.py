@@ -82,7 +82,7 @@ def test_wrong_parameters_are_refused():
     for name in ("contact.model", "solver.tolerance", "contact.minimum_impact_speed"):
         assert "is not a parameter that can be fitted" in refusal(make, [name])
     assert "is named twice" in refusal(make, ["initial.x"], ["initial.x"])
-    assert "bounds of initial.y, which is not free; free is initial.x" in refusal(
+    assert "bounds of initial.y: the parameter is not free; free is initial.x" in refusal(
         make, ["initial.x"], (), {"initial.y": "0:1"}
     )
     for text, said in (("1", "must be LOW:HIGH"), ("a:b", "must be LOW:HIGH"), ("nan:1", "must be numbers"),

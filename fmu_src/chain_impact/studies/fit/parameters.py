@@ -114,7 +114,7 @@ def parameters_of(
     for name in bounds:
         if name not in names:
             near = nearest(name, names) or ", ".join(names)
-            raise SceneError(f"{scene.name}: bounds of {name}, which is not free; free is {near}")
+            raise SceneError(f"{scene.name}: bounds of {name}: the parameter is not free; free is {near}")
     shared = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
     each = [
         _parameter(variables[name], one, bounds.get(name), k)
