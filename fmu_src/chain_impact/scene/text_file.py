@@ -45,12 +45,17 @@ def comma_in(text: str, fault: str) -> str:
 
 def likely_time(names: Iterable[str]) -> str:
     """Return a hint that names the column that is probably meant as ``time``; "" if there is none."""
+    name = time_like(names)
+    return f"; the column {name} may be meant: call it time, in seconds" if name else ""
+
+
+def time_like(names: Iterable[str]) -> str | None:
+    """Return the first column whose name is a word for a time, such as ``Time (s)``; None without one."""
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
-        said = f"; the column {name} may be meant: call it time, in seconds"
         if word.strip(" _") in TIMES and unit.rstrip(") ]") in SECONDS:
-            return said
-    return ""
+            return name
+    return None
 
 
 TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")

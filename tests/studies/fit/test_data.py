@@ -1,10 +1,13 @@
 """Measurements of one run, from its tables."""
 
+# Tests: studies/fit/sigma.py
+
 import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene
-from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, read_measurements, standard_deviation
+from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, read_measurements
+from chain_impact.studies.fit.sigma import standard_deviation
 from tests.helpers.scenes.bodies import body, cart
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.refusal import refusal
@@ -145,6 +148,26 @@ def test_wrong_measurements_are_refused():
     assert refusal(read, {"time": [0.1]}).startswith(
         "data: it has no column with values, of an output such as"
     )
+
+
+def test_a_list_of_impacts_with_times_proposes_the_name_onset():
+    which = {"wall": ["y_min"], "point": [2]}
+    for name, table in {
+        "time": which | {"time": [0.5], "peak_force": [100.0]},
+        "Time (s)": which | {"Time (s)": [0.5]},
+        "t": {"t": [0.5], "peak_force": [100.0]},
+    }.items():
+        said = refusal(read, table)
+        assert said.endswith(f"; call the column {name} onset, if it has the onsets of impacts in seconds"), (
+            said
+        )
+        assert len(read({"onset" if key == name else key: cells for key, cells in (which | table).items()}))
+    assert refusal(read, which | {"time": [0.5]}).endswith(
+        "; call the column time onset" + said[said.index(", if") :]
+    )
+    mixed = {"time": [0.1, 0.5], "point[4].x": [1.0, None], "wall": [None, "y_min"], "end": [None, 0.6]}
+    assert "row 1: time = 0.5 has no meaning for an impact; call" in refusal(read, mixed)
+    assert len(read(mixed | {"onset": [None, 0.5]})) == 3
 
 
 @pytest.mark.parametrize(

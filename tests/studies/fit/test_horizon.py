@@ -100,7 +100,7 @@ def test_wrong_horizons_are_refused():
     one = {"impact": [1], "peak_force": [2e4]}
     assert refusal(search, problem([columns, one], scene())) == (
         "data+data: peak_force has one value only, from which its sigma cannot be estimated: give it, "
-        "sigma of peak_force = 2% for example, or add a column sigma(peak_force)"
+        "for example 2% (--sigma peak_force=2%), or add a column sigma(peak_force)"
     )
     some = columns | {f"sigma({TIP[0]})": [1e-3] + [None] * 9}
     assert "some values of point[4].x have a sigma and others none" in refusal(search, problem(some, scene()))

@@ -15,21 +15,23 @@ from chain_impact.scene.reading import SceneError, names_matching, value_text
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.similar_names import nearest
 from chain_impact.scene.table_file import Table, TableSource, is_table, read_table
-from chain_impact.scene.text_file import likely_time
+from chain_impact.scene.text_file import likely_time, time_like
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
+from chain_impact.studies.fit.sigma import SIGMA, is_sigma, standard_deviation
 from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
-TIME, IMPACT, POINT, WALL, JOINT, DURATION = "time", "impact", "point", "wall", "joint", "duration"
+TIME, IMPACT, POINT, WALL, JOINT = "time", "impact", "point", "wall", "joint"
+ONSET, DURATION = "onset", "duration"
 WHICH = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 MEASURED_OF_IMPACT = (*IMPACT_QUANTITIES, DURATION)
 """The measurable quantities of an impact: fields of ``Result.impacts``."""
-SIGMA = "sigma({})"
+# the hint for a column of times in a list of impacts
+CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
 # If impacts were measured, the model runs until LATE times the last measured time, because its impacts may be
 # later than the measured ones.
 LATE = 1.25
-PERCENT = "%"
 
 
 @dataclass(frozen=True)
@@ -239,36 +241,36 @@ class _Book:
         """Return two lists of chosen columns of a table: outputs and inputs; quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
-        likely = "" if TIME in table.names else likely_time(table.names)
+        needed, likely = _meant(table, over_time)
         for name in values:
             if name not in over_time and name not in MEASURED_OF_IMPACT:
                 if likely and likely_time([name]):
-                    raise SceneError(f"{table.source}: the column {TIME} is missing{likely}")
+                    raise SceneError(f"{table.source}: the column {needed} is missing{likely}")
                 others = [one for one in measured if one in {*over_time, *MEASURED_OF_IMPACT}]
                 raise SceneError(f"{table.source}: column {name} {self._hint(name, others)}")
             if name in over_time and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
         for name in table.names:
-            if _is_sigma(name) and name[6:-1] not in measured:
+            if is_sigma(name) and name[6:-1] not in measured:
                 raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
-            if _is_sigma(name) and name[6:-1] in self._inputs:
+            if is_sigma(name) and name[6:-1] in self._inputs:
                 raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
         samples = [name for name in values if name in over_time]
-        for needed, columns, kinds in (
+        for keys, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
             (WHICH, [name for name in values if name in MEASURED_OF_IMPACT], "impacts"),
         ):
-            if columns and not any(name in table.names for name in needed):
+            if columns and not any(name in table.names for name in keys):
                 raise SceneError(
-                    f"{table.source}: the column {' or '.join(needed)} is missing; "
+                    f"{table.source}: the column {' or '.join(keys)} is missing; "
                     f"it says to which of the {kinds} the values in {columns[0]} belong{likely}"
                 )
         if not measured:
             raise SceneError(
                 f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
-                f"of impacts: {', '.join(MEASURED_OF_IMPACT)}"
+                f"of impacts: {', '.join(MEASURED_OF_IMPACT)}{likely}"
             )
         return samples, [name for name in values if name in MEASURED_OF_IMPACT]
 
@@ -298,12 +300,17 @@ class _Book:
 
     def _add_impact(self, table: Table, row: int, names: list[str]) -> None:
         """Add the quantities, in the columns ``names``, of the impact that a row describes."""
+        if ONSET not in table.names and table.cell(row, TIME) is not None:
+            raise SceneError(
+                f"{table.where(row, TIME)} = {table.number(row, TIME):g} has no meaning for an impact"
+                f"{CALL_ONSET.format(TIME)}"
+            )
         number, point, wall = (self._which(table, row, name) for name in WHICH)
         alike = number is None
         if number is None:
             number = self._counts[point, wall] = self._counts.get((point, wall), 0) + 1
         measured = {name: table.number(row, name) for name in names}
-        onset, end = (measured.get(name, math.nan) for name in ("onset", "end"))
+        onset, end = (measured.get(name, math.nan) for name in (ONSET, "end"))
         self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
         for name in names:
             if name != DURATION or math.isnan(end - onset):  # onset and end determine the duration
@@ -370,30 +377,19 @@ class _Book:
         return sigma
 
 
-def standard_deviation(name: str, given: float | str, value: float) -> float:
-    """Return the standard deviation of a value, in the unit of the value.
+def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
+    """Return the column of times that a table needs, and a hint that names the column meant by it.
 
-    ``given`` is the standard deviation for the value's column ``name``: a number, or "2%" of each value.
-
-    Raises:
-        SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
+    A table that has columns of impacts but none of the columns ``over_time`` needs the onset of each impact.
+    The hint is "" if no column looks like a time, or the table has the needed column.
     """
-    text = str(given).strip()
-    try:
-        number = float(text.removesuffix(PERCENT))
-    except ValueError:
-        number = -math.inf
-    if not math.isfinite(number) or number <= 0.0:
-        raise SceneError(
-            f"sigma of {name} = {value_text(given)} must be a number > 0, or percent of each value: 2%"
-        )
-    return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
-
-
-def _is_sigma(name: str) -> bool:
-    return name.startswith("sigma(") and name.endswith(")")
+    is_list = {*WHICH, *MEASURED_OF_IMPACT} & {*table.names} and not over_time & {*table.names}
+    needed, column = ONSET if is_list else TIME, time_like(table.names)
+    if column is None or needed in table.names:
+        return needed, ""
+    return needed, CALL_ONSET.format(column) if is_list else likely_time(table.names)
 
 
 def _value_columns(table: Table) -> list[str]:
     """Return the columns with measured values or inputs: all but time, WHICH, joint and sigma(…)."""
-    return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not _is_sigma(name)]
+    return [name for name in table.names if name not in (TIME, *WHICH, JOINT) and not is_sigma(name)]

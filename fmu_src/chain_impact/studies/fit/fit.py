@@ -16,12 +16,13 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.scene.table_file import TableSource, is_table
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
+from chain_impact.studies.fit.data import Measurements, read_measurements
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.remarks import not_random, outliers, unusual
 from chain_impact.studies.fit.result import Fit
+from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 

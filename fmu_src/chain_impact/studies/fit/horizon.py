@@ -193,7 +193,7 @@ def _check(problem: Problem, whole: Evaluation) -> None:
         if mine.sum() <= 1:
             raise SceneError(
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
-                f"sigma of {name} = 2% for example, or add a column sigma({name})"
+                f"for example 2% (--sigma {name}=2%), or add a column sigma({name})"
             )
     if not whole.exists.any():
         fault = problem.fault(whole) or "the model has none of the measured impacts"

@@ -1,0 +1,35 @@
+"""Standard deviations of measured values, which a user gives for a column or beside each value."""
+
+from __future__ import annotations
+
+import math
+
+from chain_impact.scene.reading import SceneError, value_text
+
+SIGMA = "sigma({})"  # the name of the column of standard deviations, from the name of the column of values
+PERCENT = "%"
+
+
+def standard_deviation(name: str, given: float | str, value: float) -> float:
+    """Return the standard deviation of a value, in the unit of the value.
+
+    ``given`` is the standard deviation for the value's column ``name``: a number, or "2%" of each value.
+
+    Raises:
+        SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
+    """
+    text = str(given).strip()
+    try:
+        number = float(text.removesuffix(PERCENT))
+    except ValueError:
+        number = -math.inf
+    if not math.isfinite(number) or number <= 0.0:
+        raise SceneError(
+            f"sigma of {name} = {value_text(given)} must be a number > 0, or percent of each value: 2%"
+        )
+    return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
+
+
+def is_sigma(name: str) -> bool:
+    """Return whether a column has the standard deviations of another column."""
+    return name.startswith("sigma(") and name.endswith(")")
