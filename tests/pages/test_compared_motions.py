@@ -113,6 +113,20 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     assert boxes["#list"]["y"] + boxes["#list"]["height"] < top
 
 
+@pytest.mark.parametrize("height", [768, 800])
+def test_five_pins_and_the_legend_of_energies_are_in_sight(show, height):
+    page = show(viewport={"width": 1366, "height": height})
+    for value in (0.4, 0.5, 0.55, 0.6, 0.65):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    assert page.locator("#pins tbody tr").count() == 6
+    assert page.locator("#pins").evaluate("list => list.scrollHeight <= list.clientHeight")
+    boxes = {name: page.locator(name).bounding_box() for name in ("#energies", "#list", "#pins")}
+    assert boxes["#energies"]["y"] + boxes["#energies"]["height"] <= boxes["#list"]["y"]
+    assert boxes["#list"]["y"] + boxes["#list"]["height"] <= boxes["#pins"]["y"]
+
+
 @pytest.mark.parametrize("size", [PHONE, {"width": 1000, "height": 700}], ids=["phone", "tablet"])
 def test_a_pin_is_in_sight_at_once(show, size):
     page = show(viewport=size)

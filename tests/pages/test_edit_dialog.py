@@ -174,6 +174,48 @@ def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     assert page.evaluate("chainImpact.parameters") == before
 
 
+def refused_fields(page):
+    return page.locator("#edit input:invalid").evaluate_all(
+        "fields => fields.map((field) => [field.getAttribute('aria-label'), field.value])"
+    )
+
+
+def test_a_refused_text_stays_until_it_is_mended_or_given_up(show):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    edit(page, "link[2].mass", "heavy")
+    edit(page, "link[3].mass", "3")
+    edit(page, "link[3].joint_min", "2")
+    edit(page, "link[3].joint_max", "1")
+    assert refused_fields(page) == [["link[2].mass", "heavy"], ["link[3].joint_max", "1"]]
+    page.get_by_role("button", name="Remove link 1").click()
+    assert refused_fields(page) == [["link[1].mass", "heavy"], ["link[2].joint_max", "1"]], (
+        "it follows its link"
+    )
+    reasons = page.locator("#edit .told .refusal").all_inner_texts()
+    assert ["chain.links[1].mass" in reasons[0], "joint_max" in reasons[1]] == [True, True]
+    edit(page, "link[2].joint_min", "0.5")
+    assert refused_fields(page) == [["link[1].mass", "heavy"]], "what another edit allows is taken"
+    until(page, "chainImpact.parameters['link[2].joint_max'] === '1'")
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Edit…").click()
+    assert refused_fields(page) == [["link[1].mass", "heavy"]]
+    page.locator("#edit").get_by_role("textbox", name="link[1].mass").press("Escape")
+    assert page.locator("#edit").is_visible()
+    assert refused_fields(page) == []
+    assert page.evaluate("chainImpact.parameters['link[1].mass']") == "1"
+
+
+def test_the_tab_key_goes_on_to_the_next_field_after_an_edit(show):
+    page = show()
+    page.get_by_role("button", name="Edit…").click()
+    field = page.locator("#edit").get_by_role("textbox", name="link[2].mass")
+    field.fill("3")
+    field.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('aria-label')") == "link[2].height"
+    assert page.evaluate("chainImpact.parameters['link[2].mass']") == "3"
+
+
 DROP = function_of("edit_dialog", "dropInPage")
 
 
@@ -250,6 +292,7 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
     words, refused = (page.locator(f"#edit {part}").evaluate(COLOUR) for part in ("label", "#edit-text"))
     assert words != refused, "a refusal stands out"
+    page.get_by_role("button", name="Undo point[9].link").click()
     scene = downloaded(page, tmp_path)
     heel = scene.chain.sites[4]
     assert [scene.chain.links[0].shape, heel[0], heel[1].y, heel[1].name] == ["box", 1, 0.08, "heel"]

@@ -123,6 +123,21 @@ def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
     until_told(page, impacts_of({"contact.stiffness": 1e6}))
 
 
+def test_the_row_of_a_refused_value_is_marked_in_the_list(show):
+    page = show()
+    page.get_by_text("All parameters").click()
+    row = page.locator(".parameter", has=page.get_by_role("textbox", name="link[2].mass"))
+    styles = "[row, row.querySelector('.parameter-name')].map((one) => getComputedStyle(one))"
+    look = f"row => {styles}.map(({{ boxShadow, color }}, k) => (k ? color : boxShadow))"
+    usual = row.evaluate(look)
+    field = row.get_by_role("textbox")
+    field.fill("heavy")
+    field.press("Tab")
+    assert all(now != before for now, before in zip(row.evaluate(look), usual, strict=True))
+    field.press("Escape")
+    assert row.evaluate(look) == usual
+
+
 def test_escape_and_reset_bring_back_the_value_that_holds(show):
     page = show(hash_="#contact.restitution=0.5")
     field = enter(page, "contact.restitution", "1.5")

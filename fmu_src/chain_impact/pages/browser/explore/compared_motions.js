@@ -125,6 +125,7 @@ export class ComparedMotions {
     panel.hidden = pinned.length === 0;
     // while the list is shown, the charts are lower, so that the list of impacts has room
     document.body.classList.toggle("with-pins", !panel.hidden);
+    document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the list
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", player.recording.text].filter(Boolean).join(": ");

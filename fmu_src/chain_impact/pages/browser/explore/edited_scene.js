@@ -36,6 +36,14 @@ function ownerAfter(owner, counts, before, after) {
   return k < 0 ? undefined : { ...owner, n: k + 1 + (isLink ? 0 : after.links.length) };
 }
 
+/** Return the name of a field of the editor after an edit of the scene; undefined if the edit has removed its link or point. */
+export function fieldAfter(name, before, after) {
+  const [, kind, n, key] = /^(link|point)\[(\d+)\](.*)$/.exec(name) ?? [];
+  if (!kind) return name;
+  const owner = ownerAfter({ n: Number(n) }, kind, before, after);
+  return owner && `${kind}[${owner.n}]${key}`;
+}
+
 /**
  * Return a function from the name of a variable before an edit of the scene to its name after the edit, undefined if its owner is removed;
  * it returns other names as they are. `before`, `after`: results of `partsOf` for the two scenes.

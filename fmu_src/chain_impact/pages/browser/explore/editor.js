@@ -9,9 +9,12 @@ import {
 } from "../scene/edits.js";
 import { STOPS } from "../scene/geometry.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
-import { partsOf } from "./edited_scene.js";
+import { fieldAfter, partsOf } from "./edited_scene.js";
 
 export class Editor {
+  #edits = new Map(); // name of a field or button → the function that applies its edit to a scene file
+  #refused = new Map(); // name of a field → its refused `text`, which stays until it is mended or given up, and `told`, why it is refused
+
   /** Connect the dialog with its buttons; `keys`: the rules of the keys of a scene file, with units and labels. */
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
@@ -34,6 +37,7 @@ export class Editor {
     });
     find("edit-first").addEventListener("click", () => {
       openScene.openFirst();
+      this.#refused.clear();
       this.#draw();
     });
     const onFiles = (kind, take) => document.addEventListener(kind, (event) => {
@@ -52,21 +56,65 @@ export class Editor {
     this.#try(() => {
       if (text instanceof Error) throw text; // reading fails for a folder, and for a file that no longer exists
       this.openScene.open(contentsIn(text));
+      this.#refused.clear();
     }, `${file.name} is open.`, (error) => {
       onFault();
       return `${file.name} cannot be opened: ${error.message.replace(/\.$/, "")}.`;
     });
   }
 
-  /** Apply a function, `edit`, to the contents of the scene that the page shows, and show the edited scene. */
-  #change(edit) {
+  /** Make an edit as `#apply` does, and show the edited scene; if the edit is refused, call `onFault` with the reason. */
+  #change(edit, onFault = () => {}) {
+    this.#try(() => {
+      const removed = this.#apply(edit);
+      this.#tryAgain();
+      return removed.length ? `The edit also removes: ${removed.join(", ")}.` : "";
+    }, "", (error) => {
+      onFault(error);
+      return refusalText(error);
+    });
+  }
+
+  /** Apply a function, `edit`, to the contents of the scene that the page shows; return words for what the edit also removes. */
+  #apply(edit) {
     const file = contentsOf(this.changes);
     const before = partsOf(file);
-    this.#try(() => {
-      edit(file);
-      const removed = this.openScene.openEdited(file, before);
-      return removed.length ? `The edit also removes: ${removed.join(", ")}.` : "";
-    }, "", (error) => `Not taken: ${error.message}.`);
+    edit(file);
+    const removed = this.openScene.openEdited(file, before);
+    this.#refused = new Map([...this.#refused].map(([name, entry]) => [fieldAfter(name, before, partsOf(file)), entry]));
+    return removed;
+  }
+
+  /** Apply the text of a field; if it is refused, it stays in the field. */
+  #take(name, text) {
+    this.#refused.delete(name);
+    this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: refusalText(error) }));
+  }
+
+  /** Apply the refused texts again, because another edit may allow them or change why they are refused. */
+  #tryAgain() {
+    this.#draw(); // for the fields of the edited scene
+    [...this.#refused].forEach(([name, { text }]) => {
+      this.#refused.delete(name);
+      try {
+        this.#apply(this.#editOf(name, text));
+      } catch (error) {
+        this.#refused.set(name, { text, told: refusalText(error) });
+      }
+    });
+  }
+
+  /** Return the function that puts the text of a field into a scene file. */
+  #editOf(name, text) {
+    const given = text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);
+    return (file) => this.#edits.get(name)(file, given);
+  }
+
+  /** Give up the refused text of a field: the field shows the value of the scene again. */
+  #giveUp(name) {
+    this.#refused.delete(name);
+    this.#draw();
+    this.#say("");
   }
 
   #try(action, done, refused) {
@@ -86,26 +134,28 @@ export class Editor {
 
   #draw() {
     const { scene: { file } } = this.changes;
+    this.#edits.clear();
     find("edit-base").value = file.chain.base;
     const heads = ["Link", ...this.#heads("link", this.#keysOfLinks(file)), ""];
-    fillTable(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
+    this.#fill(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
     const ofPoints = ["Point", "Link", ...this.#heads("point"), ""];
-    fillTable(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
+    this.#fill(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
     find("edit-points").hidden = points.length === 0;
     const { slider } = file.chain;
     find("edit-slider").hidden = !slider;
     if (slider) {
       const cellOf = (key) =>
         this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), this.tables.slider[key].unit);
-      fillTable(find("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
+      this.#fill(find("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
     }
-    fillTable(find("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
+    this.#fill(find("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value)))]);
     const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.tables.wall.point.each.unit)}`);
     const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall"), ""];
-    fillTable(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    this.#fill(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
     find("edit-walls").hidden = file.walls.length === 0;
+    [...this.#refused.keys()].filter((name) => !this.#edits.has(name)).forEach((name) => this.#refused.delete(name));
   }
 
   /** Return the keys of a table of the scene file that the editor shows: those with a label. */
@@ -176,15 +226,19 @@ export class Editor {
     const whole = typeof value === "number" ? valueText(value, unit) : (value ?? "");
     // a long number is shown with 4 digits, so that it fits into the field
     const short = whole.length > 8 && Number(whole) ? numberText(Number(Number(whole).toPrecision(4))) : whole;
-    const field = make("input", { value: short, title: whole, autocomplete: "off" });
+    const { text, told = "" } = this.#refused.get(name) ?? {};
+    const field = make("input", { value: text ?? short, title: told || whole, autocomplete: "off" });
     field.setAttribute("aria-label", name);
+    field.setCustomValidity(told);
     // an empty field of a key that follows from others shows the value that follows, as a placeholder
     const derived = value === undefined && this.changes.valueOf(name);
     if (Number.isFinite(derived)) field.placeholder = valueText(Number(derived.toPrecision(4)), unit);
-    field.addEventListener("change", () => {
-      const text = field.value.trim();
-      const given = text === "" ? undefined : Number.isNaN(Number(text)) ? text : Number(text);
-      this.#change((file) => set(given, file));
+    this.#edits.set(name, (file, given) => set(given, file));
+    field.addEventListener("change", () => this.#take(name, field.value.trim()));
+    field.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || !this.#refused.has(name)) return;
+      event.preventDefault(); // the dialog stays
+      this.#giveUp(name);
     });
     return field;
   }
@@ -192,19 +246,51 @@ export class Editor {
   #remover(what, remove) {
     const button = make("button", { type: "button", className: "remove", textContent: "×", title: `Remove ${what}` });
     button.setAttribute("aria-label", `Remove ${what}`);
-    button.addEventListener("click", () => this.#change(remove));
+    this.#edits.set(button.title, remove);
+    button.addEventListener("click", () => this.#change(this.#edits.get(button.title)));
     return button;
   }
+
+  /** Fill a table; a table that already has all these fields keeps them, and with them the focus. */
+  #fill(table, heads, rows) {
+    const head = make("tr", {}, ...heads.map((text) => (text ? make("th", { scope: "col", textContent: text }) : make("td"))));
+    const lineOf = (cells) => make("tr", {}, ...cells.map((cell, k) => withHead(make("td", {}, cell), heads[k])));
+    const filled = make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows.map(lineOf)));
+    const [fields, next] = [table, filled].map((one) => [...one.querySelectorAll("input")]);
+    const namesOf = (all) => all.map((field) => field.getAttribute("aria-label")).join();
+    if (!fields.length || namesOf(fields) !== namesOf(next)) {
+      table.replaceChildren(...filled.children);
+    } else {
+      fields.forEach((field, k) => {
+        const { value, title, placeholder, validationMessage } = next[k];
+        Object.assign(field, { value, title, placeholder }).setCustomValidity(validationMessage);
+      });
+    }
+    this.#showRefusals(table, heads.length);
+  }
+
+  /** Show below each row of a table why the texts of its fields are refused, with buttons that give them up. */
+  #showRefusals(table, columns) {
+    table.querySelectorAll(".told").forEach((row) => row.remove());
+    table.querySelectorAll("tbody tr:has(input:invalid)").forEach((row) => {
+      const messages = Array.from(row.querySelectorAll("input:invalid"), (field) => {
+        const name = field.getAttribute("aria-label");
+        const button = make("button", { type: "button", className: "give-up", textContent: "Undo" });
+        button.setAttribute("aria-label", `Undo ${name}`);
+        button.addEventListener("click", () => this.#giveUp(name));
+        return make("p", { className: "refusal" }, field.validationMessage, " ", button);
+      });
+      row.after(make("tr", { className: "told" }, make("td", { colSpan: columns }, ...messages)));
+    });
+  }
+}
+
+function refusalText(error) {
+  return readable(`Not taken: ${error.message}.`);
 }
 
 /** Return a cell that stores the head of its column: on a narrow screen the style sheet shows the head above the cell. */
 function withHead(cell, head) {
   cell.dataset.head = head;
   return cell;
-}
-
-function fillTable(table, heads, rows) {
-  const head = make("tr", {}, ...heads.map((text) => (text ? make("th", { scope: "col", textContent: text }) : make("td"))));
-  const body = rows.map((cells) => make("tr", {}, ...cells.map((cell, k) => withHead(make("td", {}, cell), heads[k]))));
-  table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...body));
 }
