@@ -90,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Context that prints each different warning once, as one line; with ``--quiet`` it prints none.
+    """Context that prints a warning as one line, and equal warnings once; with ``--quiet`` it prints none.
 
     Python alone would add the file, the line number and the line of code to a warning.
     """
@@ -118,8 +118,8 @@ class Parser(argparse.ArgumentParser):
         """Parse the arguments, and refuse those that the verb does not take.
 
         This is the parser of the verb, which knows the verb's options, so that the error can name the most
-        similar one. Without this function, the main parser would refuse the arguments, which does not know
-        these options.
+        similar one. Without this function, the main parser, which does not know these options, would refuse
+        the arguments.
         """
         options, others = super().parse_known_args(args, namespace)
         if others:

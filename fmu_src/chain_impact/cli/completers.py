@@ -62,7 +62,7 @@ def is_fmu(source: str) -> bool:
 
 
 def settings(source: str) -> Offer:
-    """Return the names of a scene or an FMU that ``--set`` accepts, with the values of choices."""
+    """Return the names that ``--set`` accepts; for a scene also the possible values of each enumeration."""
     if is_fmu(source):
         return _of_fmu(source, "parameter")
     from chain_impact.scene.scene import load_scene
@@ -72,7 +72,7 @@ def settings(source: str) -> Offer:
 
 
 def parameters(source: str) -> Offer:
-    """Return the parameters of a scene that ``--vary`` accepts, with the values of choices."""
+    """Return the parameters of a scene that ``--vary`` accepts, and the possible values of enumerations."""
     from chain_impact.scene.scene import load_scene
     from chain_impact.studies.sweep.variation import sweepable
 

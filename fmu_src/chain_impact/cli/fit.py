@@ -115,7 +115,7 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         result.save(options.scene, scene_path(options.source))
         say(f"scene    {options.scene}")
-    # the result is printed before the picture is drawn, which fails if the size in the options is too small
+    # the result is printed first, because drawing fails if the options give the picture too small a size
     say(repr(result))
     write_picture(options.plot, options.size, result.plot)
     return 0

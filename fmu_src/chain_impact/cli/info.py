@@ -103,9 +103,9 @@ def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
 
 
 def _rounded(value: object) -> object:
-    """Return a derived value for printing: a real number gets 15 digits, which hide the round-off.
+    """Return, for printing, a value that a scene derives from others: a real number without its round-off.
 
-    Any other value is returned in a form that ``--set`` accepts.
+    Its first 15 digits are returned; any other value is returned in a form that ``--set`` accepts.
     """
     return f"{value:.15g}" if isinstance(value, float) else _as_set(value)
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
 else:
-    Verbs = object  # the class of argparse takes a type parameter only in type checkers, not at run time
+    Verbs = object  # at run time argparse's class for verbs cannot take the type of its parsers
 
 Inputs = tuple[Path, str | None]
 """The file of a table of inputs, and the interpolation of its rows; None stands for the usual one of each

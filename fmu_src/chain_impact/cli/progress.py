@@ -35,8 +35,8 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
     """Context that shows the progress of long work; yields a function for the finished fraction, 0 to 1.
 
     On a terminal it shows a bar. If standard error is no terminal, it writes lines: the messages that the
-    package logs at the level INFO or above, and every LINES seconds the finished part. ``work`` are the words
-    for the work.
+    package logs at the level INFO or above, and every LINES seconds the finished part. With ``--quiet`` it
+    shows nothing. ``work`` are the words for the work.
     """
     if out.quiet:
         yield silent
@@ -88,7 +88,8 @@ def _described(work: str, fraction: float) -> str:
 def _bar(work: str) -> Iterator[Progress]:
     """Context that shows a progress bar; yields a function for the finished fraction, 0 to 1.
 
-    A message on a part of the work, such as a compilation, replaces the bar by one that shows this part.
+    A message on a part of the work, such as a compilation, replaces the bar by one that shows this part; any
+    other message is printed. Work that takes less time than BRIEF shows no bar.
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
 

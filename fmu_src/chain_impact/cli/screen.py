@@ -153,7 +153,7 @@ def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
 def meanings(recording: Recording) -> Iterator[str]:
     """Yield lines on the meaning of the numbers of points and the names of walls in the table of impacts.
 
-    If some contacts are known only in part, a further line tells how many.
+    If an FMU has not kept the peak forces of some contacts in the table, a further line tells how many.
     """
     hits = [row for row in recording.impacts if recording.toucher(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}

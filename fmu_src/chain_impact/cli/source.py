@@ -58,8 +58,8 @@ class Source:
     def record(self, sensitivities: Sequence[str] = ()) -> Recording:
         """Simulate the source.
 
-        ``sensitivities`` are the parameters and inputs of derivatives; by default those that the scene asks
-        for.
+        ``sensitivities`` are the parameters and inputs with respect to which derivatives are computed; by
+        default those that the scene asks for. An FMU is simulated without derivatives.
         """
         if sensitivities and self.is_fmu:
             raise UsageError(f"--sensitivity: {self.name} is an FMU; must be a scene")

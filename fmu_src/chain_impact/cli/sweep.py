@@ -126,16 +126,16 @@ def run(options: argparse.Namespace) -> int:
             complain(f"{table} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
-    # the result is printed before the picture is drawn, which fails if the size in the options is too small
+    # the result is printed first, because drawing fails if the options give the picture too small a size
     say(repr(result))
     write_picture(options.plot, options.size, partial(result.plot, panels=panels))
     return 0
 
 
 def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
-    """Return name → values, from texts ``NAME=VALUES``; refuse a name that ``--set`` also gives.
+    """Return name → values, from texts ``NAME=VALUES``, of which there must be at least one.
 
-    ``settings`` are those of ``--set``.
+    A name that ``--set`` also gives is refused; ``settings`` are those of ``--set``.
     """
     vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():

@@ -125,7 +125,7 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
 def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
     """Give numba the code of a function of (instance, k) that returns ``bounds[k]`` for the instance.
 
-    A bound is an affine function of the instance's counts.
+    It is the least or the largest value that field k may have, an affine function of the instance's counts.
     """
 
     @type_callable(function)
@@ -239,17 +239,17 @@ def _type_of_copy_values(_context: Any) -> Any:
 @type_callable(duals.copy_given)
 def _type_of_copy_given(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
-        # numba asks for the type twice: with the type of ``when``, then with its constant value. Only the
-        # second call is answered, because the code depends on the value.
+        # numba asks for the type of the result twice: first with the type of the argument ``when``, then with
+        # its constant value. Only the second call is answered, because the code depends on the value.
         return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
 
     return typer
 
 
 def _has_dual(source: types.Type, target: types.Type) -> bool:
-    """Return whether the two types are corresponding parts of an instance and of a tangent instance.
+    """Return whether the two types are the same part of an instance and of a tangent instance.
 
-    ``source`` must be of ordinary numbers, ``target`` of dual numbers.
+    ``source`` must be the part of the instance, ``target`` the part of the tangent instance.
     """
     if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
         return False

@@ -27,7 +27,8 @@ from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.progress import log
 from chain_impact.system import removal
 
-# [s] a folder of the cache for other sources, or of another linker, is removed after this time without use
+# [s] a folder of the cache for other sources or compilers, or of another version of the linker, is removed
+# after this time without use
 UNUSED = 30 * 24 * 3600.0
 # the name of the linker's own cache folder begins with this text; the version of the linker follows
 LINKER = "chain-impact-zig-"

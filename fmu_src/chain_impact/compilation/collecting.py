@@ -144,8 +144,8 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     if caller_settings:
         builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
-        # The calls must not be inlined: LLVM could then move arithmetic before the registers are set, or
-        # after they are restored.
+        # The calls of the lowered function and of the functions for the registers must not be inlined: LLVM
+        # could then move arithmetic before the registers are set, or after they are restored.
         for call in builder.block.instructions:
             if isinstance(call, ir.CallInstr):
                 call.attributes.add("noinline")

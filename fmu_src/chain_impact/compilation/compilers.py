@@ -64,8 +64,8 @@ _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
 _FEW = _SIZES[COUNTS.index("channels") :]
-"""The names of those functions that return counts and flags of rare features. They return 0 in all kernels
-but GENERAL and those for one scene."""
+"""The names in _SIZES of functions that return counts and flags of rare features. These functions return 0 in
+all kernels but GENERAL and those for one scene."""
 Sizes = int | tuple[int, ...] | None
 """The scenes that a kernel can run: those with a number of links; None: any number; GENERAL: any number, with
 all features; a tuple of all counts and flags at the start of a record: scenes with exactly these."""
@@ -271,7 +271,8 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
 def write_beside(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
     """Write a C file with substitutes for the functions that a kernel lacks, and return the files to link.
 
-    These are the law, if there is one, and the C file.
+    The kernel lacks the functions of LAW without a ``law``, and those of HOOKS without ``derivatives``. The
+    files to link are the law, if there is one, and the C file.
     """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB.format, PYTHON_SYMBOLS))

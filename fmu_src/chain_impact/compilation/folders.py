@@ -95,7 +95,7 @@ def _concerns(named: Any, folder: Path) -> bool:
 
     It does if it names no path, or a path inside or above the folder.
     """
-    # for an open file, the error has its number in place of a path
+    # an error on an open file has the number of this file in place of a path
     if not isinstance(named, str | bytes | os.PathLike):
         return True
     path = Path(os.fsdecode(named)).absolute()

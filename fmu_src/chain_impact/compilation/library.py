@@ -102,7 +102,10 @@ def browser_module(law_file: str = "") -> Path:
 
 
 def _lowered_kernel(what: str) -> str:
-    """Return a part of the kernel in LLVM's language, ready, from the cache, or made now; it has no sizes."""
+    """Return a part of the kernel in LLVM's language, ready, from the cache, or made now.
+
+    It fits all scenes: ``compilers.complete`` adds the sizes.
+    """
 
     def lower(module: Path) -> None:
         log_once("compiling the kernel", LOWERING[what])

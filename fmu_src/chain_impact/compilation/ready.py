@@ -83,7 +83,10 @@ def sizes(kind: str, release: bool) -> tuple[int | None, ...]:
 
 
 def library_name(wanted: Sizes, platform: str, law: str = "", what: str = KERNEL) -> str:
-    """Return the file name of a kernel for some scenes and a platform, with the name of a user's law."""
+    """Return the file name of a kernel, or of its part ``what``, for some scenes and a platform.
+
+    ``law`` is the name of the user's law in the kernel, or "".
+    """
     suffix = PLATFORMS[platform].suffix
     if isinstance(wanted, tuple):
         size = "_".join(map(str, wanted))
@@ -107,7 +110,7 @@ def best(wanted: Sizes, platform: str, what: str) -> Path | None:
 
 
 def module() -> str | None:
-    """Return the ready kernel in LLVM's language; None if the wheel has none of the present sources."""
+    """Return the ready kernel in LLVM's language; None if the wheel has none from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 

@@ -31,11 +31,11 @@ BODY = ("shape", "height", "points")
 
 
 class Carried(NamedTuple):
-    """The scene in a file of this package, and what its elements would give.
+    """The scene in a file of this package, and its conversion to MJCF and back.
 
     Attributes:
         scene: the scene, from the data in the file.
-        written: the conversion back from MJCF of the elements that this package writes for the scene.
+        written: the conversion of the MJCF elements that this package writes for the scene.
     """
 
     scene: Scene
@@ -43,7 +43,7 @@ class Carried(NamedTuple):
 
 
 def read_carried(data: Mapping[str, Any], name: str, source: str) -> Carried:
-    """Return the scene with the data ``data`` and the name ``name``, and its conversion.
+    """Return the scene with the data ``data`` and the name ``name``, and its conversion to MJCF and back.
 
     ``source`` is the file's name for messages.
 
@@ -156,8 +156,8 @@ class _Merger:
     def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
         """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
 
-        Tables, and lists of equal length, are merged entry by entry. ``key`` is the name of the value for
-        messages.
+        Tables, and lists of equal length, are merged entry by entry; a wall that is not in ``found`` is left
+        out. ``key`` is the name of the value for messages.
         """
         if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
             self.changed.append(key)
@@ -272,7 +272,10 @@ class _Merger:
 
 
 def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene in a form that can be merged: walls by name, no links and no contacts."""
+    """Return the data of a scene in the form that ``_merged`` merges: walls by name.
+
+    ``chain.links`` and ``contact``, which are merged apart, are left out.
+    """
     walls = {wall["name"]: wall for wall in data.get("walls", [])}
     return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}
 

@@ -66,10 +66,10 @@ class Chosen(NamedTuple):
 
 
 def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
-    """Return the joints that form the chain; refuse a robot whose moving joints form none.
+    """Return the joints that form the chain; raise NoChainError if the moving joints form no chain.
 
-    ``wanted`` are the names of the joints that move; without names all joints move. ``source`` is the file's
-    name for messages.
+    ``wanted`` are the names of the joints that move, while all others are held at their start; without names
+    all joints move. ``source`` is the file's name for messages.
     """
     held = _held(robot, wanted, source)
     poses, moving = moving_joints(robot, held)

@@ -246,10 +246,11 @@ class Drives:
     def _drive_differences(
         self, joint: Joint, j: int, drives: list[Drive], stiffness: float, torque: float
     ) -> Iterator[Difference]:
-        """Yield differences of the drives at a joint: a torque at the start, and the controls of servos.
+        """Yield differences of the drives at a joint from those of the scene.
 
-        ``stiffness`` is that of all springs of the joint together; ``torque`` is the torque of all drives at
-        q = 0.
+        They are a torque at the start, if the joint has no spring that could hold it, and controls of servos
+        that are not targets, or have limits. ``stiffness`` is that of all springs of the joint together;
+        ``torque`` is the torque of all drives where the scene's angle or position is 0.
         """
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:

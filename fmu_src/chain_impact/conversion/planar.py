@@ -54,10 +54,9 @@ class Converted(NamedTuple):
 
     Attributes:
         data: the data of the scene.
-        warnings: sentences on differences that change the motion, with the largest effect first.
-        differs: sentences on parts of the robot that the scene has in another form; the motion does not
-            change.
-        left_out: sentences on parts of the robot that the scene does not have; the motion does not change.
+        warnings: sentences on differences that change the motion or are large, with the largest effect first.
+        differs: sentences on other parts of the robot that the scene has in another form.
+        left_out: sentences on other parts of the robot that the scene does not have.
         notes: sentences on how the scene was made of the robot.
     """
 
@@ -374,7 +373,8 @@ class _Conversion:
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
         """Return the table of a slider; its position in the scene counts from the start.
 
-        ``way`` is the slide's direction in the plane, ``start`` the joint's position at the start [m].
+        ``way`` is the slide's direction in the plane, ``start`` the joint's position at the start [m], and
+        ``gravity`` the gravity of the scene [m/s²].
         """
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"

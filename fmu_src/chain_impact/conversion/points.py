@@ -99,10 +99,10 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
 
 
 def outermost(balls: Sequence[Ball]) -> list[Ball]:
-    """Return the fewest balls of a link that walls in all directions touch first.
+    """Return few balls of a link, such that a wall in any direction first touches one of them.
 
-    A ball is left out if each wall that touches it first touches another ball at the same time, up to
-    round-off. Of balls at the same place, only the first one in the file stays. Balls with ``is_point``
+    A ball is left out if each wall that touches it first touches another of these balls at the same time, up
+    to round-off. Of balls at the same place, only the first one in the file stays. Balls with ``is_point``
     always stay.
     """
     if not balls:

@@ -40,9 +40,10 @@ def chain_of(
 def _proposed(
     robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
 ) -> list[str] | None:
-    """Return the names of the largest set of joints that a trial converts to a scene; None if none does.
+    """Return the names of the largest set of joints that a trial has converted to a scene; None for no set.
 
-    If a trial fails because of some joints, sets without one of them are tried next.
+    If a trial fails because of some joints, sets without one of them are tried next. There are at most TRIALS
+    trials, so a larger set may remain untried.
     """
     best: list[str] = []
     trials = 0

@@ -88,7 +88,7 @@ def _add_walls(world: Element, scene: Scene) -> None:
 def _add_chain(world: Element, scene: Scene) -> None:
     """Add a body for each link.
 
-    Its origin is the joint at which the link begins, and its x axis is along it.
+    The body's origin is the joint at which the link begins, and its x axis is along the link.
     """
     free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)

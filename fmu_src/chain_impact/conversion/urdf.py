@@ -31,7 +31,7 @@ from chain_impact.scene.reading import SceneError
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 """Type of a moving joint in URDF → ``Joint.kind``; a fixed joint only joins two bodies."""
 GRAVITY = np.array([0.0, 0.0, -9.81])
-"""Gravity of every robot [m/s²], because URDF gives none; by convention, its z axis points up."""
+"""Gravity of every robot [m/s²], because URDF gives none; by convention, a robot's z axis points up."""
 XACRO = "xacro"
 # an error of the moments of inertia up to this part of the largest moment of the body counts as round-off
 INERTIA_ROUND_OFF = 1e-6
@@ -58,7 +58,7 @@ def read_urdf(path: Path) -> Robot:
         by_parent.setdefault(joint.parent, []).append(joint)
         if joint.type != "fixed" and joint.axis is not None and not np.any(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
-    # the parent of a joint may have no element <link>, as "world" often has not; it is a body, too
+    # the parent of a joint is a body even if it has no element <link>, as "world" often has none
     named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
@@ -103,7 +103,10 @@ def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
 
 
 def _check_parts(root: Element, path: Path) -> None:
-    """Refuse links and joints without an attribute that yourdfpy needs, and two with the same name."""
+    """Refuse links and joints without an attribute that yourdfpy needs, or with the name of another one.
+
+    A link that is the child of two joints is refused, too.
+    """
     for kind in ("link", "joint"):
         names = [part.get("name") for part in root.findall(kind)]
         for name in names:

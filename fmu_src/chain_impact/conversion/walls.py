@@ -228,7 +228,10 @@ class Walls:
         return True
 
     def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
-        """Report shapes that points do not replace, and how far shapes reach beyond the scene's points."""
+        """Report shapes that points do not replace, and how far shapes reach beyond the scene's points.
+
+        Bodies that slide with the base, but belong to no link, are reported if they touch walls in the file.
+        """
         shapes = [shape for b in self.link_of for shape in self.robot.bodies[b].shapes]
         for touches, text in (
             (True, "do not touch as shapes: only points, joints and the tip touch walls"),

@@ -167,7 +167,7 @@ def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]
 
 
 def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
-    """Yield the faults of names: a second independent variable, and names that the convention forbids.
+    """Yield a fault if there are several independent variables, and for each name that is not allowed.
 
     ``convention`` is the naming convention that the model description claims to follow.
     """
@@ -188,8 +188,7 @@ def _of_unit(
     """Yield a fault if the unit or the display unit of a declared type is not defined.
 
     ``variable`` is the type in the form of a variable, ``units`` has for each unit the names of its display
-    units, and ``attribute`` is the path of the type, for the finding. fmpy checks the units
-    of variables.
+    units, and ``attribute`` is the path of the type, for the finding. fmpy checks the units of variables.
     """
     unit, display = (variable.attributes.get(key) for key in ("unit", "displayUnit"))
     if unit is not None and unit not in units:

@@ -204,8 +204,8 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
 def _aliases(variables: Sequence[Variable]) -> list[Finding]:
     """Return the faults of aliases, variables with the same value reference (FMI 2.0, 2.2.7).
 
-    Only one of them may be set from outside, and only one may have a start value, unless they are constants
-    of the same value. All of them must have the same unit.
+    Only one of them may be set from outside, and all must have the same unit. Either all are constants, of
+    the same value, or none is; then only one may have a start value.
     """
     first: dict[tuple[str, str], Variable] = {}
     findings = []

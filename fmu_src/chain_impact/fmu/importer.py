@@ -174,7 +174,7 @@ def _callbacks() -> Any:
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
-    # without this library, as on ARM, messages come without the values that should be written into them
+    # without fmpy's library for messages, as on ARM, they come without the values to be written into them
     with suppress(Exception):
         from fmpy.logging import addLoggerProxy
 

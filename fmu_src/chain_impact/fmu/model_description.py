@@ -78,7 +78,7 @@ def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabiliti
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the declared types of real numbers (one for each quantity) and of enumerations.
+    """Add the declared types of real numbers (``quantities``) and of enumerations.
 
     FMI 2.0 encloses each type in a SimpleType.
     """
@@ -198,7 +198,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
-    """Return the declared types of real numbers, one for each unit, as name → attributes."""
+    """Return the declared types of real numbers as name → attributes: one for each unit and its quantity."""
     used, types = {variable.unit for variable in variables}, {}
     for name in in_order(used):
         quantity = unit_of(name).quantity

@@ -24,7 +24,7 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
         kernels: platform → library of the kernel.
         fmi: the version of FMI, 2 or 3.
     """
-    # not imported at the top: while the package's wheel is built, the package has no version
+    # the version is read here, not at import, because the package has no version while its wheel is built
     tool, further = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
         description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")

@@ -34,7 +34,8 @@ REFERENCE_TOLERANCE = 1e-12  # the solver's tolerance in the run whose outputs a
 # approximate number of communication steps of the table, if it covers the whole simulated time of the scene
 REFERENCE_ROWS = 100
 # if not more than REFERENCE_ROWS / SHORTER rows are reliable, a table of a SHORTER-th of the simulated time,
-# with as much shorter steps, is made instead
+# with communication steps that are shorter by the same ratio, is made instead; but none is shorter than the
+# scene's own
 SHORTER = 10
 # A chain amplifies each error at every impact. So a second run has the scene's own tolerance, and the table
 # ends where its outputs deviate from the reference results by more than this tolerance and by more than
@@ -77,7 +78,7 @@ class Reference(NamedTuple):
 def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     """Return the file with the reference results, as path in the FMU → content.
 
-    The result is empty if no results are reliable.
+    The result is empty if no results are reliable, or if the chain cannot start.
     """
     try:
         solution = reference(prepared)

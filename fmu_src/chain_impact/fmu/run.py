@@ -102,7 +102,10 @@ def record_fmu(
 
 
 def _chain_of(path: Path) -> Any:
-    """Return the model description of an FMU; refuse an FMU without a chain, points or energies."""
+    """Return the model description of an FMU of a chain that has the outputs of points and of energies.
+
+    Any other FMU is refused.
+    """
     description = read_fmu(path)
     names = {variable.name for variable in description.modelVariables}
     if "link[1].length" not in names:

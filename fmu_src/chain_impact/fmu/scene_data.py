@@ -28,14 +28,14 @@ class SceneData(NamedTuple):
 
 
 def scene_data_file(prepared: PreparedScene) -> dict[str, bytes]:
-    """Return the file with these data on a scene, as path in the FMU → content."""
+    """Return the file with the ``SceneData`` of a scene, as path in the FMU → content."""
     rules = {variable.name: variable.rule.text for variable in prepared.parameters if variable.rule}
     data = SceneData(prepared.scene.point_names, rules)
     return {SCENE_DATA_FILE: json.dumps(data._asdict(), ensure_ascii=False).encode()}
 
 
 def read_scene_data(fmu: Path) -> SceneData:
-    """Return these data of an FMU; they are empty if the FMU has no such file."""
+    """Return the ``SceneData`` in an FMU; they are empty if the FMU has no file with them."""
     with zipfile.ZipFile(fmu) as files:
         if SCENE_DATA_FILE not in files.namelist():
             return SceneData({}, {})

@@ -99,7 +99,11 @@ class Trial:
             raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
 
     def step_size(self) -> float:
-        """Return a step size [s] that the FMU should accept: its own, or 1/500 of its experiment."""
+        """Return a communication step [s] that the FMU should accept.
+
+        It is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of the
+        duration of this experiment.
+        """
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
@@ -113,7 +117,10 @@ class Trial:
             self.tell(finding=asdict(Finding(text, self.binary)))
 
     def values(self) -> dict[str, list[Value]]:
-        """Return the values of all variables, by name; report each variable that cannot be read."""
+        """Return the values of the variables, by name; report each variable that cannot be read.
+
+        Clocks, variables with clocks, binaries and arrays of unknown size are left out.
+        """
         by_name: dict[str, list[Value]] = {}
         for variable in self.variables:
             size = variable.size
@@ -134,7 +141,10 @@ class Trial:
         return by_name
 
     def compare_starts(self) -> None:
-        """Report each variable whose start value in the FMU is not that of the model description."""
+        """Report each variable whose start value in the FMU is not that of the model description.
+
+        Start values that are only guesses for a computation are not compared.
+        """
         values = self.values()
         for variable in self.variables:
             if variable.exact and variable.start and variable.name in values:

@@ -115,7 +115,7 @@ def advance(d, time, log_capacity, cost_limit):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts wait, or a step could overfill the log of friction."""
+    """Return whether ``capacity`` ended contacts wait or, if it is limited, friction's log could overflow."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
@@ -203,12 +203,12 @@ def set_output_time(d, time):
 def reinit(d):
     """Re-initialize at the communication point, because an input or parameter changed. Return a status."""
     update_to_output_time(d)
-    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from units of s to seconds
+    control.scale_next_size(d, time_rate_now(d, d.step.state_end))  # from the step's variable to time
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # for a chain at rest the proposed step is far too long for the motion that a new input may cause
+    # the proposed size may be that of a chain at rest, far too long for the motion that a new input causes
     control.limit_next_size(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -348,7 +348,7 @@ def land(d, theta):
 
 
 def begin_step(d):
-    """Apply events and inputs at the end of the last step, and set up the next; return the event count."""
+    """Apply events and inputs at the end of the last step, and set up the next; return how many events."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         apply_next_piece(d)
@@ -362,7 +362,7 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         restart_balance(d)
     if not kinked:
-        choose_method(d)  # at a kink the force, and so the stiffness, may be 0, so the method stays
+        choose_method(d)  # not at a kink: the force may be 0 there, and hide how stiff the contact is
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events

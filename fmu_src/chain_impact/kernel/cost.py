@@ -78,7 +78,7 @@ def cost_exceeded(d):
 def cost_of_a_call(d):
     """Return the cost [evaluations] after which a long call of the kernel returns before it is done.
 
-    Its caller can then stop the run, or call again.
+    The caller of the kernel can then stop the run, or call the kernel again.
     """
     return CALL_COST // (d.links + 1)
 

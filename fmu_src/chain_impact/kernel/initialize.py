@@ -248,7 +248,10 @@ def check_parameters(d):
 
 
 def check_ranges(d):
-    """Check that each real that the scene gives is in its range (record/fields.py); return a status."""
+    """Check that each real that the scene gives is in its range (record/fields.py); return a status.
+
+    Values for stops in joints are checked only if the scene has such stops.
+    """
     for k in range(len(RANGED)):
         if RANGE_OWNERS[k] == OF_STOPS and not d.chain.has_joint_stops:
             continue

@@ -302,15 +302,15 @@ def look_of_energy(name: str) -> dict[str, Any]:
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
-    """Return the outputs that are left out of their panels, because they are 0 at all times.
-
-    A panel leaves them out only if they are two or more, and at least one other curve of the panel is drawn.
-    """
+    """Return the outputs of all panels that have no curve, because they are 0 at all times (``drawn_in``)."""
     return [name for names in panels for name in names if name not in drawn_in(curves, names)]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
-    """Return the outputs of a panel that have curves: all but those that ``always_zero`` describes."""
+    """Return the outputs of a panel that have curves.
+
+    Outputs that are 0 at all times have none if they are two or more, and another curve is drawn.
+    """
     moving = [name for name in names if curves.values[name].any()]
     return moving if moving and len(moving) < len(names) - 1 else list(names)
 

@@ -153,7 +153,7 @@ def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarra
 
 
 def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
-    """Give the numbers at an axis a unit with a prefix that suits the values, and return words with it."""
+    """Write an axis's numbers in a unit with a prefix for the values; return ``words`` with this unit."""
     factor, unit = prefixed(values.max(initial=0.0), unit)
     scale_numbers(axis, factor)
     return f"{words} [{unit}]"

@@ -212,7 +212,8 @@ class Reader:
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
-                # a missing table is read as an empty one: only its keys have defaults
+                # a missing table that has no default itself is read as an empty one, so that its keys get
+                # their defaults
                 value = rule.get("default", {})
             if isinstance(value, Derived):
                 value = value.value(scope)

@@ -48,7 +48,7 @@ class Wall:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
-    """The material of one wall of the box or of ``walls``: the values that differ from ``contact``."""
+    """The material of one wall, from ``box`` or ``walls``: the values that are not as in ``contact``."""
 
     stiffness: float | None = quantity(
         "N/m^exponent", "contact stiffness; if missing: as in [contact]", None, above=0.0

@@ -16,7 +16,7 @@ from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
 from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 
-WORD = 8  # [byte] size of a word: each number of a record is a 64-bit real number or integer
+WORD = 8  # [byte] size of a word: a 64-bit real number or integer of the record
 JOINT_FORCE = "joint_force"
 """The name of the largest force in a joint [N]: of a run, and of an impact in ``Result.impacts``."""
 

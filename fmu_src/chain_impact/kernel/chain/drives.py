@@ -163,7 +163,7 @@ def is_below_limit(d, i):
 def drive_slopes(d, y, i):
     """Return the slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i in state y.
 
-    They are ``slopes_below_limit``; at a limit they are 0.
+    They are the damping c and the stiffness k below the drive's limit, and 0 while the drive is at its limit.
     """
     return slopes_below_limit(d, y, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
@@ -182,10 +182,10 @@ def largest_slopes(d, i):
 
 
 def is_powered(d, i):
-    """Return whether drive i is powered: a servo, or a drive with a limit; other drives are passive.
+    """Return whether drive i is powered: a drive of a scene with servos, or a drive with a limit.
 
-    All work of a powered drive counts as supplied energy. In a passive drive the spring stores energy, the
-    damper dissipates energy, and only the motor supplies energy.
+    Other drives are passive. All work of a powered drive counts as supplied energy. In a passive drive the
+    spring stores energy, the damper dissipates energy, and only the motor supplies energy.
     """
     return d.chain.has_servos != 0 or d.drive.limit[i] < math.inf
 
@@ -204,7 +204,7 @@ def spring_force(d, y, i):
 
 
 def passive_spring_force(d, y, i):
-    """Return ``spring_force`` [N·m or N] of a passive drive i, whose spring stores energy; else 0."""
+    """Return the spring's force [N·m or N] of drive i if it is passive: its spring stores energy; else 0."""
     return 0.0 if is_powered(d, i) else spring_force(d, y, i)
 
 

@@ -37,10 +37,11 @@ UNEXPLAINED_PART = 0.05
 UNEXPLAINED_DISPLACEMENT = 1e-9
 # The largest jump of an acceleration, times the squared duration of the cubic, that counts as round-off,
 # relative to the sum of the positions at both ends of the cubic and of half its duration times the speeds
-# there. Also the largest third coefficient, relative to the same sum, that counts as 0.
+# there. Also the largest coefficient of x³ of a cubic, relative to the same sum, that counts as 0.
 ACCELERATION_ROUND_OFF = 1e-14
 # A cubic motion that lasts a time h counts as fast as a sine of the angular frequency CUBIC_CHANGE/h [rad/s],
-# which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative.
+# which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
+# error of a step's interpolant is proportional (events/exclusion.py).
 CUBIC_CHANGE = 0.5
 # the largest time from the end of a step to the end of a piece of the inputs at which both count as equal,
 # relative to the present time
@@ -48,7 +49,10 @@ SAME_TIME = 4e-15
 
 
 def apply_inputs(d):
-    """Use the given inputs, dampings and stiffnesses from now on, and clear `given.changed`."""
+    """Use the given inputs, prescribed motions, dampings and stiffnesses of drives from now on.
+
+    `given.changed` is cleared.
+    """
     d.given.changed = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
     used.order, used.change_rate, used.until = piece.order, piece.change_rate, piece.until
@@ -76,7 +80,10 @@ def withdraw_request(d):
 
 
 def inputs_in_use(d):
-    """Return whether inputs, motions, damping and stiffness in use are constants, and equal to the given."""
+    """Return whether inputs, prescribed motions, and dampings and stiffnesses of drives are as given.
+
+    The result is False if the inputs in use, or the given ones, are not constant.
+    """
     given, inputs, used = d.given, d.inputs, d.inputs.piece
     if given.piece.order > 0 or used.order > 0:
         return False
@@ -158,8 +165,8 @@ def inputs_continue(d):
 def limit_to_piece(d, h):
     """Return a size ≤ h of the next step, which does not pass the end of the present piece of the inputs.
 
-    ``limit_to_time`` describes the size. A step in the fictitious time of a contact, or with constant inputs,
-    has the size h.
+    The step ends at this end or well before it (``limit_to_time``). A step in the fictitious time of a
+    contact, or with constant inputs, has the size h.
     """
     if d.inputs.piece.order == 0 or d.step.regularized >= 0:
         return h
@@ -167,7 +174,7 @@ def limit_to_piece(d, h):
 
 
 def limit_to_time(d, time, h):
-    """Return a size ≤ h [s] of the next step, which does not pass a later ``time`` [s].
+    """Return a size ≤ h [s] of the next step, which does not pass a ``time`` [s] after the last step's end.
 
     A step that could pass the time ends there; a step longer than half of the remaining time is shortened to
     this half, so that the step after it is not tiny.

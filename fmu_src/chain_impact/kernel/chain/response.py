@@ -147,8 +147,8 @@ def factorize(d, link_vectors, space, slot, coupled):
 def copy_factors(d, coupled):
     """Copy the factors of the mass matrix, which ``accelerations`` has found, to the slot FREE.
 
-    So ``solve`` can use them without a new factorization. ``coupled`` has the same meaning as for
-    ``factorize``. In a chain with armatures the function does nothing, because
+    So ``solve`` can use them without a new factorization. ``coupled``: whether joints may transmit moments,
+    as for ``factorize``. In a chain with armatures the function does nothing, because
     ``accelerations_with_armatures`` in rows/compliance.py has already set this slot.
     """
     if d.chain.has_armatures:
@@ -268,7 +268,7 @@ def solve(d, link_vectors, space, slot, change):
 
 @inlined
 def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
-    """Set the change α of ω_i that the loads cause while the inner joint, and the link before it, rest.
+    """Set in ``change`` the change α of ω_i by the loads while the inner joint and the link before it rest.
 
     ``moment`` is the angular impulse μ of the inner joint on link i. Returns the impulse b and the angular
     impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.

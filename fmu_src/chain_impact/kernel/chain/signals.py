@@ -34,7 +34,7 @@ STEEPEST, ROUNDEST = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
-    """Return value, rate and second derivative of signal j at a ``time`` [s], by the polynomial in use."""
+    """Return value, rate and second derivative of signal j at a ``time`` [s], by its segment in use."""
     signal, knot, k, degree = d.signal, d.knot, d.signal.segment[j], d.signal.degree[j]
     x = time_since_knot(d, j, time)
     u, v, half_a = knot.powers[k, degree], 0.0 * x, 0.0 * x
@@ -122,7 +122,7 @@ def is_sine(d, j):
 
 
 def largest_frequency(d, j):
-    """Return the largest absolute angular frequency [rad/s] in the last step of signal j, a sine."""
+    """Return the largest absolute angular frequency [rad/s] of signal j, a sine, within the last step."""
     signal, i = d.signal, d.signal.source[j]
     f, chirp = signal.frequency[i], signal.frequency_rate[i]
     begin, end = f + chirp * (d.step.start - signal.start[i]), f + chirp * (d.step.end - signal.start[i])
@@ -135,7 +135,7 @@ def moves_base(d, j):
 
 
 def acts_in_limited_drive(d, j):
-    """Return whether signal j drives an input of a drive with a limit: its motor, target or velocity."""
+    """Return whether signal j drives the motor, the target or the target velocity of a drive with a limit."""
     return is_of_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
@@ -277,7 +277,10 @@ def derive_signals(d, time):
 
 
 def begin_signal(d, j, time):
-    """Let signal j begin at a ``time`` [s]: set the segment and the lap of its table at this time."""
+    """Let signal j begin at a ``time`` [s]: set the segment that contains this time.
+
+    For a periodic table, the number of its repetition at this time is set, too; it may be negative.
+    """
     signal = d.signal
     signal.segment[j], signal.lap[j] = signal.first[j], 0
     while signal.period[j] > 0.0 and signal.lap[j] * signal.period[j] + d.knot.time[signal.first[j]] > time:

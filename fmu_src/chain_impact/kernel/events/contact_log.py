@@ -94,7 +94,7 @@ def find_peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether the last step ends where δ̇ of candidate c falls to 0, at the kink of its law.
+    """Return whether the last step ends at the kink δ̇ = 0 of candidate c, whose law damps on approach only.
 
     There the penetration is largest, so no search for its maximum is needed.
     """
@@ -102,7 +102,7 @@ def turns_at_end(d, c):
 
 
 def update_held_extremes(d):
-    """Update the peak forces at rigid walls for the last step, from samples of the forces and parabolas."""
+    """Update the peak forces at rigid walls for the last step, by parabolas through samples of the forces."""
     step, samples = d.step, d.constraints.sample
     ensure_dense(d, SOLVER)
     first = event_fraction(d)

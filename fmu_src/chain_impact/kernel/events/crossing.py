@@ -187,7 +187,10 @@ def check_candidate(d, c, a, b):
 
 
 def skims_wall(d, c, width):
-    """Return whether candidate c moves almost along its wall in an interval of this ``width``."""
+    """Return whether the point of candidate c moves along its wall in an interval of this ``width``.
+
+    Its clearance and the change of its clearance are then below SKIMMING_CLEARANCE.
+    """
     search = d.search
     moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
     return (
@@ -253,8 +256,8 @@ def find_root(d, c, a, b):
             break
         guess = theta - value / slope
         if abs(guess - theta) <= 0.25 * resolution:
-            # the guess is close enough; if it is an end of the interval, halving would only approach it
-            # slowly
+            # the guess is close enough; if it is an end of the interval, ``next_guess`` would approach it by
+            # halving only
             break
         theta = next_guess(low, high, guess, tries)
         locate_at(d, theta)

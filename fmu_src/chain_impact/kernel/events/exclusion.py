@@ -18,16 +18,17 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, lengt
 # [rad] If a link turns more in a step, the estimate of the interpolant's error is not valid, and the step is
 # searched.
 SMALL_TURN = 1.0
-# φ counts as positive in a step if its least Bernstein coefficient exceeds this part of their range. Without
-# the margin, round-off or a wrong estimate of the interpolant's error could exclude an event that happens.
+# In ``stays_positive``, the least Bernstein coefficient of φ must exceed the limit by this part of the range
+# of all its coefficients. Without the margin, round-off or a wrong estimate of the interpolant's error could
+# exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
 # If the rate δ̇ of the penetration exceeds RELATCH_RATIO times the impact speed v₀, v₀ is latched (fixed)
 # again, after it was latched at the onset of the contact. In a usual impact gravity adds only a thousandth to
 # δ̇, so that v₀ stays. With the ratio 2 a Hunt–Crossley law with the damping λ never has more than 1 + 2λ
 # times its elastic force.
 RELATCH_RATIO = 2.0
-# If the rate of the penetration exceeds NEARLY_FAST times RELATCH_RATIO times the impact speed at an end of a
-# step, it may exceed the ratio inside the step, and the step is sampled.
+# If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, it may exceed the
+# limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
 NEARLY_FAST = 0.75
 
 
@@ -58,7 +59,8 @@ def excludes_events(d):
     their rates φ′ of all candidates are known at both ends, and the candidates that the search examines are
     chosen.
     """
-    # an input with this angular frequency may change the acceleration in the step as a rotating link does
+    # an input that changes with the angular frequency `input_rate` may change the acceleration in the step as
+    # a rotating link does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.search.input_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True

@@ -85,7 +85,7 @@ def reinit_modes(d, jumped):
 
     Args:
         d: the instance.
-        jumped: as for ``update_modes``.
+        jumped: whether speeds may have jumped, as for ``update_modes``.
     """
     set_friction_used(d)
     if d.friction.used or d.friction.count > 0:
@@ -120,8 +120,8 @@ def widen_slack(d, e):
 def first_mode(d, e, jumped):
     """Return the mode of element e that follows from its speed; mark e as undecided if it is at rest.
 
-    An undecided element keeps its mode at first, unless the mode ends or the contact begins; then
-    ``choose_modes`` decides. ``jumped`` is as for ``update_modes``.
+    An undecided element keeps its mode at first; if its mode ends, it gets the other mode, and if its contact
+    begins, it sticks. Later ``choose_modes`` decides. ``jumped``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
     before, event = d.element.before[e], d.element.event[e]

@@ -69,7 +69,7 @@ def end_if_point_left(d, c):
 def apply_event(d, c, kind):
     """Apply an event of candidate c, which has a force law; return whether its force may have jumped.
 
-    ``kind`` is the event as in ``touch.event``, also NONE.
+    ``kind`` is the kind of event, a value of ``touch.event`` such as ONSET; with NONE nothing happens.
     """
     if kind == ONSET:
         begin_force_contact(d, c)
@@ -169,7 +169,7 @@ def choose_next_size(d, onset, goes_on):
     Args:
         d: the instance.
         onset: the last candidate with a force law whose contact begins; −1 if there is none.
-        goes_on: whether the proposed size of the next step remains valid if there is no onset.
+        goes_on: whether the proposed size of the next step stays valid if a contact lasts and none begins.
     """
     if d.touch.active_count == 0:
         clear_loads(d)

@@ -65,7 +65,7 @@ def ends_in_onset(d):
 
 
 def pending_changes(d):
-    """Return the number of elements whose friction mode is marked to end at the end of the last step."""
+    """Return the number of elements whose friction mode, by its mark, ends when the last step ends."""
     changes = 0
     for i in range(d.friction.count):
         changes += d.element.event[d.element.index[i]] != 0

@@ -14,7 +14,7 @@ from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along, clear_loads_of, normal_row
 
 # [s] The tangential force and µ_s F are compared this time after the onset. If several contacts begin at the
-# same moment, their normal forces at this time count.
+# same moment, the normal forces of all at this time act on the chain.
 COMPARISON_TIME = 1e-6
 
 

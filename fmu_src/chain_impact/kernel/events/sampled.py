@@ -166,7 +166,7 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return the kink function of contact c; it is positive on the side whose force the step uses."""
+    """Return by how much [N or m/s] contact c is on that side of its kink whose force the step uses."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
@@ -252,7 +252,7 @@ def least_force(d, _c, theta):
     The result is negative only if a wall pulls by more than round-off.
     """
     interpolate(d.step, theta, d.scratch.y)
-    # without `project_state`, the error of the interpolant would cause large forces of stiff joints
+    # the state is projected, because the error of the interpolant would cause large forces of stiff joints
     locate_points(d, d.scratch.y)
     project_state(d, d.scratch.y)
     rate_from_state(d, d.scratch.y, d.scratch.rate)
@@ -331,10 +331,11 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether, for any mode that is marked to end, the repeated step at least halves the margin.
+    """Return whether, for any mode that is marked to end, the repeated step at least halves its margin.
 
-    The dense output of a long implicit step has errors, and may show an end of a mode that a shorter step
-    does not have. Without this check, steps with such false ends could follow each other without end.
+    The margin at the end of the step (``element_margin``) is compared with that at its start. The dense
+    output of a long implicit step has errors, and may show an end of a mode that a shorter step does not
+    have. Without this check, steps with such false ends could follow each other without end.
     """
     near = False
     for i in range(d.friction.count):
@@ -368,7 +369,7 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """Return ``mode_margin`` [N·m] of the drives at the fraction θ of the last step."""
+    """Return the least margin [N·m] of a drive to the end of its mode, at the fraction θ of the last step."""
     locate_at(d, theta)
     ensure_inputs(d, d.scratch.y)
     return mode_margin(d, d.scratch.y)

@@ -69,7 +69,7 @@ def store_force(d, c, force):
 
 
 def clear_loads(d):
-    """Set the loads at all places to zero, but the load at the tip to the force that is an input there."""
+    """Set the loads at all places to zero, except the load at the tip, which is the input force there."""
     clear_loads_of(d, d.scratch.load)
     tip = d.links
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
@@ -119,8 +119,8 @@ def contact_slopes(d, c):
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
-    The function fixes the impact speed v₀, the effective mass, the expected penetration and the damping of
-    the contact until its end.
+    The function latches the impact speed v₀, the effective mass, the expected penetration and the damping of
+    the contact. They stay until its end, unless ``relatch`` raises v₀ or the law changes.
     """
     _, gap_rate = clearance(d, c)
     touch = d.touch
@@ -221,13 +221,13 @@ def cross_kink(d, c):
     if is_cut_off(d, c):
         touch.force_rate[c] = 1.0  # 1.0: the force rises
     if d.law.approach_only[c]:
-        # at this kink δ̇ = 0, and the largest penetration has already been recorded
+        # at this kink δ̇ = 0; the largest penetration has been recorded, and is not searched for again
         touch.speed[c] = 0.0
     touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 
 def kink_height(d, c):
-    """Return ``height_over_kink`` of candidate c at the located points; it is negative beyond the kink."""
+    """Return how far [N or m/s] candidate c is from its kink at the located points; < 0 beyond the kink."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 

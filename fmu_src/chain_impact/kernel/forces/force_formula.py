@@ -32,7 +32,7 @@ TURNING_RATE = 0.3
 def power_of_depth(depth, exponent):
     """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents 0, ½, 1 and 3/2.
 
-    ``power_by_roots`` has the other exponents.
+    ``power_by_roots`` computes it for any other exponent.
     """
     if exponent == 1.5:
         return depth * math.sqrt(depth)
@@ -46,7 +46,10 @@ def power_of_depth(depth, exponent):
 
 
 def power_by_roots(depth, exponent):
-    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents ¼, 2 and 5/2."""
+    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents ¼, 2 and 5/2.
+
+    For any other exponent it is computed by ``power``.
+    """
     if exponent == 0.25:
         return math.sqrt(math.sqrt(depth))
     if exponent == 2.0:

@@ -89,8 +89,8 @@ def set_anchor(d, e):
 def list_friction(d):
     """List the elements that have dry friction at present, and those of them that stick, both packed.
 
-    Contacts come first, then joints, then the slider. A free base has no joint, so the element of the first
-    joint has no friction.
+    Active contacts with a force law come first, then joints, then the slider. A free base has no joint, so
+    the element of the first joint has no friction.
     """
     friction = d.friction
     friction.count = 0

@@ -114,7 +114,7 @@ def far_reduction(angle):
     the bits of 2/π that would only add whole turns (M. H. Payne & R. N. Hanek 1983, SIGNUM Newsletter 18:19).
     """
     pattern = bits_of(abs(angle))
-    # the size |φ| of the angle is m 2^e, and m is a 2²⁷ + b, with integers m, e, a and b
+    # the size of the angle is |φ| = m 2^e with m = a 2²⁷ + b, for integers m, e, a and b
     e = (pattern >> FRACTION) - 1075
     m = double_of_bits((pattern & ((1 << FRACTION) - 1)) + (1075 << FRACTION))
     a = float(math.floor(m * 2.0**-27))

@@ -155,7 +155,7 @@ def restart_balance(d):
 
 
 def apply_next_piece(d):
-    """Apply the next piece of the inputs, if the inputs do not jump where this piece begins.
+    """Apply the next piece of the inputs, which continues the present piece without a jump.
 
     Two pieces of a prescribed motion meet only up to round-off, so the energy changes a little. This change
     counts as supplied energy.
@@ -188,7 +188,7 @@ def reinit_balance(d):
 def check_energy(d, theta):
     """Reject the last step if the energy balance changes too much from its start to its fraction θ.
 
-    θ = −1 stands for the end of the step.
+    θ = −1 stands for the end of the step. A long step with a wrong middle is rejected, too (``is_long``).
 
     If the step loses more than NOTABLE_LOSS of the allowed loss, the ratio of its loss to the allowed loss
     counts as an error of the step, so that the loss affects the next size.
@@ -262,7 +262,7 @@ def loss_allowed(d, available):
 
 
 def loss_budget(d, available):
-    """Return the energy B [J] that all steps from the run's start to the last step may lose by errors.
+    """Return the energy B [J] that all steps of the run, up to the end of the last one, may lose by errors.
 
     ``available``: the most [J] that motion, springs, walls and heat can have had up to this end.
     """
@@ -272,11 +272,11 @@ def loss_budget(d, available):
 
 
 def is_long(d):
-    """Return whether the last step may have a correct end although its middle is wrong.
+    """Return whether the last step is of a kind that can have a correct end although its middle is wrong.
 
-    This is possible in three kinds of long steps: a step in which a link has turned by more than LONG_TURN,
-    considered only if the dense output exists; an explicit step beyond the stability limit for joints with
-    dampers or springs; and, at a loose tolerance, the first step of a run, whose size is a guess.
+    There are three kinds, all long: a step in which a link has turned by more than LONG_TURN, considered only
+    if the dense output exists; an explicit step beyond the stability limit for joints with dampers or
+    springs; and, at a loose tolerance, the first step of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True

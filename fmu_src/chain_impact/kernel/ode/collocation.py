@@ -74,7 +74,8 @@ from chain_impact.kernel.rows.constraints import any_constraint
 LAST = RADAU_STAGES - 1
 WITH_START = (0.0, *NODES)
 SLOW_CONVERGENCE = 0.2  # above this convergence rate of Newton's iteration, shorter steps are cheaper
-# stages are predicted with degree 5, 4, 3 up to this many uncut last steps beyond the last step, else with 1
+# Stages are predicted with degree 5, 4 or 3 if their step ends at most this many sizes of the last step after
+# the end of the last step, else with degree 1. Size and end are those that the last step had before a cut.
 EXTRAPOLATED_LENGTHS = (1.2, 2.0, 3.0)
 # The cost of a step without its evaluations, in evaluations: all factorizations; all solutions in an
 # iteration; error estimate and projection onto the clearances. A real factorization costs 1 and a real
@@ -156,10 +157,7 @@ def prepare(d, h):
 
 
 def set_weights(d):
-    """Set the weights 1/(tolerance × scale) of errors in the components of z (extended.py).
-
-    Components without error control have a weight of 0.
-    """
+    """Set the weights 1/(tolerance × scale) of errors in the components of z; 0 without error control."""
     weight = d.implicit.weight
     for j in range(supplied_at(d.links), extended_size(d)):
         weight[j] = math.inf
@@ -173,7 +171,8 @@ def size_toward_end(d, h):
     """Return a step size ≤ h: PAST_END × the time to the end of a contact, a kink, if this is less than h."""
     for k in range(clearance_count(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # an almost zero force hardly changes ġ: the end is after −g/ġ; if within FORCELESS_PART h, h stays
+        # near its end a contact has hardly any force, so ġ hardly changes, and the end is about −g/ġ away; an
+        # end within FORCELESS_PART h is ignored, because hardly any force is left before it
         if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
             h = PAST_END * -gap / gap_rate
     return h
@@ -225,7 +224,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Predict the stages by a polynomial through nodes of the last step; EXTRAPOLATED_LENGTHS: its degree."""
+    """Predict the stages by a polynomial through nodes of the last step, whose degree depends on h."""
     implicit = d.implicit
     span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
     beyond = base + h / span - 1.0
@@ -324,7 +323,7 @@ def coefficient(stages, m, j):
 
 
 def store_stages(d, faded):
-    """Set the dense output, and keep the stages for ``extrapolate_stages``; ``faded``: set tiny ones to 0."""
+    """Set the dense output; keep the stages for the next step, with tiny numbers set to 0 if ``faded``."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
         for j in range(extended_size(d)):

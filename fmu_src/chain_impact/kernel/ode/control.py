@@ -155,7 +155,7 @@ def propose_flight_size(d):
 
 
 def next_size_factor(d):
-    """Return the next step size divided by the tried one, from the outcome, error and cost of the try."""
+    """Return the next step size divided by the tried one, without the limit GROW, from the try's outcome."""
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return SHRINK
@@ -309,9 +309,10 @@ def largest_errors(first_error, second_error, weight, count):
 def scaled_errors(d):
     """Return the largest scaled component of each of the two error estimates, relative to the tolerance.
 
-    Estimate k, 0 or 1, of the tried step is row k of ``scratch.error`` and, for the clearances of active
-    contacts, row k of ``touch.gap_error``. Both results are infinity if the step is not finite. The points
-    must be located at the end of the step.
+    While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
+    of the tried step is row k of ``scratch.error`` and, for the clearances of active contacts, row k of
+    ``touch.gap_error``. Both results are infinity if the step is not finite. The points must be located at
+    the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.weight, 0.0
     first_error, second_error, first, second = d.scratch.error[0], d.scratch.error[1], 0.0, 0.0

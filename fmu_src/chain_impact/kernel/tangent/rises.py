@@ -50,7 +50,7 @@ def is_sudden(t, j):
 
 
 def is_differentiable(t, j):
-    """Return whether the motion has a derivative with respect to the rise time of signal j, which is 0."""
+    """Return whether the motion has a derivative with respect to the rise time 0 of signal j."""
     signal = t.signal
     begins = value(signal.start[signal.source[j]]) - value(t.step.end)
     if begins < 0.0:

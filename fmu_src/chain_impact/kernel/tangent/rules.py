@@ -1,7 +1,8 @@
-"""Functions with their own rules of differentiation, where dual numbers in each operation would be wrong.
+"""Functions with their own rules of differentiation, where dual numbers would give wrong derivatives or none.
 
 Each function has the name of the function that it replaces, and is called instead if an argument carries
-derivatives. The returned value is the same up to round-off.
+derivatives. A value that it returns is the same up to round-off; only ``has_effect``, ``iterated_enough``
+and ``contact_resistance`` can return others, which the derivatives need.
 """
 
 from chain_impact.kernel.chain import drives, kinematics
@@ -75,8 +76,8 @@ def power_of_depth(depth, exponent):
 def set_polar(radius, y, first, horizontal, vertical):
     """Set ``horizontal`` to r cos φ and ``vertical`` to r sin φ, with r in ``radius`` and φ in y.
 
-    The angles φ begin at index ``first`` of y. Dual numbers in the reduction of an angle to a quarter turn
-    would give wrong derivatives.
+    The angles φ begin at index ``first`` of y. The replaced function rounds an angle to whole quarter turns
+    by adding a large number; there dual numbers would give wrong derivatives.
     """
     for i in range(len(radius)):
         cosine, sine = direction(y[first + i])
@@ -86,7 +87,8 @@ def set_polar(radius, y, first, horizontal, vertical):
 def direction(angle):
     """Return the cosine and sine of an angle [rad].
 
-    Dual numbers in the reduction of the angle to a quarter turn would give wrong derivatives.
+    The replaced function rounds the angle to whole quarter turns by adding a large number; there dual numbers
+    would give wrong derivatives.
     """
     cosine, sine = angles.direction(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)

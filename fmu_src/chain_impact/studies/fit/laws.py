@@ -84,8 +84,8 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     """Return the key by which laws are sorted, the best law first.
 
-    Laws that use ``most`` values, the largest number of a law, come before laws that use fewer; among these,
-    Akaike's criterion decides. A law without a fit comes last.
+    Laws that use ``most`` measured values, the largest number that any law uses, come before laws that use
+    fewer; in both groups Akaike's criterion decides. A law without a fit comes last.
     """
     if law_fit.fit is None:
         return True, True, math.inf

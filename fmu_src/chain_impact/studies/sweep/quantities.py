@@ -55,7 +55,7 @@ class Quantity:
         return self.column == COUNT
 
     def label_for(self, values: np.ndarray) -> str:
-        """Return the label for values, which are finite; it tells how little they differ."""
+        """Return the label for finite values; if they differ little, it tells this, too: ", within 3 %"."""
         within = self._small_range(values)
         return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 

@@ -38,7 +38,7 @@ class Variation:
 
     Attributes:
         variable: the parameter.
-        values: the values, or the two ends of the interval; choices by their numbers, from 1.
+        values: the values, or the two ends of the interval; each choice as its number, from 1.
         interval: whether ``values`` are the ends of an interval.
         logarithmic: whether values or samples are spread evenly in the logarithm.
     """

@@ -91,7 +91,7 @@ export class Recording {
     return peakTime;
   }
 
-  /** Return the position of a point at a frame [m]. */
+  /** Return the position [x, y] of a point [m] at a frame, whose number may have a fraction. */
   pointAt(frame, point) {
     return [this.x, this.y].map((all) => this.between(all, frame, point, this.pointCount));
   }

@@ -2,7 +2,7 @@
 
 import { impulsiveLaw } from "../parameters/sliders.js";
 
-// a map first shows the first of these outputs that the scene has, without those that a rigid law leaves unknown (`rigidLaw`)
+// a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
 /**
