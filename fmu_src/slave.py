@@ -33,7 +33,7 @@ WRAPPERS: set[Path] = set()
 # the folder of this module; each FMU is unpacked to another folder, and has a module of another name
 RESOURCES = Path(__file__).absolute().parent
 NAME, GUID = (RESOURCES / "slavemodule.txt").read_text(encoding="utf-8").split()[1:]
-with suppress(OSError):  # importers take the GUID from this file; pythonfmu's wrapper does not pass it on
+with suppress(OSError):  # importers take the GUID from modelDescription.xml; the wrapper does not pass it on
     GUID = ElementTree.parse(RESOURCES.parent / "modelDescription.xml").getroot().attrib["guid"]
 KERNEL = ctypes.CDLL(str(RESOURCES / f"kernel-{'win64.dll' if os.name == 'nt' else 'linux64.so'}"))
 KERNEL.fmi2Instantiate.restype = KERNEL.another_fmi2_instance.restype = c_void_p

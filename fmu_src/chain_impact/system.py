@@ -162,9 +162,9 @@ def cache_folder() -> Path:
 
 
 def included(in_package: str, in_repository: str) -> Path:
-    """Return the path of a file or folder that a wheel contains inside the package.
+    """Return the path of a file or folder that a wheel of this package contains.
 
-    Without a wheel, the path is that in the repository.
+    It is ``in_package`` if that exists in the package; else, without a wheel, ``in_repository``.
     """
     installed = Path(__file__).parent / in_package
     return installed if installed.exists() else Path(__file__).parents[2] / in_repository
@@ -173,9 +173,10 @@ def included(in_package: str, in_repository: str) -> Path:
 def others_can_write(status: os.stat_result) -> bool:
     """Return whether another user of this machine, except root, can write into a folder.
 
-    ``status`` is the folder's. A folder of yet another user counts as writable. A group's right to write does
-    not count for the group of root and a group with the user's own number, to which only this user belongs on
-    many systems. On Windows the result is False, because a user's own folder is closed to others.
+    ``status`` is the folder's. If another user, except root, owns the folder, the result is True. A group's
+    right to write does not count for the group of root and a group with the user's own number, to which only
+    this user belongs on many systems. On Windows the result is False, because a user's own folder is closed
+    to others.
     """
     if SYSTEM == WINDOWS:
         return False
@@ -192,7 +193,7 @@ def remove_lock(lock: Any) -> None:
     file = Path(lock.lock_file)
     if SYSTEM == WINDOWS:
         lock.release()
-        with suppress(OSError):  # another process may hold the lock just now, and its file cannot be removed
+        with suppress(OSError):  # if another process has taken the lock, its file cannot be removed
             file.unlink()
     else:
         file.unlink(missing_ok=True)

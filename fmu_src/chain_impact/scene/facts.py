@@ -183,7 +183,7 @@ class SceneFacts(dict[str, Any]):
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links, with None in place of each default that counts as missing in rules: ``_OFF_KEYS``."""
+        """The links, with None in place of each default of a key in ``_OFF_KEYS``, which rules do not see."""
         missing: dict[int, dict[str, Any]] = {}
         for path in self._off:
             match path:

@@ -59,9 +59,9 @@ def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
     """Return the scene with some numbers changed, equal to the result of ``with_values``.
 
-    The result is None if the fast path does not apply: a change is not of a number in ``_numbers``, other
-    values depend on it, a start or a duration needs a hint or an error, or a user's law file must be read
-    again.
+    The result is None if only ``with_values`` can make the scene: if the scene has a user's law file, which
+    must be read again; if a change is not of an allowed value in ``_numbers``, or other values depend on it;
+    if the new start fails its checks or needs a warning; or if the communication step exceeds the run.
     """
     start, changed = scene.initial, None if scene.contact.law_file else scene
     for name, given in changes.items():

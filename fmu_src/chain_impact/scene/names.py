@@ -94,12 +94,14 @@ def _wall(number: int | str, walls: Sequence[object]) -> str | None:
 def fmu_name(name: str) -> str:
     """Return the FMU's name of a value for another of its names, such as the key in the file.
 
-    For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``.
+    For example ``stop.stiffness`` for ``stops.stiffness``, ``link[1].mass`` for ``chain.links[1].mass``. A
+    name that has no other form in the FMU is returned unchanged.
     """
     steps = name.replace("[", ".").replace("]", "").split(".")
     try:
         return name_of(tuple(int(step) - 1 if step.isdecimal() else step for step in steps)) or name
-    # a list of the scene has no entry with this number, or the number has too many digits
+    # a vector has no component with this number, the number has too many digits, or it is that of a wall in
+    # ``walls``, whose names are not known here
     except (IndexError, ValueError):
         return name
 

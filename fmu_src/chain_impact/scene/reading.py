@@ -306,9 +306,9 @@ class Reader:
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
-        """Return advice on a table that stands in place of a list of tables: where its keys belong.
+        """Return advice on a table, ``value``, in place of a list of tables: to which tables its keys belong.
 
-        Keys that the tables of the list, ``item``, could have are left out.
+        Keys that the tables of the list, of type ``item``, can have themselves get no advice.
         """
         moved = [
             self._keys()[key]

@@ -84,7 +84,7 @@ class Scene(Contents):
 
     @property
     def friction_joints(self) -> tuple[int, ...]:
-        """The numbers of the joints with dry friction."""
+        """The numbers of the joints that may have dry friction."""
         return friction_joints(self)
 
     @property
@@ -341,9 +341,9 @@ def _path_and_value(
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
-    """Return a hint how to change a value that cannot change in a run.
+    """Return a hint how to change the value ``name``, which cannot change in a run.
 
-    The result is None if the scene has no such value.
+    The result is None if the scene has no value of this name.
     """
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
@@ -369,8 +369,8 @@ def _leaves(
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield the path and the value of every single value.
 
-    Each entry of a list of quantities with a unit is a single value. If ``value`` is a list, its first
-    ``apart`` entries are left out: these are the corners of a box, which follow from length and height.
+    Each entry of a list of numbers with a unit is a single value; a list without a unit is one as a whole. Of
+    a list ``value`` the first ``apart`` entries are left out: corners, which follow from the size of a box.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):

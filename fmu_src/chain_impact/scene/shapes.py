@@ -17,7 +17,7 @@ from chain_impact.scene.names import DataPath
 from chain_impact.scene.reading import SceneError, refusal
 
 _APART = object()
-"""Stands in plain data in place of a box's corner: the user has not given the corner, the box has it."""
+"""The mark for a corner of a box in plain data: the corner follows from the box, no user has given it."""
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:

@@ -133,7 +133,8 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     ends, gain, periods, begin = np.append(at[1:], at[-1]), 0.0, 0, 0.0
     if period:
         at, ends = at[:-1], at[1:]
-        # the table has the time ``begin``; the time t = 0 of the run is `periods` periods later
+        # the time ``begin`` lies within the table, a whole number of periods (`periods`) before the start of
+        # the run at t = 0
         periods = math.floor(-at[0] / period)
         begin = -periods * period
     for _ in range(order):

@@ -12,10 +12,11 @@ SHORTEST = 3
 LIKE_NAME = 0.6
 """The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name."""
 SAME_LAST = 0.45
-"""The least similarity, from 0 to 1, at which ``nearest`` returns a name whose part after the last dot is the
-same."""
+"""The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name with the same
+part after the last dot."""
 LIKE_LAST = 0.8
-"""The least similarity, from 0 to 1, of a name's part after the last dot to an unknown name without a dot."""
+"""The least similarity, from 0 to 1, of a name's part after the last dot to an unknown name without a dot, at
+which ``nearest`` returns the name."""
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:

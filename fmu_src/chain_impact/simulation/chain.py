@@ -38,7 +38,7 @@ MAGIC = b"chainsv2"
 
 
 class _Access(NamedTuple):
-    """The access to a variable: the variable's row of the table, and the values that it may have."""
+    """A variable's row of the FMU's table, whether it is an integer, its choices, and its unit."""
 
     row: TableRow
     whole: bool

@@ -158,7 +158,7 @@ class Follower:
             for piece in pieces:
                 row = np.zeros((DEGREE + 1, held.powers.shape[2]))
                 row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # samples that are joined by lines
+                if held.powers.shape[1] > 1:  # true if samples are joined by lines
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
                     row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
                     row[1] = held.powers[k, 1] * half * held.scale[k]
@@ -192,7 +192,7 @@ class Follower:
         self._last = pieces[-1]
 
     def _alike(self, first: Piece, second: Piece) -> bool:
-        """Return whether two pieces have half the length of the last interval without a polynomial.
+        """Return whether each of two pieces has half the length of the last interval without a polynomial.
 
         For this interval a polynomial has failed, or was not tried (``_is_vain``). Two such pieces are not
         joined, because one polynomial would probably fail for both together. Only lengths are compared.
@@ -231,7 +231,7 @@ class Follower:
                 yield from self._parted(*part)
 
     def _is_vain(self, length: int) -> bool:
-        """Return whether intervals of a length are not tried now, because they have failed.
+        """Return whether polynomials are not tried now for intervals of a length for which some have failed.
 
         ``length`` is the binary exponent of the length.
         """
@@ -260,7 +260,10 @@ class Follower:
         return before, after
 
     def _kink(self, left: Piece, right: Piece, time: float) -> float:
-        """Return the time of a kink near ``time`` [s], where two pieces of low degree are equal."""
+        """Return the time of a kink near ``time`` [s], where two pieces of low degree are equal.
+
+        If no such time is found, the result is ``time``.
+        """
         unit = min(time - left.start, right.end - time)
         difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
         allowed = np.maximum(DROPPED * self._accuracy, VALUE_ROUND_OFF) * self._scale

@@ -200,8 +200,9 @@ def _pieces_of(
 ) -> tuple[Pieces, np.ndarray]:
     """Return the polynomials of all signals and then of all motions, and the columns of the motions.
 
-    Motions are followed; functions are with ``follow`` and ``spline``, samples with ``spline`` only. All
-    other signals are held, or joined by lines, between the communication points ``run`` and the samples.
+    Motions are always followed, functions with the interpolations ``follow`` and ``spline``, samples with
+    ``spline`` only. All other signals are held, or with ``linear`` joined by lines, between the communication
+    points ``run`` and the times of samples.
     """
     scene, same = prepared.scene, SAME_TIME * run[-1]
     splines = {
@@ -286,7 +287,7 @@ def _with_functions(
     """Return the pieces ``held`` of all signals, with polynomials of the ``functions`` in their ``columns``.
 
     In ``held`` all signals are constant or linear; see ``Follower.with_held``. ``errors`` are the
-    arguments ``accuracy`` and ``resolved`` of ``Follower``, each of shape (M,).
+    arguments ``accuracy`` and ``resolved`` of ``Follower``, each with a number for each function.
     """
     names = list(functions)
 
@@ -368,7 +369,10 @@ def _numbers(value: Any) -> np.ndarray | None:
 
 
 def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
-    """Return the values of a signal at several times, shape (T,)."""
+    """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
+
+    A held sample acts from ``same`` [s] before its time on, until the next one acts.
+    """
     if callable(signal):
         return np.array([_called(what, signal, time) for time in times.tolist()])
     if isinstance(signal, float):

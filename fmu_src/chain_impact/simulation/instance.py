@@ -248,7 +248,7 @@ class Instance:
     def collect(self) -> np.ndarray:
         """Return the contacts that have ended since the last call.
 
-        Also add the new changes to ``changes``.
+        Also add the new changes between sticking and sliding to ``changes``.
         """
         at, numbers = self._log_at, self._integers
         if numbers[at.changes]:

@@ -231,9 +231,10 @@ def refuse_jumps(
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     """Return pieces of motions whose positions and velocities agree exactly where pieces meet.
 
-    The small difference s of positions and v of velocities at the start of a piece is removed by the
-    correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0 to 1 in the piece. ``columns`` are the indices
-    of the motions. A jump in the speed of a belt stays.
+    At the start of a piece, positions have a small difference s from the piece before; v is the difference of
+    velocities times the duration of the piece. The correction (1 − r)⁸ (s + (8 s + v) r), where r goes from 0
+    to 1 in the piece, removes both. ``columns`` are the indices of the motions. A jump in the speed of a belt
+    stays.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))

@@ -290,8 +290,8 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
 def _against(expected: Result, run: LawRun) -> LawRun:
     """Return ``run`` with the number and the onset of its first impact that ``expected`` does not have.
 
-    ``expected`` is the result with the reference law. If it has more impacts, its next impact counts. A run
-    that ended early and agrees up to its end has no such impact.
+    ``expected`` is the result with the reference law. If it has all impacts of the run and more, the next one
+    of ``expected`` counts. A run that ended early and agrees up to its end has no such impact.
     """
     if run.result is None:
         return run

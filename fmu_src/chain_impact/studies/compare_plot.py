@@ -71,7 +71,7 @@ These lines lie over the line of the reference law, which is wider and so remain
 # largest number of laws with a colour: the reference law, and one law for each entry of LINES
 COLOURED_LAWS = 1 + len(LINES)
 USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Ids of laws that many programs and papers use; these laws get the colours that are left."""
+"""Ids of laws that many programs and papers use; these laws get the colours that other laws leave."""
 
 Looks = dict[str, dict[str, Any]]
 
@@ -304,7 +304,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     axes.set(xlabel=name_time(axes, end) + (f"; at rest until {last:g} s" if end < last else ""))
     start = min(time.start for time in shown)
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
-    # before the first impact all curves are equal
+    # before the first impact all curves are equal, so only the last part of this time is shown
     axes.set(ylabel="total energy [J]", xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
     give_ticks(axes)
 

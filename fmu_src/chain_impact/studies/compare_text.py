@@ -82,7 +82,7 @@ def formatted(value: float, form: str) -> str:
 
 
 def legend(comparison: LawRuns) -> str:
-    """Return sentences on the columns' meaning and, if it is so, that stops keep their own law."""
+    """Return sentences on the columns' meaning and, if stops have their own law, that they keep it."""
     scene = comparison.scene
     kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (

@@ -227,7 +227,7 @@ def _words_of(
 
 
 def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return for each possible owner of a kind its index in the record, as a table with the entry ``at``."""
+    """Return for each member of the list with a kind's owners its index in the record, as {"at": index}."""
     owners = OWNER_KINDS[owner_kind]
     index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
     return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]

@@ -26,8 +26,8 @@ from chain_impact.variables.words import owner_words, scene_words
 
 KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
 BEHIND = "behind"
-"""The field of a record's type with the tangent instances: records of dual numbers after an instance in
-memory (filling.py)."""
+"""The name of the tangent instances among the fields of a record's type: these are records of dual numbers,
+which follow an instance in memory (filling.py)."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
@@ -36,7 +36,7 @@ _METHODS = tuple(
 def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """Yield the parameters of the FMU: the variables whose value the scene has.
 
-    A parameter with ``if_given`` must be a value that the scene gives, not a derived one.
+    A parameter of a kind with ``if_given`` is left out if the scene derives its value.
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):

@@ -289,7 +289,7 @@ PARAMETERS = (
                 )
             )
         ),
-        # the velocity of a pinned or sliding base follows from other values
+        # only for a free base: the velocity of a pinned or sliding base follows from other values
         *_vector(
             Initial,
             path=("initial", "velocity"),

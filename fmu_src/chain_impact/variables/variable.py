@@ -14,8 +14,8 @@ from chain_impact.variables.kind import Kind, filled
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
-"""The parts of the record that the kernel fills when an output is read; their real numbers change
-continuously."""
+"""The parts of the record that the kernel fills when an output is read. Real numbers in them have the
+variability "continuous" of FMI."""
 
 UNLESS_SET = "; unless set: "
 """The words before the rule by which a parameter is derived, in its description."""

@@ -238,7 +238,7 @@ class _Book:
         )
 
     def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
-        """Return two lists of chosen columns of a table: outputs and inputs; quantities of impacts."""
+        """Return chosen columns of a table as two lists: outputs and inputs, and quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
         needed, likely = _meant(table, over_time)
@@ -313,7 +313,7 @@ class _Book:
         onset, end = (measured.get(name, math.nan) for name in (ONSET, "end"))
         self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
         for name in names:
-            if name != DURATION or math.isnan(end - onset):  # onset and end determine the duration
+            if name != DURATION or math.isnan(end - onset):  # else onset and end give it
                 self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:

@@ -55,7 +55,7 @@ class Estimates:
     def used(self) -> np.ndarray:
         """Whether each value was used in the fit, shape (M,).
 
-        A value the model does not have was left out.
+        A value was left out if the model does not have it, or has no derivatives of it.
         """
         return np.asarray(np.isfinite(self.residuals))
 

@@ -84,8 +84,8 @@ def search(problem: Problem, progress: Progress = silent) -> Found:
 def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
-    ``start`` is the model at the start. Each next horizon is the time at which the model first differs from
-    the data by more than ``far`` times the size of a column, and at least GROWTH times the horizon before.
+    ``start`` is the model at the start. Each next horizon is the time at which the model first differs from a
+    measured value by more than ``far`` × the size of its column, but at least GROWTH × the horizon before.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))

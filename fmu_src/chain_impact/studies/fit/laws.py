@@ -72,8 +72,8 @@ def _part(progress: Progress, k: int, count: int) -> Progress:
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """Return a scene with another law.
 
-    If the law needs another exponent, the stiffness follows from the first impact of the fit ``first``. If
-    this fit is None, or has no such impact, exponents and stiffnesses stay.
+    If the law needs another exponent, the stiffness follows from the first impact of the fit ``first`` that
+    obeys ``contact.model``. If there is no fit or no such impact, exponents and stiffnesses stay.
     """
     impacts = first.models[0].impacts if first else None
     number = None if impacts is None else first_number(scene, impacts)

@@ -48,7 +48,7 @@ from chain_impact.variables.prepared import PreparedScene
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
-CURVE_POINTS = 1500  # number of times at which the model's curve is computed
+CURVE_POINTS = 1500  # number of equal steps of time of the run from which the model's curve is drawn
 PANEL_WIDTH, PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space beyond the first and the last number on an axis of impact numbers, where 1 is the distance of two
 # numbers

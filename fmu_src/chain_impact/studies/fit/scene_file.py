@@ -93,7 +93,8 @@ def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
     if short and wanted["chain"] != present["chain"]:
-        # links with `count` or `shape` stand for several links; after a change, each link is written out
+        # if an entry is a box, or has a `count` and so stands for several links, a change of [chain] replaces
+        # all entries by those of ``wanted``
         document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
     for name, value in wanted.items():
         if value != present.get(name):

@@ -100,7 +100,7 @@ class Dataset:
     def is_complete(self) -> bool:
         """Return whether the folder has all runs of the sweep; the folder is only read.
 
-        ``files`` then has the files that the manifest lists.
+        If the folder has a manifest, the files that it lists are put into ``files``.
 
         Raises:
             SceneError: when the folder belongs to another sweep.

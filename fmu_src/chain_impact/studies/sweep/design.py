@@ -25,8 +25,8 @@ MOST_NUMBERS = 10**8
 MOST_RUNS = 10**15
 MOST_SOBOL = 2**30  # largest number of points in SciPy's Sobol' sequence with its 30 bits
 MOST_SEEDS = 2**32
-# A table of a sweep has at least so many columns with results. With the varied values, their number decides
-# whether the sweep's table fits into memory, and with it a Latin hypercube of all runs.
+# the least number of columns with results in a sweep's table; there is one Latin hypercube for all runs if a
+# table of all runs, with so few results and the varied values, fits into memory
 FEWEST_RESULTS = 16
 CUBE = 2**16  # number of runs in each Latin hypercube if a table of all runs does not fit into memory
 _own = threading.local()

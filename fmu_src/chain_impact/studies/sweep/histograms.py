@@ -22,7 +22,7 @@ QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks it in each panel."""
 # the largest number of bars; more would be so narrow that they show mainly random differences
 MOST_BINS = 60
-ONE_BAR_SPREAD = 1e-9  # values whose range, relative to the largest of them, is at most this share one bar
+ONE_BAR_SPREAD = 1e-9  # values share one bar if their range, relative to the largest |value|, is at most this
 
 
 def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:

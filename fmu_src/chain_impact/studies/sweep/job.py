@@ -74,7 +74,7 @@ class Job:
 
     @property
     def columns(self) -> dict[str, Variable]:
-        """The columns with values at the end of each run: name → output."""
+        """The columns that have the value of an output of the FMU at the end of each run: name → output."""
         outputs = self.prepared.outputs_by_name
         standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])

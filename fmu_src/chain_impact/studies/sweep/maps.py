@@ -24,7 +24,8 @@ from chain_impact.studies.sweep.quantities import Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 
-# matplotlib's colour map, the same as in the maps of pages, and the colour of runs that failed
+# matplotlib's colour map, the same as in the maps of pages, and the colour of runs without a value: they
+# failed, or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
 # an axis is logarithmic if its largest value is at least WIDE_RANGE times its smallest one, which must be > 0
 WIDE_RANGE = 1e3
@@ -78,7 +79,7 @@ def _draw_map(
 ) -> None:
     """Draw the coloured cells of one map, and the bar that explains the colours.
 
-    ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run failed, with
+    ``scales``: the horizontal and the vertical axis; ``shown``: the values, masked where a run has none, with
     a row for each cell of the vertical axis.
     """
     x, y = scales
@@ -162,7 +163,7 @@ def axis_of(variation: Variation) -> Scale:
 
 
 def is_logarithmic(variation: Variation) -> bool:
-    """Return whether the axis of a parameter is logarithmic: by its variation, or for its wide range."""
+    """Return whether a parameter's axis is logarithmic: its values are spaced so, or have a WIDE_RANGE."""
     low, high = variation.values.min(), variation.values.max()
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
 

@@ -60,10 +60,11 @@ MOST_VARIED = 2  # without samples, the largest number of varied parameters that
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 # exactly this number of panels stands in one row if the figure is wide enough; of another number, two are in
-# a row
+# a row, except for panels with dots
 IN_ONE_ROW = 3
 # If the axis of the parameter is logarithmic, that of a quantity is logarithmic, too, if the quantity's
-# largest value is at least DECADE times its smallest one; a power law is then a straight line.
+# largest value is at least DECADE times its smallest one, which must be > 0; a power law is then a straight
+# line.
 DECADE = 10.0
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 THREE_MAPS = 9.0  # [inch] width of the figure from which on three maps stand in one row
@@ -114,7 +115,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     told = [conditions(runs, varying), constants(runs, results)]
     mark = " (×)" if kind in (DOTS, CURVES) else ""
     head, *parts = title(runs, results, mark)
-    kept = 1 if is_narrow(figure) else len(parts)  # other ranges of results move below the headline
+    kept = 1 if is_narrow(figure) else len(parts)  # in a narrow figure all but one move below the headline
     told = [", ".join(parts[kept:]), *told]
     headline(figure, ", ".join([head, *parts[:kept]]), "; ".join(filter(None, told)))
     # a parameter that is a number comes before a choice, and gets the horizontal axis
@@ -160,7 +161,7 @@ def kind_of(design: Design) -> str:
 def usual_size(runs: Runs, results: Results, width: float | None = None) -> tuple[float, float]:
     """Return the default width and height of the figure [inches].
 
-    The height is for ``width``, if the user gives a width: it determines how many panels fit in a row.
+    If the user gives a ``width``, the height is for it: the width determines how many panels fit in a row.
     """
     count, kind = len(results.drawn), kind_of(runs.design)
     if kind == DOTS:

@@ -60,14 +60,17 @@ class Quantity:
         return f"{self.label}, within {100.0 * within:.2g} %" if within else self.label
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the ends of an axis for values that differ less than LEAST_RANGE; None for other values."""
+        """Return the ends of a wider axis for values with a small range (``_small_range``); else None."""
         if not self._small_range(values):
             return None
         middle, half = 0.5 * (values.min() + values.max()), 0.55 * LEAST_RANGE * np.abs(values).max()
         return float(middle - half), float(middle + half)
 
     def _small_range(self, values: np.ndarray) -> float:
-        """Return the range of values, relative to the largest |value|; 0 if it is none or not small."""
+        """Return the range of values, relative to the largest |value|, if it is small.
+
+        It is small between EQUAL_RESULTS and LEAST_RANGE; else, and for a count, the result is 0.
+        """
         largest = np.abs(values).max(initial=0.0)
         if self.is_count or not largest:
             return 0.0
@@ -105,8 +108,8 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: all quantities that are told: the main results and the first additional outputs, or the columns
-            that the user has named.
+        every: the quantities that have a panel, or are the same in all runs and told in words: of the main
+            results and the first additional outputs, or of the columns that the user has named.
         drawn: the quantities among them that have a panel.
     """
 

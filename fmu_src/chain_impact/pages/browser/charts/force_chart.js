@@ -139,7 +139,7 @@ export class ForceChart extends Chart {
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
       const high = highest(contact.peak === null ? inside : [contact.peak], friction, ...this.curves.map(({ points: [, y] }) => y));
-      // the limits are set directly, because uPlot does not apply `range` to limits that are set
+      // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: MARGIN * (high > NO_FORCE ? high : 1) });
     });
     // the chart is hidden without a curve, as for an impulse of a rigid wall, or a contact between two rows of the recording

@@ -35,7 +35,7 @@ export function ringsOf(recent, places, now) {
   });
 }
 
-/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to any other of `rings`. */
+/** Return a function: middle of a place for a ring's number → whether it is clearly nearer to this ring than to any at another position. */
 export function isOwnPlace({ position }, rings) {
   const others = rings.filter((other) => apart(other.position, position) >= SAME);
   return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));

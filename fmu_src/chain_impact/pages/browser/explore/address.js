@@ -33,8 +33,8 @@ export class Address {
   }
 
   /**
-   * Use the scene, the changes and the outputs in the address. If one of these has a fault, show the fault: if the scene has it, nothing is
-   * used, otherwise no change.
+   * Use the scene, the changes and the outputs in the address. If one of these has a fault, show the fault; then nothing is used if the
+   * scene has it, otherwise only the scene.
    */
   #apply() {
     const { changes, choice, openScene } = this;

@@ -172,7 +172,7 @@ function besideOthers([x, y], others) {
   return isNear ? besideOthers([x + 1, y], others) : [x, y];
 }
 
-/** Return the largest peak force of a recording as text, or without one the largest impulse; at stops if only stops are hit. */
+/** Return the largest peak force of a recording, or else impulse, as text: at walls or, if none is known there, at stops of joints. */
 function largestText({ impacts }) {
   const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
   const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time

@@ -44,7 +44,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   });
 }
 
-/** Let the button with an id save the file that `write` returns, and show a message about it. */
+/** Let the button with an id call `write`, which saves a file, and show the sentence on a fault that it returns or throws. */
 function connectFile(id, write) {
   find(id).addEventListener("click", async () => {
     find("export-text").textContent = await write().catch((error) => `${error.message}.`);

@@ -224,7 +224,7 @@ export class Handles {
 
   /**
    * Return the direction on the screen of the stem at point `k` at rest: of a slider along its line, of another base opposite to link 1, of
-   * any other point where an anticlockwise turn of the link before it moves it; another one if the grip would lie beyond the edge.
+   * any other point where an anticlockwise turn of the link before it moves it; another one if the grip would not be in the drawing.
    */
   #aside(k, [x, y]) {
     if (k === 0 && this.#line) return [this.#line[0], -this.#line[1]];

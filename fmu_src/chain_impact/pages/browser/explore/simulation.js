@@ -96,7 +96,7 @@ export class Simulation {
     if (all && document.body.classList.contains("stale")) this.#offerUndo();
   }
 
-  /** Offer to take back the changes after the last motion of this scene, and name their parameters. */
+  /** Offer to take back the changes since the last run of this scene that has given a motion, and name their parameters. */
   #offerUndo() {
     const { changes } = this;
     const last = this.#last;

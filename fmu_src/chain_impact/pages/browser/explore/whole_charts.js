@@ -3,8 +3,8 @@
 import { find } from "../base/dom.js";
 
 /**
- * From now on, while the list covers the lower end of its column, make the charts above it higher, so that they push down, behind the list,
- * the chart or the title of which the list would cover a part.
+ * From now on, if the upper edge of the list cuts a chart or a title of a column that is not scrolled, make the charts above it higher, so
+ * that it moves down and lies behind the list as a whole.
  */
 export function keepChartsWhole() {
   const [column, list] = [document.querySelector("aside"), find("list")];

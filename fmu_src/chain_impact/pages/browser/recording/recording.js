@@ -32,7 +32,8 @@ export class Recording {
     this.impacts.forEach((impact, index) => {
       Object.assign(impact, { number: index + 1, peakTime: this.#peakTimeOf(impact) });
     });
-    // The time from which on each contact is the present contact: the middle between the end of the contact before it and its own onset.
+    // The time from which on each contact is the present contact: the middle between the end of the contact before it and its own onset,
+    // or its onset if the contact before it still lasts then.
     this.turns = this.impacts.map(({ onset }, index) =>
       index ? onset - Math.max(0, (onset - this.impacts[index - 1].end) / 2) : -Infinity);
   }
@@ -156,8 +157,8 @@ export class Recording {
   }
 
   /**
-   * Return the present contact at a time [s], which list, chart and caption describe: the latest one or, nearer to the next onset than to
-   * the latest end, the next one. Before all impacts it is the first one; undefined without impacts.
+   * Return the present contact at a time [s], which list, chart and caption describe: the latest one or, if the time is nearer to the next
+   * onset than to the end of the latest one, the next one. Before all impacts it is the first one; undefined without impacts.
    */
   contactAt(time) {
     return this.impacts[lastBefore(this.turns, time)];

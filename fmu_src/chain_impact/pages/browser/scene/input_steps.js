@@ -10,8 +10,8 @@ export function inputStepTexts({ inputSteps }) {
 }
 
 /**
- * Return the inputs with steps that the parts of a link (`texts`: name → text) contain, `inputSteps`, and the `others`. An error tells
- * which part is wrong, and the allowed form.
+ * Return the contents of the parts of a link (`texts`: name → text): `inputSteps`, the inputs with steps, and `others`, all other parts. An
+ * error tells which part is wrong, and the allowed form.
  */
 export function inputStepsIn(texts, changes) {
   const [others, inputSteps] = [{}, {}];

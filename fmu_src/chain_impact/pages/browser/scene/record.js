@@ -19,7 +19,7 @@ export function wordIndices(words, sizes) {
   return Object.fromEntries(Object.entries(words).map(([name, inner]) => [name, wordIndices(inner, sizes)]));
 }
 
-/** Return the number of an input's kind and its index, as `input_at` of `signal_filling.py`. */
+/** Return the number of an input's kind and the index of the input among its kind, as `input_at` of `signal_filling.py`. */
 function actingOf({ acts: [number, index], owner: { at } }) {
   return [number, { "{at}": at, "{next}": at + 1 }[index] ?? index];
 }

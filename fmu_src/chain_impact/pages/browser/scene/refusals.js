@@ -59,7 +59,7 @@ export function keepFileRules(file, rules = SHARED.rules.FILE, valueAt = (path) 
   }
 }
 
-/** Return, for each table of a contact law, its path and a function that returns its values and the properties of its law. */
+/** Return for each table of a contact law its path, and a function from a key to the table's value, or to a property of its law (law.…). */
 function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);
   const table = (path, law, otherwise) => [path, (key) =>

@@ -7,7 +7,7 @@ import { keepRules, refuse, shown } from "./refusals.js";
 
 const SIGNALS = SHARED.signals;
 
-/** Add the default values of their forms to signals, and refuse keys that a form does not have; `tables`: name of a signal → its table. */
+/** Add the defaults of their forms to signals; refuse unsuitable names, missing keys, keys of other forms. `tables`: signal → its table. */
 export function completeSignals(signals, tables) {
   for (const [name, signal] of Object.entries(signals)) {
     const { form } = signal;
@@ -46,8 +46,8 @@ function checkTable(what, { file, interpolation = null, period = null, input }, 
 }
 
 /**
- * Refuse a signal that cannot drive an input. `order`: how often the signal is integrated over time for the lowest quantity that it
- * determines; `moves`: whether the input moves the base or a wall.
+ * Refuse a signal that cannot drive an input. `order`: the number of integrations over time from the input to the first quantity that the
+ * signal determines, such as 2 for base.ax; `moves`: whether the input moves the base or a wall.
  */
 function checkMotion(what, input, signal, order, moves) {
   const speed = Math.abs(signal.amplitude * signal.frequency);
@@ -80,8 +80,8 @@ export function drivenBy({ signals }, tables) {
 }
 
 /**
- * Return the driven inputs, each with the names of all quantities that it determines: its integrals, the input, its derivatives, in this
- * order; "" for one that is no input. Refuse inputs that are not among `inputs`, and inputs that are driven twice.
+ * Return the driven inputs, each with the names of all quantities that it determines: integrals of the input over time, the input, and its
+ * derivatives, in this order; "" for one that is no input. Refuse inputs that are not among `inputs`, and inputs that are driven twice.
  */
 export function withOutputs(driven, inputs, signals) {
   const owners = new Map();

@@ -65,7 +65,7 @@ export class Kernel {
     this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
   }
 
-  /** Return addresses after the record for arrays with the given numbers of words. */
+  /** Return addresses after the record for arrays with the given numbers of words, and the address after the last array. */
   #allocate(sizes) {
     const addresses = sizes.reduce((all, size) => [...all, aligned(all.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(addresses.at(-1));

@@ -14,7 +14,8 @@ const PARTS = 100; // the first run has this many parts, between which it can be
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
-// FOLLOWED: largest number of impacts within which the second run has more rows; WITHIN: number of these rows in an impact
+// FOLLOWED: number of the first impacts within which the second run has more rows; WITHIN: number of these rows in the part of an impact
+// that is shown slowly, and in its rest
 const { FOLLOWED, WITHIN } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
@@ -199,7 +200,7 @@ function unevenTimes(stop, count) {
   return times;
 }
 
-/** Advance a generator, one of several runs, and yield the fraction of all runs that is done. */
+/** Advance a generator, the run `number` (from 0) of several `runs`; yield the fraction of all runs that is done, and return its result. */
 function* withProgress(run, number, runs) {
   let step = run.next();
   while (!step.done) {

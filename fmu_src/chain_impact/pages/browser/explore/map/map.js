@@ -120,7 +120,7 @@ export class GridMap {
     return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
-  /** Return the factor and the unit in which a parameter is shown if the parameters have the changed `values`. */
+  /** Return the factor and the unit with which a parameter is shown; `values`: the changes, on which the unit of a stiffness depends. */
   #unitOf(name, values) {
     const shown = shownIn(this.changes.parameters.get(name));
     return shown.factor === 1 ? { ...shown, text: presentUnit(this.changes, name, values) } : shown;

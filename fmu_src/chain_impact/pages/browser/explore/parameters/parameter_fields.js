@@ -30,7 +30,7 @@ export function refusal() {
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const told = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
-  // the unit of a stiffness as it is beside the field, with the present exponent
+  // in the sentence, the unit of a stiffness is as it is beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
 
