@@ -215,6 +215,15 @@ def test_a_rigid_wall_or_stop_has_the_impulse_of_an_impact(show_recording, model
         assert float(shown) == pytest.approx(impact["impulse"], rel=5e-3)
 
 
+def test_the_moment_that_holds_a_joint_is_told_from_the_impulse_before(show):
+    page = show("kneed_leg")
+    go_to(page, 0.45)
+    assert page.inner_text("#contact-quantity") == "Holding moment after the impulse"
+    assert page.text_content(".force-text").startswith("holds 0.0247")
+    title = page.locator("#contact-name")
+    assert title.evaluate("title => title.scrollWidth <= title.clientWidth")
+
+
 def test_the_labels_of_a_force_are_not_cut_off(show_recording):
     page = show_recording(twins(force=2.345e-4))
     go_to(page, 0.011)

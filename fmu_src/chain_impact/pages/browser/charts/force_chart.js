@@ -1,7 +1,7 @@
 // The chart of the force of one contact, over time or over penetration.
 
 import { durationText, forceTicks, unitsOf, withMinus } from "../base/format.js";
-import { lastBefore } from "../recording/recording.js";
+import { hasImpulseOnly, lastBefore } from "../recording/recording.js";
 import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
@@ -147,7 +147,9 @@ export class ForceChart extends Chart {
     const isKnown = hasCurve || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
-    const quantity = unitsOf(contact).force === "N" ? "Contact force" : "Moment of the stop";
+    const holds = hasImpulseOnly(contact);
+    const [force, moment] = holds ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
+    const quantity = (unitsOf(contact).force === "N" ? force : moment) + (holds ? " after the impulse" : "");
     this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
     const length = hasCurve ? durationText(end - onset, 2) : "no force over time is known";
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + (others.length ? `; ${others.join(", ")}: another contact` : "");

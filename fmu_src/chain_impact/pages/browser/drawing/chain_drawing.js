@@ -330,15 +330,16 @@ export class ChainDrawing {
     this.arrows.clear();
     this.labels.clear();
     const texts = [];
-    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
+    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks, holds }) => {
       const { position: [x, y], away: [nx, ny] } = this.#contactPosition(frame, point, wall);
       const force = Math.hypot(normal, friction);
+      const held = holds ? "holds " : ""; // the list of impacts has the impulse before
       // unit vector of the whole force on the screen, where y points down: the unit vector t of dry friction is (−ny, nx) there
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.labelSpace.reserveAround([x, y], STOP_DOT / 2);
-        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, held + forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
         return;
       }
       if (sticks) {
@@ -347,7 +348,7 @@ export class ChainDrawing {
       // the label tells if the force includes friction, because the list of impacts has the force without it
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", rubs ? `${whole} with friction` : whole));
+      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", held + whole + (rubs ? " with friction" : "")));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));

@@ -19,6 +19,11 @@ export function lastBefore(numbers, wanted) {
   return low;
 }
 
+/** Return whether an impact has an impulse in place of a force: its wall or stop is rigid. */
+export function hasImpulseOnly({ peak, impulse }) {
+  return peak === null && Number.isFinite(impulse ?? NaN);
+}
+
 /**
  * A simulation at frames, which have equal distances in time on the screen, and so are close in simulated time at impacts. The number of a
  * frame may have a fraction: values are then interpolated between frames.
@@ -80,6 +85,11 @@ export class Recording {
     return this.forces.find((force) => force.point === point && force.wall === wall) ?? {};
   }
 
+  /** Return whether a wall or stop is rigid at a point: an impulse comes first, and the force only holds the point after the impulse. */
+  #holds(point, wall) {
+    return this.impacts.some((impact) => impact.point === point && impact.wall === wall && hasImpulseOnly(impact));
+  }
+
   /** Return the time [s] of the row with a contact's largest force; the onset if the force is unknown or 0, or the wall rigid. */
   #peakTimeOf(contact) {
     const { rowTime: time } = this;
@@ -130,8 +140,8 @@ export class Recording {
   }
 
   /**
-   * Return the contacts with a force at a frame, each with point, wall, normal force [N], dry friction along the wall [N], and whether it
-   * sticks.
+   * Return the contacts with a force at a frame, each with point, wall, normal force [N], dry friction along the wall [N], whether it
+   * sticks, and whether the force only holds the point after an impulse.
    */
   contactsAt(frame) {
     return this.forces
@@ -141,6 +151,7 @@ export class Recording {
         force: this.betweenRows(force, frame),
         friction: friction ? this.betweenRows(friction, frame) : 0,
         sticks: isWithin(spans, frame),
+        holds: this.#holds(point, wall),
       }))
       .filter(({ force }) => force > 0);
   }
