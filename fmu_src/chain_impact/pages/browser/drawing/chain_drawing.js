@@ -330,10 +330,10 @@ export class ChainDrawing {
     this.arrows.clear();
     this.labels.clear();
     const texts = [];
-    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks, holds }) => {
+    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach((contact) => {
+      const { point, wall, force: normal, friction, sticks, holds } = contact;
       const { position: [x, y], away: [nx, ny] } = this.#contactPosition(frame, point, wall);
-      const force = Math.hypot(normal, friction);
-      const held = holds ? "holds " : ""; // the list of impacts has the impulse before
+      const [force, held] = [Math.hypot(normal, friction), holds ? "holds " : ""]; // the list of impacts has the impulse before
       // unit vector of the whole force on the screen, where y points down: the unit vector t of dry friction is (−ny, nx) there
       const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (STOPS.includes(wall)) {
