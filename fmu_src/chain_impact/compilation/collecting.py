@@ -50,9 +50,9 @@ class Library(codegen.JITCodeLibrary):
         self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
-        """Mark the library as complete without adding the code of called functions, as numba would.
+        """Mark the library as complete; numba would also add the code of called functions.
 
-        ``with_dependencies`` finds them later.
+        ``with_dependencies`` finds the libraries of these functions later.
         """
         self._raise_if_finalized()
         self._finalized = True

@@ -42,7 +42,7 @@ from chain_impact.kernel.rows.geometry import (
 def observe(d):
     """Fill the outputs with the values at ``step.time``, and call the hook ``on_observe``.
 
-    In a kernel that carries derivatives, this hook sets the derivatives of the outputs.
+    In a kernel with tangent instances, this hook sets the derivatives of the outputs.
     """
     fill_outputs(d)
     hooks.on_observe(d)

@@ -59,7 +59,10 @@ PATHS: dict[str, DataPath] = {
     **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
-"""Name → path in the record, for each value that depends on the scene but is no parameter."""
+"""Name → path in the record, for the values that the page sets by these names, not as named parameters.
+
+They are counts and facts of the scene (RECORD in variables/owners.py), and the data of signals and steps.
+"""
 
 
 def kit(scene: Scene) -> dict[str, Any]:

@@ -120,9 +120,9 @@ def _range(joint: int, limits: JointRange) -> dict[str, Any]:
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """Return the line of a slider, its stops, and the carriage's corners relative to the base, for the page.
+    """Return a slider for the page: its line with marks of the stops, the stops, and the carriage's corners.
 
-    The result is None without a slider.
+    The corners are relative to the base. The result is None if the recording has no ``rail``.
     """
     rail = recording.rail
     return (

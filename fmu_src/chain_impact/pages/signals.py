@@ -14,7 +14,7 @@ from chain_impact.scene.signals import driven_by
 
 
 def tables_of(scene: Scene) -> dict[str, Any]:
-    """Return name of a signal → its table, for the signals of a scene that are tables; JSON can hold them."""
+    """Return name → data of ``_table``, ready for JSON, for the signals of a scene that are tables."""
     return {name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"}
 
 

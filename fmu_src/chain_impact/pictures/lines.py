@@ -31,7 +31,7 @@ def in_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> 
 
     @functools.cache
     def width(words: str) -> float:
-        """Return the width of some words [pixels]."""
+        """Return the width of some words in the font of ``text`` [pixels]."""
         text.set_text(words)
         return float(text.get_window_extent().width)
 

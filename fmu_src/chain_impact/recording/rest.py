@@ -9,8 +9,9 @@ import numpy as np
 from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.recording.recording import Recording
 
-# [1] a point is at rest if its speed or acceleration, lasting as long as the run, would move it at most this
-# far. The distance is relative to the largest path of a point: the diagonal of the rectangle around the path.
+# [1] A point is at rest if neither its speed nor its acceleration, kept for the duration of the run, would
+# move it farther than this part of the largest path of all points. The size of a path is the diagonal of the
+# rectangle around it.
 REST_WAY = 0.02
 # [1] the size of the largest path counts as at least this times the size of the chain, because smaller paths
 # are no motion

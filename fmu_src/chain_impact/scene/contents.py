@@ -1,4 +1,4 @@
-"""The contents of a scene file: its keys and tables at the top level, and values that follow from them alone.
+"""What a scene file contains: its keys and tables at the top level, and values that follow from these alone.
 
 Modules that check, change or describe a scene use ``Contents``; users get ``Scene`` from ``scene.py``.
 """

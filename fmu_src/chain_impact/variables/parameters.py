@@ -41,7 +41,7 @@ HAS_TARGET = (
     "constant signal of the target instead"
 )
 KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Placeholders in the template of a path: of a parameter's key, and of the index and the name of an axis."""
+"""Placeholders for the steps of a path: a parameter's key, and the index and the name of an axis."""
 
 
 @cache

@@ -10,7 +10,7 @@ expected penetration δ* (ode/sundman.py), and the time t since the start of the
 
 from chain_impact.kernel.functions import inlined
 
-# index of the first angle in y, and in any change of the coordinates, after the two coordinates of the base
+# index of the first angle in y, and in a vector of changes of the coordinates; the base's x and y come before
 ANGLES = 2
 
 

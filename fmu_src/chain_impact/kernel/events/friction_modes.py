@@ -240,7 +240,7 @@ def acceleration_error(d):
 
 
 def clear_changes(d):
-    """Clear the log of mode changes, after the caller has collected it or at the start of a run."""
+    """Clear the log of mode changes: at a run's start, and at its end, where nobody reads the log."""
     d.changes.count = 0
 
 

@@ -125,9 +125,9 @@ def begin_segments(d):
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return its effect NO_JUMP, BENDS or JUMPS.
+    """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or JUMPS.
 
-    A jump of the energy balance counts as supplied energy.
+    Where an input jumps, springs gain or lose energy at once; this change counts as supplied energy.
     """
     y = d.step.state_end
     stores = d.signal.input[j] != CHANNEL

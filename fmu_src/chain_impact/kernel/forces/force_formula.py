@@ -78,10 +78,12 @@ def elastic_depth(d, c, mass, speed):
 
 
 def set_expected_depth(d, c):
-    """Set the expected penetration [m] of candidate c, from v₀ and the effective mass of its contact."""
+    """Set the expected penetration [m] of candidate c, from v₀ and the effective mass of its contact.
+
+    A rigid wall has no penetration; there the length of the longest link takes its place.
+    """
     touch = d.touch
     if d.law.impulsive[c]:
-        # a rigid wall has no penetration, so the longest link serves as the scale
         touch.depth_scale[c] = d.chain.longest_link
     else:
         touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])

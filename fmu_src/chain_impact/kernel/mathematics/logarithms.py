@@ -93,7 +93,7 @@ def log_parts(pattern):
     first, half_square = base + r, 0.5 * (u * u)
     high = first - half_square
     rounded = ((base - first) + r) + ((first - high) - half_square)
-    # the part of −r²/2 that −u²/2 does not contain: r² − u² = v (u + r)
+    # −r²/2 without −u²/2, which ``high`` contains: r² − u² = v (u + r), because r = u + v
     small = (float(k) * LN_2_LOW + float(LOG_LOW[i])) - 0.5 * v * (u + r)
     r2 = r * r
     tail = r * r2 * ((LOG_P[0] + r * LOG_P[1]) + r2 * ((LOG_P[2] + r * LOG_P[3]) + r2 * LOG_P[4]))

@@ -138,7 +138,7 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time for WINDOW_CHANGE: store the present energy balance, for comparison."""
+    """Begin a window of time: store the energy balance, whose change in it WINDOW_CHANGE limits."""
     balance = d.balance
     balance.reference = balance.at_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state

@@ -198,12 +198,12 @@ def stiffness_number(d, h):
 
 
 def find_joint_stiffness(d, h):
-    """Return hρ for a step of size h [s].
+    """Return hρ for a step of size h [s], or an upper bound of hρ if this bound is at most STIFF_STEP.
 
     ρ is the largest rate that the damper or the spring of a single joint or slider causes alone
-    (chain/joints.py). If the upper bound h ``chain.joint_rate_bound`` of hρ is at most STIFF_STEP, the
-    function returns this bound, and does not compute ρ. To compute ρ, it overwrites the loads on all places;
-    then it sets the load at the tip to the input force there, and all other loads to 0.
+    (chain/joints.py). The bound is the product of h and ``chain.joint_rate_bound``. If it exceeds STIFF_STEP,
+    ρ is computed, which overwrites the loads on all places; afterwards the load at the tip is the input force
+    there, and all other loads are 0.
     """
     z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:

@@ -98,7 +98,7 @@ def touch_dtype(candidates: int) -> np.dtype:
         # indices of the candidates with active contacts, packed: the first ``active_count`` entries count
         ("active_index", bounded(0, candidates - 1), (candidates,)),
         ("active", bounded(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
-        # the event of a candidate at `step.end` that the next step will apply, see kernel/events/marks.py
+        # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", bounded(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, time of the onset of the latest contact
         # m/s, approach speed of the point along the normal at the onset

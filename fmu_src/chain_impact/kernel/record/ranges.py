@@ -61,7 +61,7 @@ def in_range(value, k):
 
 
 BOUNDED = tuple(marked(instance_dtype(*Counts(2, 1)), "least"))
-"""The paths of all fields of integers with bounds: indices and numbers of iterations."""
+"""The paths of all integer fields that declare bounds: the kernel uses them as indices or to count loops."""
 
 
 def bounded_field(d, k):

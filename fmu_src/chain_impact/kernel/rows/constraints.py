@@ -238,7 +238,7 @@ def solve_single(d, only):
 
 @has_dual_rule
 def iterated_enough(_d, _iterations):
-    """Return True: the iteration may end. With dual numbers, another function waits for the derivatives."""
+    """Return True: no more iterations are needed. With dual numbers a rule lets derivatives converge, too."""
     return True
 
 

@@ -226,7 +226,10 @@ def add_along(row, vectors, amount):
 
 
 def add_impedance(row, impedance, amount):
-    """Add an impedance ``amount`` [kg] along a row to the impedances at all places, 2×2 matrices."""
+    """Add ``amount`` [kg], a mass that resists motion along a row, to the ``impedance`` of the row's place.
+
+    The impedance of each place is a symmetric 2×2 matrix.
+    """
     place, nx, ny = row
     impedance.xx[place] += nx * nx * amount
     impedance.xy[place] += nx * ny * amount

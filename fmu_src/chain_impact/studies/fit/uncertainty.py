@@ -1,4 +1,4 @@
-"""The uncertainty of fitted parameters, from the derivatives of the values at the end of the search."""
+"""The uncertainty of fitted parameters, from derivatives of the computed values at the search's end."""
 
 from __future__ import annotations
 

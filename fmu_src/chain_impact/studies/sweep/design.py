@@ -72,8 +72,9 @@ class Design:
     def _cubes(self, first: int, end: int) -> np.ndarray:
         """Return samples first … end − 1 in the unit cube, shape (end − first, K), by Latin hypercubes.
 
-        There is one hypercube of all runs, or successive ones of ``CUBE`` runs each. Hypercube number k has
-        the same bits as one by SciPy's LatinHypercube whose random generator is child k of the generator
+        There is one hypercube of all runs if their table fits into memory. Otherwise there are successive
+        ones of ``CUBE`` runs, the last with the runs that are left. Hypercube number k, from 0, has the same
+        bits as one by SciPy's LatinHypercube whose random generator is child k of the generator
         with ``seed``.
         """
         count, varied, parts = self.runs, len(self.variations), []

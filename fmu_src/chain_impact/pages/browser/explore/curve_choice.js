@@ -121,7 +121,11 @@ export class CurveChoice {
     this.names = namesIn(text, this.#columns);
   }
 
-  /** Scroll to the charts of outputs that are newly chosen, once they are drawn and the dialog is closed. */
+  /**
+   * Scroll to the charts over time if newly chosen outputs have not been scrolled to yet.
+   *
+   * While the dialog is open or the charts are hidden, do nothing.
+   */
   bringIntoView() {
     const charts = find("outputs-over-time").closest("section");
     if (!this.isNew || this.dialog.open || charts.hidden) return;
