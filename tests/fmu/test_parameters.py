@@ -53,7 +53,7 @@ def trajectory(fmu, values, stop, step):
     return [instance.outputs, instance.run(times)]
 
 
-@pytest.mark.full("more cases", but=12)
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize(("model", "values"), CASES, ids=str)
 def test_parameters_act_as_they_do_in_the_scene(fmus, clean, model, values):
     stop = STOPS.get(model, 1.0)
@@ -83,6 +83,7 @@ def tuned(fmu, at, values, stop, step):
     return [one.outputs, one.run([step * i for i in range(round(at / step) + 1, round(stop / step) + 1)])]
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", TUNED)
 def test_tunable_parameters_can_be_set_between_steps(fmus, clean, model):
     (at, values), stop = TUNED[model], STOPS[model]
@@ -151,7 +152,7 @@ def shown(fmu, changes, names, when):
     return told
 
 
-@pytest.mark.full("more cases", but=12)
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("when", ["before", "in"])
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
 def test_the_value_in_use_is_shown(fmus, clean, changes, when):

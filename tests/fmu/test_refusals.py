@@ -94,6 +94,7 @@ def test_calls_out_of_order_are_refused(fmu, target):
         assert text in refused(fmu, *calls)
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(
     ("model", "changes", "said"),
     [

@@ -10,6 +10,7 @@ from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 # The functions without assertions, and those for importing(), run in the clean process.
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize(
     ("model", "save_at"),
     [

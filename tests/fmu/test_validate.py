@@ -50,7 +50,7 @@ def test_an_fmu_of_ours_has_no_faults(fmus, model):
 # --- faults of each kind of FMU ---------------------------------------------------------------------------
 
 
-@pytest.mark.full("more cases", but=4)
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("fault", WHOLE)
 def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
     binary = BINARIES.get(target, BINARY)
@@ -90,7 +90,7 @@ def test_the_page_states_how_many_planted_faults_are_found():
 CASES = [(version, name) for version, faults in FAULTS.items() for name in faults]
 
 
-@pytest.mark.full("more cases", but=10)
+@pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize(("version", "name"), CASES)
 def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path, version, name):
     """Only the fault's own file is checked, except for faults that only a run shows."""

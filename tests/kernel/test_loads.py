@@ -203,7 +203,7 @@ def test_a_peak_is_that_of_a_thousand_times_finer_rows(name):
         assert sizes.max() <= found[-1] * (1.0 + 1e-9)
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("name", ["box", "driven, stops", "friction", "pinned", "rigid walls", "held"])
 def test_an_impact_has_the_largest_force_in_a_joint_while_it_lasts(name):
     coarse, fine = run(name, 0.1), run(name, 1e-5)

@@ -81,6 +81,7 @@ def opened(source):
     return load_scene(source) if isinstance(source, str) else random_scenes.scene(source)
 
 
+@pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize("source", [*model_names(), "zeros", *range(0, 20, 2)])
 def test_the_saved_file_is_the_scene(script, source):
     scene = opened(source)

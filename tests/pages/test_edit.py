@@ -51,6 +51,7 @@ def assert_as_python(found, scene):
     assert [[name, word, float(start)] for name, word, start in found["parameters"]] == known + times
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("model", model_names())
 def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
     """The record has the right counts of links, angles in degrees and of joints, normals and defaults."""
@@ -66,6 +67,7 @@ def test_the_contents_of_a_random_scene_make_its_record(script, seed):
     assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
 
 
+@pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize(
     "source", [*model_names(), *range(10), WRITTEN, *BODIES.values()], ids=lambda source: str(source)[:20]
 )

@@ -152,6 +152,7 @@ def test_the_free_region_between_walls(script, seed):
 RANDOM = [*range(20), *(random_scenes.SIGNALLED + seed for seed in range(10))]
 
 
+@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("source", [*model_names(), *RANDOM])
 def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
     """Walls, outlines of bodies, the line of a slider, and ranges of joints."""
@@ -211,6 +212,7 @@ def test_the_centre_of_a_ball(script, model):
     assert script.evaluate("([shape, link]) => ballOf(shape, ...link)", [shape, link]) == shape["ball"]
 
 
+@pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("source", ["knee", "sled", *model_names()])
 def test_the_quantities_that_are_drawn(script, source):
     scene = {"knee": knee, "sled": sled}.get(source, partial(load_scene, source))()

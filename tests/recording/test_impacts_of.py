@@ -29,7 +29,7 @@ def recorded(scene, times):
     return record
 
 
-@pytest.mark.full("more cases", but=6)
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 @pytest.mark.parametrize("step", [1e-3, 1e-2, 0.1])
 def test_the_table_of_impacts_is_complete_at_any_communication_step(model, step):

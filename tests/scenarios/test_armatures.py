@@ -26,6 +26,7 @@ def test_an_armature_adds_to_the_inertia_about_the_pin(armature):
     np.testing.assert_allclose(result.energy["kinetic"], kinetic, rtol=1e-13)
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("count", [1, 2, 5])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_a_chain_with_armatures_moves_as_the_textbook_says(count, base):

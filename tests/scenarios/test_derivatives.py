@@ -199,7 +199,7 @@ def test_a_kept_answer_is_that_of_the_model(name):
             np.testing.assert_allclose(found_now, value, rtol=1e-9, atol=1e-9 * scale)
 
 
-@pytest.mark.full("more cases", but=18)
+@pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("name", [*list(SMOOTH)[:9], *DRY, *list(SMOOTH)[9:]])
 def test_a_state_is_differentiated_to_eight_digits(name):
     case = CASES[name]
@@ -222,6 +222,7 @@ def test_impacts_are_differentiated_to_eight_digits(name):
     assert not errors
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("name", IMPLICIT)
 def test_implicit_steps_are_differentiated(name):
     case, (of_states, of_impacts) = CASES[name], IMPLICIT[name]
@@ -258,7 +259,7 @@ def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
             assert np.abs(answer.slopes[:, j] * units - expected).max() < 1e-7 * largest, output
 
 
-@pytest.mark.full("more cases", but=5)
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize(
     "name", ["slides back", "stops by static friction", "swings, static", "driven", "pinned", "sprung"]
 )

@@ -163,6 +163,7 @@ def loosened(seed):
     return data, changes or {"link[1].mass": 2.0 * links[0]["mass"]}
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("kind", [0, SLANTED, SPRUNG, STOPPED, RUBBED])
 def test_random_scenes_have_the_record_of_the_edited_file(kind):
     """All memory of the kernel is equal at the start, so that the whole run is equal."""

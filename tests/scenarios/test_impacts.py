@@ -58,6 +58,7 @@ def velocities(row):
 # --- one impact --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("restitution", [0.3, 1.0])
 @pytest.mark.parametrize(
     ("exponent", "stiffness"), [(1.0, 1e8), (1.3, 1e8), (1.5, 1e5), (1.5, 1e11), (2.0, 1e8), (3.0, 1e8)]

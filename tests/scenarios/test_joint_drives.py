@@ -197,6 +197,7 @@ def functions_of(scene, seed=5):
 BOTH = {"inputs": {"joint_targets": True, "joint_torques": True}}
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 @pytest.mark.parametrize(("count", "base"), [(1, "pinned"), (4, "pinned"), (4, "free")])
 def test_a_chain_of_limited_servos_moves_as_the_textbook_says(count, base, method):
@@ -231,6 +232,7 @@ VARIED = {
 }
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_derivatives_through_limits_are_those_of_differences(method):
     scene = random_chain(3, "pinned", limits=True, **BOTH)

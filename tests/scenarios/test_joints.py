@@ -65,6 +65,7 @@ def test_a_rod_on_a_spring_swings_harmonically_however_far(rest, method):
     assert np.ptp(result.energy["total"]) < 1e3 * tolerance
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("count", "base"), [(2, "free"), (4, "pinned")])
 def test_a_chain_moves_as_the_textbook_says(count, base):
     rng = np.random.default_rng([count, len(base)])

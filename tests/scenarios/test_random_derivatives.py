@@ -60,6 +60,7 @@ def test_derivatives_of_chosen_scenes_equal_differences(scene):
     assert found.wrong[:3] == []
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_derivatives_of_random_scenes_equal_differences(kind):
     found = [check(kind, seed) for seed in range(FEW)]

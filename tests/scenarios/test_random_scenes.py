@@ -72,6 +72,7 @@ MENDED = [
 # fmt: on
 
 
+@pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("seed", MENDED)
 def test_a_scene_that_had_findings_has_none(seed):
     found = verdict(scene(seed), seed, cpu=20.0)

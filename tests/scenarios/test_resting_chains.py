@@ -36,6 +36,7 @@ ENDED = (19, 109, 127, 205, 247, 288, 491, 599)
 LEFT_OPEN = (473, 491)  # chains in which friction leaves open a part of the derivatives
 
 
+@pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("seed", ENDED)
 def test_chains_whose_derivatives_ended_have_right_ones(seed):
     assert check(seed) == [FOUND] * len(PARAMETERS)

@@ -65,6 +65,7 @@ def evaluations(seed, tolerance):
     return instance.statistics["rhs_evaluations"]
 
 
+@pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize("seed", [*range(48), 306, 590, 710, 715, 798, 799, 886, 1082])
 def test_two_decades_of_the_tolerance_cost_a_few_times_as_much(seed):
     """Beyond the first 48 scenes, some chains lie flat, where several points stick at once."""

@@ -85,7 +85,7 @@ def first_parameter(thing):
     return next(iter(parameters), None)
 
 
-@pytest.mark.full("more cases", but=9)
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("name", TAKERS)
 def test_a_models_name_and_a_path_mean_its_scene(name, tmp_path):
     sources = load_scene(MODEL), MODEL, models_folder() / MODEL

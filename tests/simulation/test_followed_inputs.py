@@ -145,7 +145,7 @@ def noise(_time):
     return next(DRAWN)
 
 
-@pytest.mark.full("more cases", but=3)
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     ("torque", "most"),
     [

@@ -17,6 +17,7 @@ from tests.helpers.models.reference import generalized_force, mass_matrix, set_v
 from tests.kernel.chains import chain, random_state
 
 
+@pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_accelerations_are_lagranges(count, base):

@@ -111,6 +111,7 @@ def sticking_and_damped():
     )
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 @pytest.mark.parametrize("cut", [False, True])
 def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method, cut):
