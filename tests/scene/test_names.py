@@ -2,10 +2,15 @@
 
 # Tests: scene/similar_names.py
 
+import re
+
 import pytest
 
+from chain_impact import load_scene
 from chain_impact.scene.names import by_owner, input_key, name_of, name_parts, parameter_hint, path_text
 from chain_impact.scene.similar_names import longer, nearest, one_typo
+from chain_impact.studies.sweep.variation import variations_of
+from tests.helpers.tools.refusal import refusal
 
 
 @pytest.mark.parametrize(
@@ -83,6 +88,35 @@ def test_the_key_that_makes_an_input():
 def test_a_link_that_there_is_needs_no_hint():
     assert [parameter_hint(f"link[{i}].massa", 3, ()) for i in (1, 3)] == [None, None]
     assert [parameter_hint(f"link[{i}].mass", 3, ()) for i in (0, 4)] == ["links count from 1 to 3"] * 2
+
+
+@pytest.mark.parametrize(
+    ("name", "key"),
+    [
+        ("slider.velocity", "initial.slider_velocity"),
+        ("slider.position", "initial.x and initial.y"),
+        ("link[3].angle", r"initial.angle\[3\]"),
+        ("link[1].angular_velocity", r"initial.angular_velocity\[1\]"),
+        ("joint[2].angle", r"initial.angle\[2\] sets the absolute angle of link 2"),
+        ("joint[2].velocity", r"initial.angular_velocity\[2\]"),
+        ("base.vx", "initial.vx"),
+        ("base.position", "initial.x and initial.y"),
+        ("point[0].y", "initial.y"),
+        ("point[2].y", r"initial.y and initial.angle\[1\]"),
+    ],
+)
+def test_a_quantity_of_the_motion_proposes_its_value_at_the_start(name, key):
+    assert re.search(rf"{key} .*at the start$", parameter_hint(name, 3, ()))
+
+
+def test_a_value_of_a_slider_that_a_scene_lacks_is_not_proposed():
+    scene = load_scene("pinned_arm")
+    for name in ("slider.mass", "chain.slider.mass", "slider.position"):
+        assert refusal(scene.with_values, {name: 1.0}).endswith(
+            f'{name} is not a parameter; only a base on a slider has it: chain.base = "slider"'
+        )
+        assert 'has it: chain.base = "slider"' in refusal(variations_of, scene, {name: [1.0, 2.0]})
+    assert load_scene("cart_pole").with_values({"slider.mass": 3.0}).chain.slider.mass == 3.0
 
 
 def test_a_name_with_the_same_last_part_is_nearer():

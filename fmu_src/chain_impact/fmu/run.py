@@ -31,6 +31,7 @@ from chain_impact.scene.names import (
     input_hint,
     input_key,
     signal_hint,
+    start_hint,
 )
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
@@ -206,7 +207,7 @@ def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
         given = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in by_owner(parameters) if owner == "signal"}
-        hint = given if input_key(name) else signal_hint(name, signals)
+        hint = given if input_key(name) else start_hint(name) or signal_hint(name, signals)
         raise UnknownNameError(source, name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]
 

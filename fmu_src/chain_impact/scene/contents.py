@@ -215,4 +215,11 @@ def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str 
     return None
 
 
+def slider_hint(scene: Contents, name: str) -> str | None:
+    """Return a hint for the name of a value of the slider, if the scene has no slider; else None."""
+    if scene.chain.slider or not name.removeprefix("chain.").startswith("slider."):
+        return None
+    return 'only a base on a slider has it: chain.base = "slider"'
+
+
 AnyScene = TypeVar("AnyScene", bound=Contents)

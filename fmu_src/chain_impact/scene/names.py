@@ -247,8 +247,35 @@ def value_at_start(values: Mapping[str, Any], name: str) -> float:
 def input_hint(name: str, how: str) -> str:
     """Return a hint for an input that the user sets like a parameter; ``how`` says how to give the input."""
     hint = f"it is an input: give it over time {how}"
+    if start := start_hint(name):
+        return f"{hint}; {start}"
     parameter = without_drive(name)
     return f"{hint}; without, it is {parameter}, which can be set" if parameter else hint
+
+
+MOVES, TURNS = ("x", "y", "vx", "vy"), ("angle", "angular_velocity")
+AT_START = {
+    **{f"{owner}.{part}": f"initial.{part} sets it" for owner in ("base", "point[0]") for part in MOVES},
+    "base.position": "initial.x and initial.y set it",
+    "base.velocity": "initial.vx and initial.vy set it",
+    **{f"point[{{n}}].{part}": f"initial.{part} and initial.angle[1] … set it" for part in "xy"},
+    **{f"link[{{n}}].{part}": f"initial.{part}[{{n}}] sets it" for part in TURNS},
+    "joint[{n}].angle": "initial.angle[{n}] sets the absolute angle of link {n}",
+    "joint[{n}].position": "initial.angle[{n}] sets the absolute angle of link {n}",
+    "joint[{n}].angular_velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
+    "joint[{n}].velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
+    "slider.position": "initial.x and initial.y set the base, where it is 0,",
+    "slider.velocity": "initial.slider_velocity sets it",
+}
+"""Quantity that changes in a motion → which parameters set it at the start; {n} stands for a number."""
+
+
+def start_hint(name: str) -> str | None:
+    """Return a hint which parameters set a quantity of the motion at the start; None for another name."""
+    for template, hint in AT_START.items():
+        if is_like(name, template):
+            return f"{hint.format(n=re.sub('[^0-9]', '', name))} at the start"
+    return None
 
 
 JOINT_ANGLES = "initial.joint_angles"
@@ -273,7 +300,8 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
         return input_hint(name, f"by a signal of the scene, by --inputs FILE, or in Python, {python}")
     if name.startswith(JOINT_ANGLES):
         return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
-    return signal_hint(name, signals)
+    start = start_hint(name)
+    return f"it changes in the motion: {start}" if start else signal_hint(name, signals)
 
 
 def signal_hint(name: str, signals: Collection[str]) -> str | None:

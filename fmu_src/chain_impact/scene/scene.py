@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import checks, completion, drawing, scene_text, shapes
 from chain_impact.scene.chain_tables import Link
-from chain_impact.scene.contents import Contents, named_point_hint
+from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
 from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
@@ -333,8 +333,8 @@ def _path_and_value(
     names = _keys() if change in _keys() else every()
     written = (change, *other_names(change))
     typed, change = change, next((name for name in written if name in names), fmu_name(change))
-    if change not in names:
-        hint = parameter_hint(change, len(scene.chain.links), scene.signals)
+    if (hint := slider_hint(scene, change)) or change not in names:
+        hint = hint or parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
         raise UnknownNameError(scene.name, typed, names, "not a parameter", hint)
     return names[change], _chosen(scene, change, given)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians
-from chain_impact.scene.names import fmu_name, value_at_start
+from chain_impact.scene.names import fmu_name, start_hint, value_at_start
 from chain_impact.scene.reading import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.similar_names import nearest
@@ -105,7 +105,7 @@ def parameters_of(
     for typed in names:
         if fmu_name(typed) not in variables:
             what, hint = "not a parameter that can be fitted", absent_hint(typed)
-            hint = hint or fixed_hint(scene, fmu_name(typed))
+            hint = hint or fixed_hint(scene, fmu_name(typed)) or start_hint(typed)
             raise UnknownNameError(scene.name, typed, variables, what, hint)
     names = [*free, *free_each]
     for k, name in enumerate(names):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
-from chain_impact.scene.contents import named_point_hint
+from chain_impact.scene.contents import named_point_hint, slider_hint
 from chain_impact.scene.names import fmu_name, parameter_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError, as_typed, nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
@@ -95,7 +95,8 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         name = fmu_name(typed)
         if name not in parameters:
             what = "not a parameter that can be varied"
-            hint = absent_hint(name) or parameter_hint(name, len(scene.chain.links), scene.signals)
+            hint = slider_hint(scene, name) or absent_hint(name)
+            hint = hint or parameter_hint(name, len(scene.chain.links), scene.signals)
             hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed, parameters, what, hint)
         with as_typed([typed]):
