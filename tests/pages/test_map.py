@@ -137,6 +137,22 @@ def test_a_map_shows_the_largest_forces_of_a_sweep(show):
         assert found[output][0] == value
 
 
+def test_another_colour_of_a_map_needs_no_runs(show):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    draw_map(page)
+    page.evaluate("window.Worker = undefined")
+    for output in ("max_penetration", "peak_force", "impact.count"):
+        page.locator("#map-output").select_option(output)
+        head, *rows = saved(page, "Map as CSV").read_text().splitlines()
+        assert head == f"contact.restitution,initial.angle[1],{output}"
+        e, angle, value = map(float, rows[-1].split(","))
+        scene = load_scene("rod_drop").with_values(MAP)
+        found = sweep(scene, {"contact.restitution": [e], "initial.angle[1]": [angle]})
+        assert found[output][0] == value
+    assert "1681 runs in" in page.inner_text("#map-text")
+
+
 def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):
     page = show("kneed_leg", {"stops.restitution": 0.6})
     page.get_by_role("button", name="Map…").click()

@@ -9,7 +9,7 @@ import { presentUnit } from "../parameters/parameter_fields.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
-import { mainOutput, outputsLike, outputsOf, rigidLaw } from "./map_outputs.js";
+import { mainOutput, outputIn, outputsOf, rigidLaw, valuesIn } from "./map_outputs.js";
 import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
 
@@ -37,8 +37,8 @@ function rangeOf({ name, low, high }, value) {
 }
 
 /** Return why all runs of a map fail, and the parameters that all of them have changed; "" if a run does not fail. */
-function failureOf({ names, values, faults, results }) {
-  if (faults.size < results.length) return "";
+function failureOf({ names, values, faults, runs }) {
+  if (faults.size < runs.length) return "";
   const changed = Object.keys(values).filter((name) => !names.includes(name));
   const others = changed.length ? ` All have changed values of ${changed.join(", ")}.` : "";
   return `All ${faults.size} runs fail; the first one: ${faults.get(0)}.${others}`;
@@ -64,7 +64,7 @@ export class GridMap {
     changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => this.run());
     this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
-    this.output.addEventListener("change", () => this.run(this.shown?.points ?? COARSE, this.shown));
+    this.output.addEventListener("change", () => (this.shown ? this.#recolour() : this.#preview()));
     find("map-csv").addEventListener("click", () => save(new Blob([this.#table()], { type: "text/csv" }), `${changes.scene.name}-map.csv`));
     find("map-png").addEventListener("click", () => this.#picture());
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
@@ -140,11 +140,8 @@ export class GridMap {
     });
   }
 
-  /**
-   * Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, do nothing or, with the
-   * map `before`, compute its runs with the chosen output.
-   */
-  async run(points = POINTS, before = undefined) {
+  /** Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, tell only this. */
+  async run(points = POINTS) {
     let request;
     this.#refuses = false;
     try {
@@ -152,45 +149,55 @@ export class GridMap {
     } catch (error) {
       this.#refuses = true;
       this.#say(`${error.message}.`, true);
-      if (!before) return;
-      request = { names: before.names, axes: before.axes, values: before.values, ...this.#chosenOutput() };
+      return;
     }
     this.#stop();
     this.#touched = this.#chosen = undefined;
-    const coarse = this.#coarseFor(request);
-    const shown = { ...request, points, coarse, results: Array(points * points), faults: new Map(), rows: 0 };
+    // runs: for each run the values of all outputs, so that another colour needs no runs; null for a run that fails
+    const shown = { ...request, points, coarse: this.#coarseFor(request), runs: Array(points * points), faults: new Map(), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: points, height: points });
     this.#draw();
-    find("map-files").hidden = true;
     const began = performance.now();
-    const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
+    shown.fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
+    shown.seconds = (performance.now() - began) / 1000;
     if (shown !== this.shown) return;
     this.#stop();
-    if (this.#refuses) return; // the text stays: it tells that fields which have changed during the runs are refused
-    const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-    const grey = shown.faults.size ? "; grey runs fail" : shown.results.includes(null) ? "; grey runs have only impulses" : "";
+    this.#tell();
+  }
+
+  /** Tell about the runs of the shown map, unless some still run, or fields which have changed during the runs are refused. */
+  #tell() {
+    const { shown } = this;
+    if (this.#refuses || shown.seconds === undefined) return;
+    const { points, rows, faults, results, seconds } = shown;
+    const grey = faults.size ? "; grey runs fail" : results.includes(null) ? "; grey runs have only impulses" : "";
     const summary = points === POINTS
-      ? `${points * points} runs in ${seconds} s${grey}.`
+      ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const done = `${summary}${inputs} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
-    const stopped = `Stopped after ${shown.rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
-    this.#say(fault || (shown.rows === points ? failureOf(shown) || done : stopped));
+    const stopped = `Stopped after ${rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
+    this.#say(shown.fault || (rows === points ? failureOf(shown) || done : stopped));
   }
 
-  /** Return the shown map if it is the preview of a request, with the same ends of the axes, changes and output; otherwise undefined. */
-  #coarseFor({ names, axes, values, output }) {
-    const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values, map.output.name]);
-    const isPreview = this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values, output });
-    return isPreview ? this.shown : undefined;
+  /** Show the same runs with the chosen output as their colour. */
+  #recolour() {
+    this.#draw();
+    this.#tell();
+  }
+
+  /** Return the shown map if it is the preview of a request, with the same ends of the axes and changes; otherwise undefined. */
+  #coarseFor({ names, axes, values }) {
+    const fieldsOf = (map) => JSON.stringify([map.names, map.axes.map((axis) => [axis[0], axis.at(-1)]), map.values]);
+    return this.shown?.points === COARSE && fieldsOf(this.shown) === fieldsOf({ names, axes, values }) ? this.shown : undefined;
   }
 
   #say(text, isFault = false) {
     Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
-  /** Return what the fields ask for: the names of the two parameters, their values, the other changes and the output. */
+  /** Return what the fields ask for: the names of the two parameters, their values, the other changes, and all outputs. */
   #requestOf(points) {
     const names = this.inputs.map(([name]) => name.value);
     if (names[0] === names[1]) throw new RangeError("choose two parameters");
@@ -199,13 +206,9 @@ export class GridMap {
       const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
       return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
-    return { names, axes, values: { ...this.changes.values }, ...this.#chosenOutput() };
-  }
-
-  /** Return the chosen `output`, and `rigid`, the rigid law, if any, with which an output of 0 in a run with impacts is unknown. */
-  #chosenOutput() {
-    const output = outputsOf(this.changes.scene).find(({ name }) => name === this.output.value);
-    return { output, rigid: rigidLaw(this.changes, output.name) };
+    // rigid: the rigid law, if any, with which an output of 0 in a run with impacts is unknown
+    const outputs = outputsOf(this.changes.scene).map((output) => ({ ...output, rigid: rigidLaw(this.changes, output.name) }));
+    return { names, axes, values: { ...this.changes.values }, outputs };
   }
 
   /** Return the number in a field for an end of an axis; an angle without a unit is in degrees, as on the axis. */
@@ -217,8 +220,8 @@ export class GridMap {
 
   /** Simulate the rows of a map, each in the next free worker. There are as many workers as processors, but at most WORKERS. */
   async #simulate(shown) {
-    const { names, axes, values, output, points } = shown;
-    const words = [this.changes.scene.layout.status, ...output.words, ...outputsLike(this.changes.scene, "impact.count")[0].words];
+    const { names, axes, values, outputs, points } = shown;
+    const words = [this.changes.scene.layout.status, ...outputs.flatMap((output) => output.words)];
     const rows = rowOrder(points);
     const work = async (engine) => {
       while (rows.length) {
@@ -240,20 +243,15 @@ export class GridMap {
     this.#engines = [];
   }
 
-  /**
-   * Store the outputs of a row of runs from the kernel's results (`rows`); store null and the reason for a run that failed or is refused.
-   */
+  /** Store the outputs of a row of runs from the kernel's results (`rows`), or the reason for a run that failed or is refused. */
   #store(rows, row) {
-    const { output, results, points, rigid } = this.shown;
-    const integers = new BigInt64Array(rows.buffer);
+    const { outputs, runs, faults, points } = this.shown;
+    const [integers, width] = [new BigInt64Array(rows.buffer), rows.length / points];
     for (let column = 0; column < points; column += 1) {
-      const status = (2 + output.words.length) * column;
-      const index = row * points + column;
-      const largest = Math.max(...output.words.map((_, k) => (output.integer ? Number(integers[status + 1 + k]) : rows[status + 1 + k])));
+      const [index, status] = [row * points + column, column * width];
       const fault = this.#refusalOf(index) || (integers[status] === 0n ? "" : SHARED.kernel.STATUS_TEXT[integers[status]]);
-      const isUnknown = rigid && largest === 0 && integers[status + 1 + output.words.length] > 0n;
-      results[index] = fault || isUnknown ? null : largest;
-      if (fault) this.shown.faults.set(index, fault);
+      if (fault) faults.set(index, fault);
+      runs[index] = fault ? null : valuesIn(outputs, { rows, integers, first: status + 1 });
     }
     this.shown.rows += 1;
     if (!this.#refuses) this.#say(`${this.shown.rows} of ${points} rows`);
@@ -277,10 +275,15 @@ export class GridMap {
   }
 
   #draw() {
-    const results = completed(this.shown);
-    this.shown.scale = colourScale(results, this.shown.output.integer);
-    this.drawing.drawRuns(this.shown, results);
-    find("map-files").hidden = this.shown.points !== POINTS;
+    const { shown } = this;
+    [shown.coarse, shown].filter(Boolean).forEach((map) => {
+      map.output = map.outputs.find(({ name }) => name === this.output.value);
+      map.results = Array.from(map.runs, (values) => values && outputIn(values, map.output));
+    });
+    const results = completed(shown);
+    shown.scale = colourScale(results, shown.output.integer);
+    this.drawing.drawRuns(shown, results);
+    find("map-files").hidden = shown.points !== POINTS || shown.rows === 0;
     this.#drawScales();
   }
 
@@ -344,12 +347,12 @@ export class GridMap {
 
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
-    const { faults, output, rigid, scale, results: { [index]: value } } = this.shown;
+    const { faults, output, scale, results: { [index]: value } } = this.shown;
     const at = this.#valuesAt(index);
     const parameters = Object.entries(at).map(([name, given]) => this.#valueText(name, given, { ...this.shown.values, ...at }));
     const { factor, text } = scaledTo(output, scale);
     const number = [withMinus(numberText(Number((factor * value).toPrecision(5)))), text].filter(Boolean).join("\u202f");
-    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : `only impulses with ${rigid}`;
+    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : `only impulses with ${output.rigid}`;
     const told = value === null ? reason : `${quantityOf(output.name)} = ${number}`;
     this.#say(`${parameters.join(", ")}: ${told}`);
   }

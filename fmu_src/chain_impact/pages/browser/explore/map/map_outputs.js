@@ -6,10 +6,28 @@ import { impulsiveLaw } from "../parameters/sliders.js";
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
 
 /**
+ * Return the values of a run, name → value, for the outputs of a map from the kernel's results: `rows`, the same as `integers`, and the
+ * index of the `first` result of the run.
+ */
+export function valuesIn(outputs, { rows, integers, first }) {
+  let at = first;
+  return Object.fromEntries(outputs.map(({ name, words, integer }) => {
+    const all = words.map((_, k) => (integer ? Number(integers[at + k]) : rows[at + k]));
+    at += words.length;
+    return [name, Math.max(...all)];
+  }));
+}
+
+/** Return the output of a run with some values; null if a rigid law leaves it unknown: it is 0 in a run with impacts. */
+export function outputIn(values, { name, rigid }) {
+  return rigid && values[name] === 0 && values["impact.count"] > 0 ? null : values[name];
+}
+
+/**
  * Return a list with the output `name` as a map needs it; the list is empty if the scene does not have the output. Besides name and unit,
  * an output of a map has `words`: indices in the record; the map shows the largest of the values there.
  */
-export function outputsLike({ columns }, name) {
+function outputsLike({ columns }, name) {
   return columns.filter((column) => column.name === name).map(({ unit, integer, word }) => ({ name, unit, integer, words: [word] }));
 }
 
