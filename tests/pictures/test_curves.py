@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
-from chain_impact.pictures.curves import looks_of
+from chain_impact.pictures.curves import extremes, largest_vectors, looks_of
 from chain_impact.pictures.over_time import ENERGIES
-from chain_impact.recording.curves import CLOSE_TIMES
+from chain_impact.recording.curves import CLOSE_TIMES, Curves
 from tests.pictures.pictures import WIDTHS, check_texts
 
 FORCES = "contact[*].y_min.force"
@@ -165,3 +165,26 @@ def test_a_picture_of_an_impact_tells_its_own_and_the_largest_forces():
     page = run.plot(curves=FORCES, around=2)
     told = " ".join(text.get_text() for text in page.texts)
     assert f"{1e-3 * run.impacts['peak_force'][1]:.3g} kN in impact 2: " in told.replace("\u00a0", " ")
+
+
+def test_the_largest_force_is_the_largest_finite_one():
+    time = np.arange(4.0)
+    drawn = [np.array([np.nan, 3.0, -5.0, np.inf]), np.full(4, np.nan), np.zeros(4), np.full(4, -np.inf)]
+    (label,) = extremes(time, drawn, "N", 1e-3, [{"color": "k"}] * 4)
+    assert (label.text, label.position) == ("−5.00 N", (2.0, -5e-3))
+    assert extremes(time[:0], [values[:0] for values in drawn], "N", 1.0, [{"color": "k"}] * 4) == []
+
+
+@pytest.mark.parametrize(
+    ("x", "told"),
+    [
+        ([np.nan, 3.0, np.inf], "largest |force|: joint[1] 5.00 N at 1 s"),
+        ([np.nan, np.nan, np.inf], ""),
+        ([], ""),
+    ],
+)
+def test_the_largest_amount_of_a_force_is_finite(x, told):
+    names = ["joint[1].force.x", "joint[1].force.y"]
+    values = dict(zip(names, (np.array(x), np.full(len(x), 4.0)), strict=True))
+    curves = Curves(np.arange(float(len(x))), values, dict.fromkeys(names, "N"))
+    assert largest_vectors(curves) == told

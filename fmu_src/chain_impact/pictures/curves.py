@@ -148,13 +148,18 @@ def extremes(
     """
     found = []
     for values, style in zip(drawn if unit in MARKED else (), styles, strict=False):
-        row = int(np.nan_to_num(np.abs(values)).argmax())
-        value = float(values[row])
-        if value:
+        if (row := largest_row(np.abs(values))) is not None:
+            value = float(values[row])
             text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
             look, position = {"color": style["color"]}, (float(time[row]), scale * value)
             found.append((abs(value), Label(text, position, (0.0, math.copysign(1.0, value)), look=look)))
     return [label for _, label in sorted(found, key=lambda each: -each[0])]
+
+
+def largest_row(sizes: np.ndarray) -> int | None:
+    """Return the row of the largest finite size, or None if no size is finite and above 0."""
+    finite = np.where(np.isfinite(sizes), sizes, 0.0)
+    return int(finite.argmax()) if finite.any() else None
 
 
 def largest_vectors(curves: Curves) -> str:
@@ -167,10 +172,10 @@ def largest_vectors(curves: Curves) -> str:
     for name in (name for names in curves.panels for name in names):
         owner = name.removesuffix(".force.x")
         if owner != name and (beside := f"{owner}.force.y") in curves.values:
-            sizes = np.nan_to_num(np.hypot(curves.values[name], curves.values[beside]))
-            if largest := float(sizes.max()):
-                when = f"{factor * (curves.time[sizes.argmax()] - start):.3g} {unit}"
-                told.setdefault(when, []).append(f"{owner} {force_text(largest, 'N')}")
+            sizes = np.hypot(curves.values[name], curves.values[beside])
+            if (row := largest_row(sizes)) is not None:
+                when = f"{factor * (curves.time[row] - start):.3g} {unit}"
+                told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
     parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
 
