@@ -104,10 +104,7 @@ PLATFORMS = {
         tag="macosx_11_0_arm64",
     ),
 }
-"""All platforms, by the names that users give: for the first three, these are those of FMI 2.0.
-
-The further names are those of FMI 3.0.
-"""
+"""Name that users give → platform; the first three names are those of FMI 2.0, others those of FMI 3.0."""
 
 
 def _host(system: str, machine: str, word: int) -> str:

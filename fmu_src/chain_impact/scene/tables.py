@@ -157,7 +157,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outputs:
-    """The outputs of the FMU; those of the last impact are always there."""
+    """The outputs that the scene asks for in its FMU; those of the last impact are always there."""
 
     points: bool = quantity("", "position, velocity and acceleration of the points", True)
     links: bool = quantity("", "angle, its rate and acceleration of the links", True)

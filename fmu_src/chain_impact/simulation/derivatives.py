@@ -166,8 +166,8 @@ class DifferentiatedInstance(Instance):
     def _keep_slopes(self, rows: np.ndarray, slots: Any, valid: np.ndarray) -> None:
         """Store the derivatives of the impacts in ``rows``, whose rows in the log are ``slots``.
 
-        A derivative is NaN if the impact is not ``valid``, if the value is not finite, and if the value is
-        known only after derivatives can no more be trusted.
+        A derivative is NaN if the impact is not ``valid``, if the value is not finite or is known only after
+        derivatives can no more be trusted, or if no derivative exists for the parameter (``_missing``).
         """
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]

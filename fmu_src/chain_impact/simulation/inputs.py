@@ -35,8 +35,8 @@ from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
-"""What an input may be given as: a number, a function of the time [s], or a pair (times [s], values), shape
-(T,)."""
+"""What an input may be given as: a number, a function of the time [s], or a pair (times [s], values), each of
+shape (T,)."""
 Signal = InputSource  # ``Signal`` is the name under which users import this type
 Given = Mapping[str, InputSource] | TableSource
 """Name of an input → its value over time; or a table with the column ``time`` and one for each input."""

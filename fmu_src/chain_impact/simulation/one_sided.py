@@ -48,7 +48,7 @@ def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
 def _watched(name: str) -> list[int]:
     """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
 
-    A wall changes no acceleration unless a point touches it.
+    The displacement of a wall changes none, unless a point touches the wall.
     """
     if name.startswith("base."):
         return [SECOND]

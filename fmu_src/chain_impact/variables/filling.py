@@ -210,7 +210,8 @@ def _words_of(
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the words of a record that hold a table's numbers, and the functions that read these numbers.
 
-    The first result has the words' indices, in the order in which the functions give the numbers. ``met`` are
+    The first result has the words' indices, in the order in which the functions give the numbers. ``lines``
+    is the number of walls at any angle in the record, ``slides`` whether there is a slider, and ``met`` are
     the conditions of ``_GIVEN_IF`` that the scene meets.
     """
     known = {**sizes._asdict(), "lines": lines, "slider": slides}

@@ -139,7 +139,7 @@ class Kind:
         return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
-        """Return the kind of the derivatives of these outputs with respect to a kind of parameters."""
+        """Return the kind of the derivatives of this kind's outputs with respect to a kind of parameters."""
         of, by = self.pattern, parameter.pattern
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)

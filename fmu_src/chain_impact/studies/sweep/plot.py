@@ -262,7 +262,7 @@ def _curves(
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             elif len(rows) <= FEW_VALUES:
                 marks = {"marker": "o", "markersize": 3.0}
-            # between two runs, a sloping line would show numbers that are not whole
+            # a count is drawn as steps: a sloping line would show numbers that are not whole between two runs
             if quantity.is_count and runs.design.samples is None:
                 marks["drawstyle"] = "steps-mid"
             axes.plot(values[rows], shown[rows], color=colour, label=label, linewidth=1.4, **marks)

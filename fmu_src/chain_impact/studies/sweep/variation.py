@@ -123,7 +123,7 @@ def _read(variable: Variable, values: Values, source: str) -> Variation:
 def _range(variable: Variable, text: str, source: str) -> Variation:
     """Return the variation for a text a:b, a:b:n, a:b:log or a:b:n:log.
 
-    a and b are the ends of the range, n the number of values, and log means equal ratios.
+    a and b are the ends of the range, n the number of values, and log means evenly in the logarithm.
     """
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG

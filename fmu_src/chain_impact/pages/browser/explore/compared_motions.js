@@ -123,7 +123,7 @@ export class ComparedMotions {
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
-    // while the list is shown, the charts are lower, so that the list of impacts has room
+    // while the list is shown, the charts have a smaller height, so that the list of impacts has room
     document.body.classList.toggle("with-pins", !panel.hidden);
     document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the list
     if (panel.hidden) return;

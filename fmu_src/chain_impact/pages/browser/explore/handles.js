@@ -322,7 +322,7 @@ export class Handles {
     return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
-  /** Return the changes of the coordinates on its link of the point with a number, with which the point lies at a position [m]. */
+  /** Return the changes with which a point of a link, given by its `number`, lies at a position [m]: of its coordinates on its link. */
   site([x, y], number) {
     const { positions } = this.#start;
     const { site: { link, entry } } = this.#sites(positions).find(({ number: other }) => other === Number(number));

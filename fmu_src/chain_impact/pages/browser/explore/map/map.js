@@ -36,7 +36,7 @@ function rangeOf({ name, low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-/** Return why all runs of a map fail, and the parameters that all of them have changed; "" if a run does not fail. */
+/** Return why all runs of a map fail, and which other parameters are changed in all of them; "" if a run does not fail. */
 function failureOf({ names, values, faults, runs }) {
   if (faults.size < runs.length) return "";
   const changed = Object.keys(values).filter((name) => !names.includes(name));

@@ -2,7 +2,7 @@
 
 import { axisScale } from "./map_scales.js";
 
-// the colour map viridis of matplotlib (CC0), at equal distances
+// colours at equal distances along viridis, a colour map of matplotlib (CC0), as [red, green, blue]
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
