@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, ROWS, packed_module, page_contents, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, ROWS, packed_module, page_contents, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -259,3 +259,15 @@ def test_charts_are_high_enough_for_their_numbers(show, script):
             apart = np.diff(ticks) * (height - 34) / (high - low)
             assert len(ticks) > 1
             assert apart.min() > 11, "the numbers have letters of 11 pixels"
+
+
+@pytest.mark.parametrize(
+    ("model", "seen", "faint"),
+    [("bouncing_table", ["dissipated", "supplied"], []), ("shaken_pendulum", [], ["kinetic", "total"])],
+)
+def test_no_energy_hides_another(show, model, seen, faint):
+    """A curve on another has gaps, and a curve that fills an area is faint."""
+    page = show(model)
+    count = {name: page.evaluate(PIXELS, ["energy", name]) for name in [*seen, *faint]}
+    assert all(count[name] > 100 for name in seen), count
+    assert all(count[name] < 100 for name in faint), count

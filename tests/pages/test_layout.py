@@ -195,6 +195,15 @@ def test_the_list_of_impacts_scrolls_with_the_page_of_a_phone(show, size):
     assert box.evaluate("one => one.scrollHeight <= one.clientHeight")
 
 
+def test_few_impacts_leave_their_room_to_the_charts(show):
+    page = show("kneed_leg")
+    energy, row, foot = (
+        page.locator(name).bounding_box() for name in ("#energy", "#impacts tbody tr", "footer")
+    )
+    assert energy["height"] > 170.0
+    assert row["y"] + row["height"] < foot["y"]
+
+
 def test_impacts_stay_in_sight_below_chosen_curves(show):
     page = show(hash_="#curves=point[*].y,link[1].angle", viewport={"width": 1366, "height": 800})
     page.get_by_role("button", name="Pin").click()

@@ -59,7 +59,7 @@ CUT = """[...document.querySelectorAll('.main-parameter input[type=text]')]
   .filter((field) => field.scrollWidth > field.clientWidth).map((field) => field.value)"""
 
 
-@pytest.mark.parametrize("model", ["sphere_on_wall", "arm_at_stop", "ur5e"])
+@pytest.mark.parametrize("model", ["sphere_on_wall", "arm_at_stop", "ur5e", "bouncing_table"])
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 def test_no_field_cuts_its_number(show, model, viewport):
     page = show(model, viewport=viewport)

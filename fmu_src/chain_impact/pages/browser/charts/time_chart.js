@@ -5,6 +5,8 @@ import { axisOptions, Chart, drawCompared, labelledWidth, styleColour, ticksUpwa
 import { energyOffset, energyText, movedBy } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
+const DENSE = 0.4; // number of turns of a curve for each pixel of a chart, from which on the curve fills an area
+const FAINT = 0.5; // opacity of such a curve, so that the others are seen behind it
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
@@ -22,6 +24,14 @@ export class TimeChart extends Chart {
   /** Return the first and the last time on the axis [s]: those of the recording, or of a part that a derived class shows. */
   get span() {
     return [this.recording.start, this.recording.end];
+  }
+
+  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale. */
+  setData(data) {
+    data.slice(1).forEach((values, k) => {
+      this.plot.series[k + 1].alpha = turnsOf(values) > DENSE * this.element.clientWidth ? FAINT : 1;
+    });
+    this.plot.setData(data);
   }
 
   /** Return the curves of the compared recordings, as `drawCompared` takes them. */
@@ -122,8 +132,11 @@ export class EnergyChart extends TimeChart {
     const data = [recording.rowTime, ...Object.values(this.energies)];
     this.recording = recording;
     const isSame = names.join() === this.names.join() && this.offset === before;
-    if (isSame) this.plot.setData(data);
-    else this.makeCurves(names.map((name) => ({ name, words: energyText(name, this.offset), stroke: name })), data);
+    // the supplied energy has dots: where the motion repeats, its curve lies on that of the dissipated energy
+    const curveOf = (name) =>
+      ({ name, words: energyText(name, this.offset), stroke: name, dash: name === "supplied" ? [2, 3] : undefined });
+    if (!isSame) this.makeCurves(names.map(curveOf), data);
+    this.setData(data);
     this.written = writerOf(data.slice(1));
     this.legend?.parentElement.remove();
     const letters = this.compared.map(({ letter }) => letter).join(", ");
@@ -143,6 +156,17 @@ export class EnergyChart extends TimeChart {
       value.textContent = this.written(this.recording.betweenRows(this.energies[name], frame));
     });
   }
+}
+
+/** Return how often values change between rising and falling. */
+function turnsOf(values) {
+  let [turns, rises] = [0, undefined];
+  for (let row = 1; row < values.length; row += 1) {
+    const now = values[row] === values[row - 1] ? rises : values[row] > values[row - 1];
+    if (rises !== undefined && now !== rises) turns += 1;
+    rises = now;
+  }
+  return turns;
 }
 
 /**
