@@ -27,8 +27,8 @@ DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
     ("joint", "force.y"): ("loads", "y"),
     **{(owner, name): ("energies", name) for owner, name in sorted(_QUANTITIES) if owner == "energy"},
 }
-"""Owner and quantity of an output → group of the quantity, and its name there; a slider has the number of a
-joint 0."""
+"""Owner and quantity of an output → group of the quantity, and its name there; the group ``joints`` has the
+slider as joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
 """The names of the groups; an entry of a group has the quantities of one owner."""
 OF_IMPACT = {

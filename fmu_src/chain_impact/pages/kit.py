@@ -286,7 +286,7 @@ def _layout() -> dict[str, Any]:
 
 
 def _is_real(path: DataPath) -> bool:
-    """Return whether the numbers at a path in the record are real."""
+    """Return whether the numbers at a path in the record are real numbers, not integers."""
     kind = layout_of(*SAMPLES[0])
     for step in path:
         kind = kind[step] if isinstance(step, str) and step != AT else kind.base

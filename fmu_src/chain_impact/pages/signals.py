@@ -21,7 +21,8 @@ def tables_of(scene: Scene) -> dict[str, Any]:
 def _table(scene: Scene, name: str) -> dict[str, Any]:
     """Return the table of signal ``name``: file name, interpolation, period and ``columns``.
 
-    ``columns``: input that the table drives → the pieces of its polynomial: start times, coefficients, gain.
+    ``columns``: input that the table drives → its piecewise polynomial: number, start times and coefficients
+    of the pieces, and the gain, its change from one period to the next.
     """
     signal, columns = scene.signals[name], {}
     for driven in driven_by(scene):

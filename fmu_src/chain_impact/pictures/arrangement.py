@@ -28,20 +28,22 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
 # contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
 # room for the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion if
-# it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one the panel is higher. All
-# are relative to the height of the panel of energies.
+# it is above the other panels, on a figure of COLUMN [inch] or less; on a wider one that is still narrow, it
+# grows with the width. All are relative to the height of the panel of energies.
 RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME, COLUMN = 0.15, 0.32, 1.4, 0.06, 2.0, 3.5
-# HIGH_ROWS: more rows than this number have the height LOW_ROW, relative to that of the panel of energies
+# If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
+# height of the panel of energies.
 HIGH_ROWS, LOW_ROW = 2, 0.24
-# the panel of up to FEW_IMPACTS impacts has the height LOW_IMPACTS, relative to that of the panel of energies
+# With at most FEW_IMPACTS impacts, their panel has the height LOW_IMPACTS, relative to the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
-# HIGHEST: the largest height of the panel of motion, relative to the width of the figure
+# HIGHEST: the largest height of the panel of motion, relative to the width of the figure; in a narrow figure,
+# ABOVE_TIME limits a panel above the others
 HIGHEST = 0.4
-# [inch] LOWEST: the least height of the panel of motion; ENERGY_HEIGHT: the height of a panel of energies;
-# TEXTS: that of the legend and numbers of a panel over time; HEADS: the sum of the heights of the headline
-# and of the labels below all panels; LABELS: the height of the legend and the labels of a motion; MARGINS:
-# the width of numbers and labels at the left and right of the motion; LEAST_BESIDE: the least width of panels
-# over time beside the motion, with their numbers and labels
+# [inch] LOWEST: the least height of the panel of motion beside the others; ENERGY_HEIGHT: the height of a
+# panel of energies; TEXTS: that of the legend and numbers of a panel over time; HEADS: the sum of the heights
+# of the headline and of the labels below all panels; LABELS: the height of the legend and the labels of a
+# motion; MARGINS: the width of numbers and labels at the left and right of the motion; LEAST_BESIDE: the
+# least width of panels over time beside the motion, with their numbers and labels
 LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 0.9, 0.45, 1.0, 0.6, 0.9, 2.75
 
 
@@ -95,10 +97,10 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
 
 
 def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
-    """Return the default size of a figure [inches], or the usual height for the width in ``size``.
+    """Return the usual width and height of a figure [inches]; a width in ``size`` replaces the usual one.
 
-    The result is FIGURE_SIZE for the motion alone, for panels without it, and for a narrow figure with the
-    motion above the other panels.
+    The result is FIGURE_SIZE, whatever ``size`` is, for the motion alone, for panels without it, and for a
+    narrow figure with the motion above the other panels.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_over_time(recording, name)]

@@ -28,8 +28,8 @@ WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 HEADING_ROW = -1.0  # the row of the heading of the texts; the first bar is in row 0, later ones lower
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# Blocks with the same label have one scale if the longest bar of any block is at most so many times as long
-# as the longest bar of another.
+# Blocks with the same label have one scale if the longest bar of each block is at most ONE_SCALE times as
+# long as the longest bar of any other block.
 ONE_SCALE = 10.0
 
 
@@ -90,12 +90,15 @@ def fill_bars(figure: Figure, *, title: str, conditions: str, blocks: Sequence[B
 
 
 def have_one_scale(longest: Sequence[float]) -> bool:
-    """Return whether blocks of bars can have one scale; ``longest``: the longest bar's length in each."""
+    """Return whether blocks of bars can have one scale (ONE_SCALE).
+
+    ``longest``: the length of the longest bar of each block.
+    """
     return max(longest) <= ONE_SCALE * min(longest)
 
 
 def _scales(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of the axis of each block; all blocks have the same ends if they can have one scale."""
+    """Return the ends of each block's axis; they are equal if all blocks have one label and one scale."""
     longest = [max(map(abs, block.ends)) for block in blocks]
     if len({block.label for block in blocks}) > 1 or not have_one_scale(longest):
         return [block.ends for block in blocks]

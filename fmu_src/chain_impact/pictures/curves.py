@@ -128,7 +128,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
             axes.set_xlabel("")
     figure.align_ylabels()
     settle(figure)
-    figure.set_layout_engine("none")  # the labels stay where they are put
+    figure.set_layout_engine("none")  # the axes must not move after labels are placed in them
     ink = Ink(figure)
     for axes, labels in zip(grid, found, strict=True):
         place_labels(axes, labels, ink, lines=True, fontsize="small")

@@ -31,7 +31,7 @@ GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # the number of mixtures, of a colour with white or of the ground's colour with the text's, that are tried
 # until one is light enough
 MIXTURES = 41
-NEAR_WHITE = 0.999  # the largest luminance that is required of a mixture of a colour with white
+NEAR_WHITE = 0.999  # the largest luminance that a mixture must reach: 1, that of white, but for round-off
 TEXT, LINES = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 UMBER, PLUM = "#6b4c00", "#5c1a6e"  # colours of curves on white; they are too dark for a dark ground
@@ -153,7 +153,7 @@ def least_luminance(ground: Any, ratio: float) -> float:
 
 
 def lighter(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour mixed with as little white as gives it the luminance LEAST_LUMINANCE and ``least``.
+    """Return a colour with as little white as gives it at least the luminances LEAST_LUMINANCE and ``least``.
 
     The result has the hue of the colour; colours in REPLACED are first replaced by others.
     """

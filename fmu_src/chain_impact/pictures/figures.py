@@ -43,7 +43,7 @@ USUAL_AXES_HEIGHT = 1.0
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: broken labels and legends change the room of others
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
-# the largest difference of two limits of an axis that counts as round-off, relative to the axis' length
+# a number at an axis is in view if it is beyond the end of the axis by at most this part of its length
 LIMIT_ROUND_OFF = 1e-9
 # If a figure is too low, the next HIGHER − 1 multiples of STEP [inch] above its height are tried.
 STEP, HIGHER = 0.25, 40
@@ -245,7 +245,7 @@ def numbers_in_view(axis: Axis) -> list[Text]:
 
 
 def settle(figure: Figure, scaled: Axes | None = None) -> None:
-    """Arrange a figure: legends get the width of their axes, and labels longer than their axes are broken.
+    """Arrange a figure, with legends in rows and labels in lines that are not longer than their axes.
 
     ``scaled`` are axes with equal scales along x and y. The layout is made without equal scales; then equal
     scales can only make the axes narrower or lower, so that their labels keep their room.

@@ -24,8 +24,8 @@ RATES = {".gif": 20, ".mp4": 30}
 # the least number of frames in a period of the fastest sine that drives an input; with fewer frames the
 # motion may look slower than it is
 FRAMES_OF_SINE = 8.0
-# The largest number of frames up to which a film with slow motion is slowed down for a fast sine: more frames
-# take minutes to draw.
+# A film with slow motion is slowed down for a fast sine only as far as it has at most MOST_FRAMES frames:
+# more frames take minutes to draw.
 MOST_FRAMES = 1500
 # pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number for a film with energies; SMALL_DPI:
 # the number for a film that is too small for energies

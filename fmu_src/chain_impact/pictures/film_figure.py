@@ -289,7 +289,8 @@ class Film:
     def _forces(self, frame: int) -> Iterator[Artist]:
         """Draw and yield the forces in a frame.
 
-        These are arrows of forces, marks of moments at stops and of sticking contacts, and their numbers.
+        These are arrows of forces with a bar at a contact that sticks, marks of moments at stops and of
+        joints that stick, and the numbers of forces and moments.
         """
         for artist in self.moving:
             artist.remove()
@@ -320,7 +321,7 @@ class Film:
         yield from self.moving
 
     def _suited(self, colour: str) -> Any:
-        """Return the colour that replaces a colour on a dark ground, or else the colour itself."""
+        """Return the colour that replaces ``colour`` if the ground is dark; else ``colour`` itself."""
         return self.ground.suited(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:

@@ -15,15 +15,15 @@ from chain_impact.pictures.legends import fit_legends
 from chain_impact.pictures.style import COLOURS, styled
 
 TIMES = 3  # how often axes are made smaller: the new size can change the space that texts need
-# Axes are made smaller at most to this part of their width or height; if this is not enough, texts stay cut
-# off.
+# At a time, axes are made smaller at most to this part of their width and height; if more is needed, they
+# keep their size, and texts stay cut off.
 LEAST_PART = 0.2
 TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure, or a neighbour
 
 
 @contextmanager
 def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
-    """Draw into axes of a user in a ``with`` block, in their style; on a dark ground, colours then change."""
+    """Draw into axes of a user in a ``with`` block, in their style; on a dark ground, with colours for it."""
     grounds = {
         panel: Ground(panel.get_facecolor(), panel.xaxis.label.get_color())
         for panel in axes

@@ -219,7 +219,7 @@ def place_labels(
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
     def written(order: Sequence[int], *, short: bool = False) -> list[int]:
-        """Write labels in an order of their indices, with ``short`` only with their short texts.
+        """Write the labels with the indices in ``order``; if ``short``, only with their short texts.
 
         Return the indices of the labels without room.
         """

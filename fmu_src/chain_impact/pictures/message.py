@@ -49,8 +49,8 @@ class Peak(NamedTuple):
 def message(recording: Recording, *, short: bool = False) -> str:
     """Return the headline: the largest force, the number of impacts, and the lost energy.
 
-    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the first
-    of these.
+    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated"; if ``short``, only the name
+    and the first of these.
     """
     parts = [*(f"{peak.words} {peak.value}" for peak in peaks(recording)[:1]), counted(recording)]
     parts = parts[:1] if short else [*parts, dissipated(recording)]
@@ -80,9 +80,9 @@ def write_head(figure: Figure, recording: Recording, title: str, *first: str, ro
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
     The headline is the title, or the message if the title is "". ``first`` are texts that come before the
-    conditions. A narrow figure has a short message, with the impact of the largest force in its own colour
-    below; then the conditions give the rest of it. ``row``: the row of the only impact that is told, for a
-    picture of it.
+    conditions. In a narrow figure, the message is short: the impact of the largest force stands below it, in
+    the colour of this impact, and the rest of the message among the conditions. ``row``: the row of the only
+    impact that is told, for a picture of it.
     """
     short, most = is_narrow(figure), peaks(recording) if row is None else peak_of(recording, row)
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
@@ -112,7 +112,7 @@ def peaks(recording: Recording) -> list[Peak]:
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
-    """Return how hard an impact is, given by its row; an empty list if this is not known."""
+    """Return a list with the ``Peak`` of the impact in a row; an empty list if its value is not known."""
     words, unit, values = strengths(recording, is_stop=bool(recording.at_stops[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 
@@ -128,7 +128,8 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
         np.nan_to_num(impacts[quantity]) * (recording.at_stops == is_stop)
         for quantity in ("peak_force", "impulse")
     )
-    # A rod that rests on a rigid wall after its bounces has a force, which would not measure the bounces.
+    # Under an impulsive law, the impulses are returned even if there are forces: a rod that rests on a rigid
+    # wall after its bounces has a force, which does not measure the bounces.
     is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         return "impulse", unit_at("impulse", stop=is_stop), impulses * ~lasts(impacts)

@@ -225,7 +225,8 @@ def plot_rings(
 ) -> None:
     """Draw a ring of a size [points] at the place of each impact; rings of the largest forces have a colour.
 
-    The first has no legend on a page on which a text below the headline has its colour.
+    The ring of the first of ``peaks`` has no entry in the legend if a text below the headline, in the same
+    colour, tells this impact.
 
     ``spots`` maps rows of impacts to positions in the axes.
     """

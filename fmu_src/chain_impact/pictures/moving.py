@@ -64,8 +64,8 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
 def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) -> np.ndarray:
     """Return the path of a point on a moving wall, shape (T, 2) [m]; empty if the wall is not visible.
 
-    The point is near the end of the wall's visible part that is farther from the chain. ``lines`` are the
-    visible parts at start and end.
+    Of the two ends of the wall's visible part, the point is near the one that is farther from the chain.
+    ``lines`` are the visible parts at start and end.
     """
     wall, moved = recording.walls[name], recording.moved_walls[name]
     line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))

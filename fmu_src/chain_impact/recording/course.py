@@ -16,8 +16,8 @@ from chain_impact.variables.prepared import PreparedScene
 SAMPLES = 400  # number of times at which the course of an impact is computed
 # number of equally spaced times in a contact that lasts longer than the argument ``near`` of course_of
 LASTING_SAMPLES = 4000
-# [1] in a contact that lasts longer than ``near``: time from the onset to the first sample, relative to the
-# duration
+# [1] in a contact that lasts longer than ``near``: time from the onset to the first sample after it, relative
+# to the duration
 SOON = 1e-6
 
 Rerun = Callable[[np.ndarray], np.ndarray]

@@ -179,7 +179,7 @@ def between(recording: Recording, low: float, high: float, *, close: bool) -> np
     """Return times [s] between ``low`` and ``high``, at which curves are computed in addition to the rows.
 
     In a close view they are equally spaced. In a view of the whole run they lie within the first FOLLOWED
-    impacts, WITHIN times in each.
+    impacts, WITHIN times in each that has a duration.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)

@@ -85,7 +85,7 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 
 
 def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the order that sorts all contacts of some logs by onset, and their table with wall names."""
+    """Return the indices that sort the contacts of some logs by onset, and the sorted, named table."""
     numbers = np.concatenate([_numbers(part) for part in parts])
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))

@@ -171,9 +171,10 @@ class Recording:
 
     @cached_property
     def outlines(self) -> dict[int, np.ndarray]:
-        """Number of a link → its outline in the link's axes, shape (C, 2) [m], for links with more points.
+        """Number of a link with points → its outline in the link's axes, shape (C, 2) [m].
 
-        The dict is empty if the parameters do not tell the positions of these points.
+        Points are those other than the link's ends. The dict is empty if the parameters do not tell their
+        positions.
         """
         return outlines_from(self.parameters, self.touching)
 

@@ -57,10 +57,10 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
 
 
 def _extent(positions: np.ndarray, axis: int) -> float:
-    """Return the longest diagonal [m] of the rectangles around positions along an axis of the array.
+    """Return the longest diagonal [m] of some rectangles, each around the positions along an axis.
 
-    The last axis of the array is x and y. Along axis 0, the time, the result is the largest region in which a
-    point moves.
+    ``axis`` is an axis of the array, whose last axis is x and y. In an array (T, P, 2), along the axis 0, the
+    time, there is a rectangle around the path of each point.
     """
     return float(np.hypot(*np.ptp(positions, axis=axis).T).max())
 
@@ -84,8 +84,8 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
     """Return the largest mean acceleration [m/s²] of any point around each interval between rows.
 
     The mean is over ``reach`` rows to both sides, or fewer if there are fewer, so that small and fast
-    oscillations of a stiff contact do not count. For a single interval the acceleration is infinite, because
-    it is unknown.
+    oscillations of a stiff contact do not count. If there is only one interval, its acceleration is infinite,
+    because it is unknown.
     """
     reach = min(reach, (len(time) - 1) // 2)
     if reach == 0:

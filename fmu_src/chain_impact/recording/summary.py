@@ -200,7 +200,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
-    """Yield two lines: how many steps and evaluations the solver needed, and how the run ended."""
+    """Yield two lines: how many steps and evaluations the solver needed, and the status of the run."""
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]

@@ -66,7 +66,7 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
 
 
 def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
-    """Return outputs as a dataset of xarray: an array for all points, for all links, and for all contacts.
+    """Return outputs as a dataset of xarray: each quantity has one array for all points, links or contacts.
 
     ``motion`` are the outputs that change continuously; only these are in the dataset.
     """

@@ -207,11 +207,14 @@ class Ranking:
         )
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the effects that have bars: those of 1 % in one list, those of fixed steps in another."""
+        """Return the first MOST_BARS effects: those of 1 % in one list, those of fixed steps in another."""
         return list(filter(None, by_step(self.effects[:MOST_BARS])))
 
     def _bars(self, effects: Sequence[Effect], size: float) -> dict[str, Any]:
-        """Return the arguments of ``pictures.Bars`` for effects, with a prefix that suits their ``size``."""
+        """Return the arguments of ``pictures.Bars`` for effects; their unit has a prefix that suits ``size``.
+
+        ``size`` is the largest change of the quantity in the block or, with one scale, in all blocks.
+        """
         factor, unit = readable(size, self.unit)
         values = [factor * effect.change for effect in effects]
         texts = [

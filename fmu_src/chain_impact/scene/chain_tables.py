@@ -24,7 +24,7 @@ class Site:
 
     @property
     def is_at_joint(self) -> bool:
-        """Whether the point lies at its link's proximal joint, so that the link does not turn it away."""
+        """Whether the point is at its link's proximal joint, so that a turn of the link does not move it."""
         return self.x == self.y == 0.0
 
 

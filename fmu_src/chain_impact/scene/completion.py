@@ -75,7 +75,7 @@ def with_radii(scene: AnyScene) -> AnyScene:
 
 
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with absolute initial angles, also if the file gives joint angles.
+    """Return the scene with absolute initial angles only; angles from given joint angles count as given.
 
     Refuse a file that gives both.
     """

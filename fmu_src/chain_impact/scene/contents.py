@@ -119,7 +119,7 @@ class Contents:
         return *self.contact.points, *moving
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
-        """Return whether a point at a base that slides parallel to a wall never reaches this wall."""
+        """Return whether a point never reaches a wall: it is at a base that slides parallel to this wall."""
         slider = self.chain.slider
         if slider is None:
             return False

@@ -21,7 +21,8 @@ from chain_impact.scene.names import DataPath
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:
     """Yield, for ``paths`` in the data of a file, the paths of the same values in the scene.
 
-    An entry of links with a count stands for several links in the file. In the scene each link has an entry.
+    In the file, an entry of links with a count stands for several links; in the scene, each link has an
+    entry.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -36,7 +37,8 @@ def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterat
 def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
     """Return the path in the data of a file for a path in the scene.
 
-    An entry of links with a count stands for several links in the file. In the scene each link has an entry.
+    In the file, an entry of links with a count stands for several links; in the scene, each link has an
+    entry.
     """
     match path:
         case "chain", "links", int(i), *following:

@@ -18,7 +18,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.functions import has_dual_rule
 from chain_impact.kernel.rows.geometry import at_wall
 
-# the exponents p and q of the basis functions θᵖ (1−θ)^q, by which F₀ to F₆ are multiplied
+# the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
 DENSE_COEFFICIENTS = len(POWERS)
 # The number of guesses of a fast method for a root, such as Newton's, in an interval that contains the root;
@@ -89,8 +89,8 @@ def regularized_fraction(d, elapsed):
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
-    # Time increases with θ as long as u ≥ 0, and dt/dθ = h p, with the size h of the step: Newton's method,
-    # inside an interval that contains θ.
+    # Newton's method, in an interval that contains the solution, with dt/dθ = h p and the size h of the step:
+    # where u ≥ 0, time increases with θ; where u < 0, the contact has ended, and θ is too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed
@@ -164,7 +164,7 @@ QUADRATURES = (
 
 
 def _rate_of(kinds):
-    """Return a function (d, i) for the rate of quadrature i, of all rows of QUADRATURES in ``kinds``."""
+    """Return a function (d, i) for the rate of the i-th quadrature of ``kinds``, rows of QUADRATURES."""
     (_, count, rate), others = kinds[0], kinds[1:]
     if not others:
         return rate
@@ -176,7 +176,7 @@ _rate = _rate_of(QUADRATURES)
 
 
 def list_quadratures(d):
-    """Set ``quadrature.index`` and ``count`` to the quadratures that are integrated from now on."""
+    """List the quadratures that steps integrate from now on: their indices in ``index``, and ``count``."""
     quadrature = d.quadrature
     quadrature.count = 0
     if quadrature.computed:
@@ -238,7 +238,7 @@ def set_quadrature_stage_at_end(d, i):
 
 
 def correct_falling_impulses(d):
-    """Keep the impulses of walls from decreasing in the last step, because a wall never pulls.
+    """Keep the impulses of walls and stops from decreasing in the last step, because these never pull.
 
     The state at the end of the step must be final: a truncation after this call would undo the correction.
 
@@ -252,15 +252,15 @@ def correct_falling_impulses(d):
         c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
         if fallen > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
-            # this applies to walls only: the stops of all joints share a wall number, but are different walls
+            # stops take no part: the stops of all joints share a wall number, but are different walls
             if k >= d.touch.compliant_count and at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fallen)
 
 
 def reduce_largest_impulse(d, wall, amount):
-    """Subtract ``amount`` [N·s] from the largest impulse of a wall on a held point in the last step.
+    """Subtract ``amount`` [N·s] from the largest impulse on any of the points that a rigid ``wall`` holds.
 
-    The impulse of this point in the step does not become negative.
+    Only the last step's part of an impulse counts, and it does not become negative.
     """
     quadrature, most, largest = d.quadrature, 0.0, -1
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -272,7 +272,7 @@ def reduce_largest_impulse(d, wall, amount):
 
 
 def quadrature_within(d, theta, k):
-    """Return the k-th quadrature at the fraction θ of the last step, from the dense output.
+    """Return the k-th of the integrated quadratures at the fraction θ of the last step.
 
     Errors of the dense output must not let the impulse of a wall fall. So an impulse is at most the value of
     any later sample in the step, and at least the value of the last sample before θ.
@@ -365,12 +365,12 @@ def maximum_of(value_at):
     def maximum_near(d, index, middle, reach, end):
         """Return the maximum of the quantity near the fraction ``middle`` of the last step.
 
-        Values after the fraction ``end`` do not count, and values before the event at which the step begins
-        do not count: in a tangent instance a parameter shifts this event.
+        Values after the fraction ``end`` do not count, nor values before the event with which the step
+        begins: it lies at the start of the step, but in a tangent instance it has a delay with derivatives.
 
-        The search uses three parabolas, each through three points around the maximum of the parabola before.
-        The result is the largest of three values: the maximum of the third parabola, the largest value at the
-        points of all three, and 0.
+        The search uses up to three parabolas, each through three points around the maximum of the parabola
+        before; it ends at a parabola without a maximum. The result is the largest of three values: the
+        maximum of the third parabola, the largest value at the points of all parabolas, and 0.
 
         Args:
             d: the instance.

@@ -107,9 +107,9 @@ END_STAGE = STEP_STAGES
 # exceeds the size that the errors allow by a factor of at most LARGEST_STRETCH. Otherwise it covers at most
 # half of this time, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
-# A contact that ends within this first part of a step has practically no force left: its penetration may be
-# round-off. The step then ignores this end, and the search for events finds the end in the step. A step up to
-# such an end could be shorter than the resolution of time.
+# A contact whose predicted end is nearer than this part of the next step's size has practically no force
+# left: its penetration may be round-off. The step then ignores this end, and the search for events finds the
+# end in the step. A step up to such an end could be shorter than the resolution of time.
 UNRESOLVED_PART = 1e-6
 # An error, relative to the tolerance, outside of these limits is not squared, because the square could
 # underflow or overflow. Errors below the lower limit occur at rest, where held points hardly have a speed.
@@ -264,7 +264,7 @@ def attempt(d, h):
 def error_estimate(d, h):
     """Return the error of the tried step of size h, relative to the tolerance.
 
-    The result is infinite if a rate is not finite.
+    The result is infinite if a rate is not finite, or if the error is larger than SQUARE_OVERFLOWS.
     """
     controlled = controlled_count(d)
     _errors(d.scratch.stage, h, d.scratch.error[0, :controlled], d.scratch.error[1, :controlled])
@@ -277,8 +277,8 @@ def error_estimate(d, h):
         return error_5
     if max(error_5, error_3) > SQUARE_OVERFLOWS:
         return math.inf
-    # of order 8 is the error e₅²/√(e₅² + e₃²/100), from the estimates e₅ and e₃ of orders 5 and 3, because
-    # e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
+    # the error of the step is e₅²/√(e₅² + e₃²/100), with the estimates e₅ and e₃ of orders 5 and 3; it is of
+    # order 8, because e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d, h) else 1.0)
 

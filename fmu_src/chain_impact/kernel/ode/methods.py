@@ -185,7 +185,11 @@ def begin_explicit(d):
 
 
 def reset_stiff_count(d):
-    """Reset the count of steps that favour the other method, and the count that a change needs."""
+    """Reset the data for a change of the method: no step has favoured the other method so far.
+
+    The number of such steps that a change needs becomes the least one, and the size of the other method's
+    steps becomes unknown.
+    """
     step = d.step
     step.stiff_count, step.other_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS

@@ -107,7 +107,7 @@ def time_rate_now(d, y):
 def runs_back(d, y):
     """Return whether a regularized step to state y goes too far beyond the contact's end or back in time.
 
-    It does if u < LEAST_ROOT, or if the time of the step is not > 0.
+    It does if u < LEAST_ROOT, or if the time at its end is not later than the time at its start.
     """
     return d.step.regularized != NO_CONTACT and (
         y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
@@ -115,7 +115,7 @@ def runs_back(d, y):
 
 
 def lone_contact(d):
-    """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and 1.
+    """Return the active contact and its u if the next step can be regularized; else NO_CONTACT and u = 1.
 
     The contact must have a force law, must not be at rest or at its end, and must be the only active contact:
     several contacts end at different times, and the fictitious time of one does not suit the others. An

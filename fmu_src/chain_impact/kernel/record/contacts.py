@@ -223,7 +223,9 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # (kernel/ode/folds.py); and a difference of these forces, which is small if the force is smooth
         ("refined", REAL, (count,)),
         ("uneven", REAL, (count,)),
-        ("sample", REAL, (2, candidates)),  # N, last two samples of the force at rigid walls, packed
+        # N, force of the rigid wall on each held point at the last two times that the search for peaks has
+        # sampled, packed
+        ("sample", REAL, (2, candidates)),
         # N, the least force of a rigid wall on each candidate in the stages of the step; 0 if the wall never
         # pulls; not packed
         ("least_force", REAL, (candidates,)),

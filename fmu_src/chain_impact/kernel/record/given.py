@@ -51,7 +51,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
-        # 1: the scene has inputs other than motions of walls, so inputs act on the chain without contact, too
+        # 1: the scene has inputs that act on the chain without contact, too: any except motions of walls
         ("has_inputs", INTEGER),
         ("has_servos", INTEGER),  # 1: all joints, and a slider, have servos, whose targets are inputs
         ("base_moves", INTEGER),  # 1: a pinned base moves with the first two channels (chain/motion.py)
@@ -298,7 +298,8 @@ def moved_dtype(channels: int) -> np.dtype:
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
         ("distance", REAL),
-        ("lasted", REAL),  # s, time from the previous to the new given values of the same channel
+        # s, time from the previous to the new given values of the channel in ``contradiction``
+        ("lasted", REAL),
         ("speed", REAL),  # m/s, new given velocity of the channel in ``contradiction``
         ("position", REAL, (channels,)),  # m, position after the last `move_channels` (chain/motion.py)
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`

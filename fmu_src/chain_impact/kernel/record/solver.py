@@ -107,7 +107,7 @@ def fault_dtype() -> np.dtype:
 
 @written_by("cost.py", status="status.py")
 def statistics_dtype() -> np.dtype:
-    """Return the layout of the counts of steps and evaluations since the run's start, and of the status."""
+    """Return the layout of the run's status, and of counts of steps and evaluations since its start."""
     return record(
         ("steps", INTEGER),  # number of accepted steps
         ("rejected_steps", INTEGER),
@@ -157,8 +157,10 @@ def balance_dtype() -> np.dtype:
         ("available_at_start", REAL),
         # J, the most that motion, springs, walls and heat can have had up to the end of the last step
         ("available", REAL),
-        ("unit_motion", REAL),  # √J, √E₁ in the scale S of the energy (kernel/ode/balance.py)
-        ("unit_scale", REAL),  # J, M g (s + Σ L_i) + E₂ in the scale S of the energy (kernel/ode/balance.py)
+        # √J, the number √E₁ in the formula of the energy's scale S (kernel/ode/balance.py)
+        ("unit_motion", REAL),
+        # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (kernel/ode/balance.py)
+        ("unit_scale", REAL),
         ("weight", REAL),  # N, weight of the chain
     )
 

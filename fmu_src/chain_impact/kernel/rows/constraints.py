@@ -122,7 +122,7 @@ def set_single_solution_impedances(d):
 
 
 def factorize_free(d):
-    """Factorize M for the free motion, with the resistances of contacts that are not in the active set."""
+    """Factorize M, with the resistances of contacts with a force law, for motions without constraints."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.constraints.impedance)
 
@@ -216,7 +216,7 @@ def single_active(d):
 
 
 def solve_single(d, only):
-    """Solve the equality problem for the one constraint ``only``; return False if its W is too small."""
+    """Solve the equality problem for the one constraint ``only``; return False if a wall's W is too small."""
     constraints, motion = d.constraints, d.scratch.motion
     clear_loads_of(d, d.scratch.load)
     add_along(constraint_row(d, only), d.scratch.load, 1.0)
@@ -289,7 +289,7 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Replace the impulses by ``impulse``; set ``change`` to the effect of this change of the impulses."""
+    """Replace the impulses by ``impulse``; set ``change`` to the effect of the differences on coordinates."""
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
@@ -350,7 +350,7 @@ def note_squeezed(d, tolerated):
 
 
 def count_stalls(wrong, fewest, stalls_left):
-    """Return ``fewest``, the least ``wrong`` number so far, and the pivots left without a lower number."""
+    """Return the least number of violations so far, and how many more pivots may fail to reduce it."""
     if wrong < fewest:
         return wrong, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1

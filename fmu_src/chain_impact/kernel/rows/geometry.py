@@ -151,7 +151,10 @@ def first_stop(d, c):
 
 
 def candidate_within_bounds(d, c):
-    """Return whether stop, point, place and wall of candidate c, read from outside, are valid numbers."""
+    """Return whether the stop, point, place and wall of candidate c exist in this record.
+
+    A record from outside may contain any numbers.
+    """
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
     first, last = (1, d.links) if at_joint_stop(d, c) else (0, d.links + d.sites)
     most = len(WALLS) + d.candidates - 1
@@ -303,7 +306,7 @@ def add_joint_impedances(d, impedance):
 
 
 def clear_loads_of(d, load):
-    """Set ``load`` to zero at all places and, if any drive can resist in this scene, in all joints."""
+    """Set ``load`` to zero at all places and, if joints can resist (``joints_resist``), in all joints."""
     clear_vectors(d, load)
     if joints_resist(d):
         clear_joints(load)
@@ -336,7 +339,10 @@ def largest_acceleration(d):
 
 
 def length_bound(d, vectors):
-    """Return an upper bound of the lengths of velocities or accelerations at all places with clearances."""
+    """Return an upper bound of the lengths of ``vectors``, velocities or accelerations, at some places.
+
+    These are all places that may have clearances: points, sites and, if joints have stops, joints.
+    """
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))

@@ -115,7 +115,9 @@ delay_of_margin = delay_along_motion(margin_after)
 def delay_of_sliding(t, e):
     """Return the delay −φ′/φ̇ [s] of the time at which element e begins to slide; φ = µ_s F_n − |F_t|.
 
-    The derivatives of the run end if this time is too uncertain.
+    If φ falls so slowly that errors decide this time, the delay has no derivatives; the derivatives of the
+    run then end, too, if the friction drops at this time and the drop matters. They also end if the located
+    time is wrong (NEARLY_SLIPPING_RATIO).
     """
     limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
@@ -137,7 +139,7 @@ def negligible(t, speed):
 
     The speed times the settling time is a change of a position. The derivatives of this change, relative to
     the largest derivative of a position, are then added to ``trust.neglected``; the sum must not exceed
-    MOST_NEGLECTED.
+    MOST_NEGLECTED. After that, the derivatives of friction impulses count as unknown (``mark_split``).
     """
     time, most = settling_time(t), 0.0
     for k in range(DIRECTIONS):
@@ -156,13 +158,13 @@ def negligible(t, speed):
 
 
 def settling_time(t):
-    """Return a time [s] in which a chain settles: √(L/(g + L/s²)), with the chain's size L and gravity g."""
+    """Return a time [s] in which a chain settles: √(L/(g + L/s²)), with its longest link L and gravity g."""
     size = value(t.chain.longest_link)
     return math.sqrt(size / (value(t.chain.gravity_size) + size))
 
 
 def friction_drops(t, e):
-    """Return whether the friction force of element e drops when it begins to slide (µ < µ_s)."""
+    """Return whether the friction of element e drops when it begins to slide: at walls with µ < µ_s only."""
     if e >= t.candidates:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
@@ -188,8 +190,9 @@ def check_changes(t, time):
             after = speed + value(tangential_acceleration(t, e)) * time
             if stops and not stays_at_rest(t, after, time) and not negligible(t, after):
                 end_derivatives(t, SLOW_CHANGE if acceleration_may_be_error(t, e) else TOGETHER, e)
-    # The derivatives of friction impulses are then not known: for example, the friction at each end of a rod
-    # on a floor depends on the times at which the two ends stop.
+    # If several elements stop, or if an acceleration may be an error, the derivatives of friction impulses
+    # are not known: for example, the friction at each end of a rod on a floor depends on the times at which
+    # the two ends stop.
     if stopped > 1 or slowly:
         mark_split(t)
     if pending_changes(t) > 1:
@@ -237,7 +240,7 @@ def stays_at_rest(t, after, time):
 
 
 def largest_slope(vectors, direction):
-    """Return the largest derivative of any component of the vectors of all points.
+    """Return the largest derivative, in size, of any component of ``vectors``, which all places have.
 
     ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
     """
@@ -248,7 +251,7 @@ def largest_slope(vectors, direction):
 
 
 def largest_displacement(t, direction):
-    """Return the largest derivative of any point's coordinate, divided by the length of the longest link.
+    """Return the largest derivative of any place's coordinate, divided by the length of the longest link.
 
     ``direction`` is the index of the derivatives: of the parameter or input to which they belong.
     """

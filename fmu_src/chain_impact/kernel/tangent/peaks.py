@@ -18,10 +18,10 @@ FORCE_ROUND_OFF = 1e-9
 
 
 def forget_peaks(t, delay):
-    """Set derivatives of peaks to NaN if the peak lies at the end of the last step, or at the next start.
+    """Set derivatives of peaks to NaN if the peak lies where the last step ends and the next one begins.
 
     Only the derivatives in directions in which the ``delay`` [s] of an event at this time has derivatives are
-    set.
+    set. A later peak at the start of the next step gets NaN from ``step.start_delay``.
     """
     set_start_delay(t, with_unknown_slopes(t.step.start_delay, delay))
     for i in range(t.links if t.loads > 0 else 0):

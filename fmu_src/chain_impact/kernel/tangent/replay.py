@@ -148,7 +148,7 @@ def copy_given_and_modes(d, t):
 
 
 def copy_modes(d, t):
-    """Copy the modes of friction and drives of d to t, for which t chooses none itself (rules.py)."""
+    """Store the modes of friction and drives of d in ``chosen`` of t, which does not choose modes itself."""
     for e in range(d.elements):
         t.element.chosen[e] = d.element.mode[e]
     if d.chain.has_drive_limits:

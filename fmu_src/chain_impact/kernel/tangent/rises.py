@@ -64,8 +64,8 @@ def is_differentiable(t, j):
         return False
     if moves_base(t, j):
         return signal.integrals[j] == 2 and is_linear(t)
-    # with a rise the wall starts farther inward than without, by minus the signal's ``jump``: no point may be
-    # in between
+    # if the signal moves a wall, a rise lets the wall start −``jump`` farther inward than it starts without a
+    # rise: no point may lie in between
     return is_linear(t) and (not moves or nearest(t) > -jump)
 
 

@@ -142,7 +142,8 @@ def fraction(t, time):
 def event_fraction(t):
     """Return 0, the fraction of the last step at which its first event lies, with derivatives.
 
-    The derivatives are those of ``start_delay``, the delay of this event, divided by the length of the step.
+    The derivatives are those of ``start_delay``, the delay of this event, divided by the rate of time with
+    the fraction at the start of the step.
     """
     step = t.step
     rate = value(step.size)

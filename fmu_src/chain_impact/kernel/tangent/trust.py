@@ -42,7 +42,7 @@ def check_onsets(t):
             if -value(gap_rate) < least:
                 least, first = -value(gap_rate), c
             check_coefficient(t, t.law.static_friction[c])
-    # no contact has begun if ``first`` is negative, or if the rates are not finite
+    # ``first`` is negative if no contact has begun, and also if the rates of the clearances are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
@@ -86,7 +86,10 @@ def fastest_speed(t):
 
 
 def check_turns(t):
-    """End the derivatives if a user's force jumps where a contact's rate changed its sign in this step."""
+    """End the derivatives if a user's force jumps where the rate of a penetration changes its sign.
+
+    This concerns active contacts at the end of the last step; the derivatives end at the start of this step.
+    """
     if not user_law.is_present() or t.trust.reason != TRUSTED:
         return
     if not t.scratch.at_end:
