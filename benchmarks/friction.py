@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import common
-from benchmarks.looks import OURS, strong
+from benchmarks.looks import OURS, highest_first, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, race, seconds_at
 from chain_impact import simulate
@@ -242,7 +242,7 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 
 # --- the chart ----------------------------------------------------------------------------------------------
 
-SIZE = (12.5, 5.0)  # inches
+SIZE = (14.5, 5.0)  # inches
 LEAST = 1e-6  # µm/s, lower limit of the chart's axis
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 LOOKS = {
@@ -291,10 +291,7 @@ def draw(figure: Any, record: Any) -> None:
         f"{1e3 * SHOWN:g} ms: drift {creep / 1e3:.2g} mm/s, {min(factors):.2g} to {max(factors):.2g} times "
         "our time at equal error",
     )
-    handles = {
-        label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=4)
+    figure.legend(handles=highest_first(panels), loc="outside right center")
 
 
 def main() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
+
+import numpy as np
 
 from chain_impact.pictures import style
 from chain_impact.pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
@@ -30,3 +33,19 @@ def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, A
     """Return the style of a curve; ours is bolder than the others, and above them."""
     bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}
+
+
+def highest_first(panels: Iterable[Any]) -> list[Any]:
+    """Return the labelled lines of panels with logarithmic vertical axes, one for each label, for a legend.
+
+    The first is the line whose mean height in the panels is the largest.
+    """
+    found: dict[str, tuple[Any, list[float]]] = {}
+    for axes in panels:
+        low, high = np.log(axes.get_ylim())
+        for line in axes.lines:
+            values = np.log(np.asarray(line.get_ydata(), float))
+            if np.isfinite(values).any() and not line.get_label().startswith("_"):
+                heights = found.setdefault(line.get_label(), (line, []))[1]
+                heights.append(float(np.nanmean((values - low) / (high - low))))
+    return [line for line, heights in sorted(found.values(), key=lambda each: -np.mean(each[1]))]

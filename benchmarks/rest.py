@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks import common
 from benchmarks.kernel_model import MARGIN, POSITION_ERROR
-from benchmarks.looks import OURS, strong
+from benchmarks.looks import OURS, highest_first, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
@@ -149,7 +149,7 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
         f"CVODE {CAREFUL}: {min(factors):.2g} to {max(factors):.2g} times our time",
     )
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(looks))
+    figure.legend(handles=highest_first(panels[0]), loc="outside lower center", ncols=len(looks))
 
 
 def main() -> None:

@@ -351,7 +351,7 @@ def draw(figure: Any, record: Any) -> None:
     ]
     label = "cost, as a multiple of that of the cheapest method that completes"
     bar = figure.colorbar(mesh, ax=panels.tolist(), label=label, extend="max", aspect=40)
-    bar.set_ticks([1, 10, 100], labels=["1", "10", "100"])
+    bar.set_ticks([1, 10, 100], labels=["1", "10", "≥ 100"])
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
 
 

@@ -21,7 +21,7 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from benchmarks import common, peers
-from benchmarks.looks import LOOKS, look
+from benchmarks.looks import LOOKS, highest_first, look
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.labels import Ink, Label, place_labels
@@ -117,8 +117,7 @@ def draw(figure: Any, record: Any) -> None:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s, {impacts} impacts")
     draw_start_up(figure.add_subplot(grid[:, 3]), results["start-up [s]"])
-    shown = [name for name in LOOKS if any(row["name"] == name for row in results["rows"])]
-    keys = [Line2D([], [], label=name, **look(name)) for name in shown]
+    keys = highest_first(labels)
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
     keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
@@ -143,7 +142,8 @@ def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> list[Label]:
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name]
         right = [row for row in mine if row["right"]]
-        axes.loglog([r[key] for r in right], [1e3 * r["seconds"]["median"] for r in right], **look(name))
+        cost = [1e3 * r["seconds"]["median"] for r in right]
+        axes.loglog([r[key] for r in right], cost, label=name, **look(name))
         for row in mine:
             ends = (1e3 * row["seconds"][end] for end in ("least", "largest"))
             axes.vlines(row[key], *ends, color=LOOKS[name][0], **ALL_ROUNDS)

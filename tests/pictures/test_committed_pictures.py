@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.style import words_of
 from chain_impact.scene.scene import model_names
 from docs.tools.images import OTHERS
@@ -26,7 +25,7 @@ def lines(words):
     """
     told = words["Description"].split("\n")
     kept = [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
-    return [word for word in " ".join(kept).split() if word != SEPARATOR.strip()]
+    return " ".join(kept).split()
 
 
 @pytest.mark.full("more cases", but=1)

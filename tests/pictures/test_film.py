@@ -16,7 +16,7 @@ from chain_impact import Recording, SceneWarning, load_scene, record_slowly
 from chain_impact.pictures.arrow_scale import ArrowScale
 from chain_impact.pictures.dark import lighter
 from chain_impact.pictures.film import MOST_FRAMES, RATES, draw_frames, resolution, write_film
-from chain_impact.pictures.film_figure import CHAIN, FILM_STYLE, FORCE, Film
+from chain_impact.pictures.film_figure import CAPTION_FRAMES, CHAIN, FILM_STYLE, FORCE, Film
 from chain_impact.pictures.over_time import ENERGIES
 from chain_impact.pictures.scale_bar import draw_scale_bar
 from chain_impact.pictures.style import LOAD, force_text
@@ -296,6 +296,18 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
     (box,) = (one.get_window_extent() for one in drawn if isinstance(one, Text) and " N" in one.get_text())
     (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
     assert not box.y0 < y < box.y1
+
+
+def test_the_caption_of_an_impact_stays_for_some_frames():
+    recording = made.swing([made.hit(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
+    recording.impacts["end"] = 0.5
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
+    told = []
+    for frame in range(201):
+        list(page.show(frame, 1.0))
+        told.append(bool(page.caption.get_text()))
+    frames = np.flatnonzero(told)
+    assert frames.tolist() == list(range(50, 51 + CAPTION_FRAMES))
 
 
 @pytest.mark.parametrize(

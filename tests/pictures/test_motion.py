@@ -94,6 +94,16 @@ def test_paths_of_all_points_are_drawn_that_of_the_tip_strongest():
     assert others.get_alpha() < 0.5
 
 
+def test_the_line_along_a_dense_path_is_thin():
+    """A shaken pendulum's tip passes side by side; a pendulum's tip passes along one arc many times."""
+    widths = {}
+    for model in ("shaken_pendulum", "simple_pendulum"):
+        lines = motion_of(recorded(model)).collections
+        (path,) = (lines for lines in lines if lines.get_label() == "tip")
+        (widths[model],) = path.get_linewidths()
+    assert widths["shaken_pendulum"] < 0.6 * widths["simple_pendulum"]
+
+
 def test_a_chain_is_a_line_that_can_be_moved():
     axes = Figure().add_subplot()
     line = draw_chain(axes, np.array([[0.0, 0.0], [1.0, 2.0]]), color="red", linewidth=5.0)

@@ -129,6 +129,12 @@ def test_a_base_that_moves_has_its_mark_at_the_start_and_at_the_end():
     assert all(view.contains(*corner) for line, _ in marks(motion) for corner in line)
 
 
+def test_a_base_that_stays_within_its_mark_has_one_mark():
+    scene = ram().scene.with_values({"inputs.base_motion": True, "inputs.wall_motion": False})
+    recording = simulate(scene, inputs={"base.x": lambda t: 0.01 * np.sin(30.0 * t)}, output_step=2e-3)
+    assert len({line[0].tobytes() for line, _ in marks(motion_of(recording))}) == 1
+
+
 def test_a_free_base_that_rests_is_not_pinned():
     scene = ram().scene.with_values({"chain.base": "free", "inputs.wall_motion": False, "gravity": [0, 0]})
     recording = simulate(scene)

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.arrangement import is_over_time
 from chain_impact.pictures.straight import line_of_motion, wall_surfaces
-from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, recorded
+from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, drawn, recorded
 
 
 @pytest.mark.parametrize("model", [*MODELS, "triple_pendulum"])
@@ -17,6 +17,15 @@ def test_only_a_ball_that_moves_along_a_line_is_drawn_over_time(model):
     assert line_of_motion(recorded(model)) == (1 if model in OVER_TIME else None)
     assert is_over_time(recorded(model), "motion") == (model in OVER_TIME)
     assert is_over_time(recorded(model), "energy")
+
+
+def test_all_panels_call_the_ball_a_ball():
+    page, *_ = drawn(recorded("bouncing_ball"))
+    names = {text.get_text() for axes in page.axes for text in axes.get_legend().get_texts()}
+    told = " ".join(text.get_text() for text in page.texts)
+    assert "ball" in names
+    assert "ball hits y_min" in told
+    assert not any("point 0" in text for text in (*names, told))
 
 
 def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():

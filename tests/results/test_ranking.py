@@ -97,7 +97,7 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
         assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
         titles = [axes.get_title(loc="left") for axes in page.axes]
-        assert titles == ["+ 1 %", "+ 0.01 of the unit (the value is 0)"]
+        assert titles == ["+ 1 % of the value", "+ 0.01 in SI units, as the value is 0"]
         assert min(of_value) < 0.0 < max(of_value)
         # the bars of both panels fill the axes, which have one scale, as all of these bars are similar
         scales = {axes.get_xlim() for axes in page.axes}
@@ -142,6 +142,11 @@ def test_bars_of_a_quantity_that_is_zero_have_no_exponents(result):
     effects = tuple(ranking.effects[0]._replace(value=1.0, change=change) for change in (520.0, -300.0, 2.5))
     figure = replace(ranking, value=0.0, unit="mm", effects=effects).plot()
     assert [text.get_text() for text in figure.axes[0].texts] == ["+520", "−300", "+2.5"]
+
+
+def test_a_heading_tells_the_steps_of_parameters_that_are_zero(result):
+    page = result.ranking("peak_force", ["contact.radius", "joint[1].torque"]).plot()
+    assert page.axes[0].get_title(loc="left") == "+ 0.01 m or 0.01 N·m, as the value is 0"
 
 
 def test_at_stops_the_moment_is_ranked():

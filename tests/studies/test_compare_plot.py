@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.pictures.style import GREY
+from chain_impact.pictures.style import GREY, INK
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare_plot import (
     COLOURED_LAWS,
@@ -117,6 +117,23 @@ def test_an_impact_that_is_not_free_is_told_in_the_picture():
     )
 
 
+def test_a_restitution_above_1_without_losses_is_explained():
+    found = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
+    assert f"{found['hertz'].restitution:.2f}" == "1.01"
+    assert found.is_free
+    told = conditions(found, looks_of(found))
+    assert "with other forces during the impact: e′ = 1.01 without losses" in told
+
+
+@pytest.mark.parametrize("width", [84, 120, 190])
+def test_a_law_of_impulses_has_a_line_and_a_name_at_each_width(comparison, width):
+    page = comparison.plot(size=(width / 25.4, None))
+    (line,) = (line for line in page.axes[0].lines if line.get_label() == "newton_impact (impulse)")
+    assert list(line.get_xdata()) == [0.0, 0.0]
+    (legend,) = page.legends
+    assert line.get_label() in {text.get_text() for text in legend.get_texts()}
+
+
 def test_a_free_impact_is_not_called_otherwise(comparison):
     assert "free" not in conditions(comparison, looks_of(comparison))
 
@@ -138,14 +155,15 @@ def test_the_panels_show_loops_and_energy(comparison):
     loops, energy = page.axes
     looks = looks_of(comparison)
     named = sum(look["color"] != GREY for look in looks.values())
-    assert [sum(line.get_color() != GREY for line in axes.lines) for axes in page.axes] == [named, named]
+    coloured = [[line for line in axes.lines if line.get_color() not in (GREY, INK)] for axes in page.axes]
+    assert [*map(len, coloured)] == [named, named]
     line = next(line for line in loops.lines if line.get_label().startswith("zhang_sharf"))
     np.testing.assert_allclose(line.get_xydata().T, comparison["zhang_sharf"].loop * [[1e3], [1e-3]])
     names = [axes.get_xlabel() for axes in page.axes] + [axes.get_ylabel() for axes in page.axes]
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
     told = [text.get_text() for text in legend.get_texts()]
-    assert len(told) == COLOURED_LAWS + 1
+    assert len(told) == COLOURED_LAWS + 2  # a law of impulses, and the others
     ends = {
         run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
     }

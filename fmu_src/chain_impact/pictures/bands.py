@@ -21,10 +21,10 @@ SAME = 0.005
 # this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
 # in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
-BAND_EDGE, STRIPE = 1.2, 0.7  # [points] the width of the edges of an oscillation's range, and of its stripes
-FAST = "stripes: range of a fast oscillation"
-# the dashes of the line in the legend that stands for stripes, relative to the line's width
-STRIPED = (0.0, (0.25, 0.35))
+# of the range of a fast oscillation: the width of its edges [points], and its opacity, from 0 to 1, through
+# which other ranges are seen
+BAND_EDGE, CLEAR = 1.2, 0.2
+FAST = "pale area: range of a fast oscillation"
 
 
 def fill_band(
@@ -42,8 +42,8 @@ def fill_band(
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
     """Draw curves; a curve that oscillates fast is drawn as the range of its values.
 
-    The range has vertical stripes between two lines, its least and its largest values. Stripes of several
-    curves are side by side, so that no colour covers another; an entry of the legend explains them.
+    The range is a pale area between two lines, its least and its largest values; an entry of the legend
+    explains it.
 
     Args:
         axes: the axes to draw into.
@@ -61,13 +61,11 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
             axes.plot(along, values, **look)
             continue
         at, low, high = envelope(along, values, bins)
-        places = np.linspace(at[0], at[-1], 2 * len(at))[fast.index(k) :: len(fast)]
-        ends_there = [np.interp(places, at, edge) for edge in (low, high)]
-        axes.vlines(places, *ends_there, color=look["color"], linewidth=STRIPE, zorder=1.8)
+        axes.fill_between(at, low, high, color=look["color"], alpha=CLEAR, linewidth=0.0, zorder=1.8)
         for edge, label in ((low, "_"), (high, look["label"])):
             axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
     if fast:
-        axes.plot([], [], color=GREY, linestyle=STRIPED, linewidth=5.0, label=FAST)
+        axes.plot([], [], color=GREY, alpha=SOFT, linewidth=5.0, solid_capstyle="butt", label=FAST)
 
 
 def hides(curves: Sequence[np.ndarray], same: float = SAME, share: float = 1.0) -> list[int]:

@@ -39,6 +39,8 @@ NO_CHANGE = 1e-12
 # the largest number of parameters with coloured curves: those with the largest effects; others are grey
 LARGEST_EFFECTS = 4
 STEEP = 30.0  # the axis is logarithmic if the largest |change| is more than so many times the median one
+MOST_POWERS = 4  # the largest number of powers of ten on each side of 0 at such an axis
+LINEAR = 0.3  # where this axis turns from linear to logarithmic, relative to the least power of ten at it
 Looks = list[dict[str, Any]]
 
 
@@ -192,7 +194,12 @@ def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
     usual_size = np.median(sizes)
     if sizes.max() > STEEP * usual_size:
-        axes.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual_size)))
+        # unlike "symlog", this scale has no kink between its linear and its logarithmic part
+        first, last = (int(np.floor(np.log10(size))) for size in (usual_size, sizes.max()))
+        axes.set_yscale("asinh", linear_width=LINEAR * 10.0**first)
+        powers = 10.0 ** np.arange(first, last + 1, 1 + (last - first) // MOST_POWERS)
+        axes.set_yticks([*-powers[::-1], 0.0, *powers])
+        axes.minorticks_off()
         place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "bottom"}
         axes.text(1.0, 1.0, "logarithmic away from 0", **place, fontsize="small", color=INK)
         axes.set_ylim(3.0 * low, 3.0 * high)

@@ -18,6 +18,7 @@ from chain_impact.pictures.bands import plot_curves
 from chain_impact.pictures.body import body_look, draw_rail
 from chain_impact.pictures.dark import Ground
 from chain_impact.pictures.film_labels import Number, write_numbers
+from chain_impact.pictures.impact_marks import contact_ends
 from chain_impact.pictures.message import hit
 from chain_impact.pictures.names import brief_hit, short_names
 from chain_impact.pictures.over_time import (
@@ -57,6 +58,7 @@ ROOM = (8.0, 4.5)  # [inch] the least width and height of a figure with energies
 SCENE, ENERGY = (0.02, 0.09, 0.6, 0.79), (0.69, 0.12, 0.29, 0.6)
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
 CLOCK, RATE, CAPTION = (0.69, 0.94), (0.69, 0.88), (0.69, 0.835)
+CAPTION_FRAMES = 40  # how many frames the caption of an impact stays after the impact; 2 s in a gif
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """The axes and texts on a figure that has no room for energies, in the form of SCENE, CLOCK and RATE."""
@@ -101,7 +103,8 @@ class Film:
         self.rate, self.caption = (
             figure.text(*place, "", fontsize=size, **moving) for place, size in ((rate, 10), (CAPTION, 8))
         )
-        self.last_impact = 0  # the number of the impact in the caption; 0 if there is none
+        # told_impact: the number of the impact in the caption; 0 if there is none
+        self.told_impact, self.contact_ends = 0, contact_ends(recording)
         radius = radius_of(recording)
         self._draw_ground(radius)
         if self.tells_energies:
@@ -248,7 +251,7 @@ class Film:
         self.tip.set_data(*points[-1:].T)
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self._show_last_impact(time)
+        self._show_last_impact(frame)
         self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
@@ -260,16 +263,19 @@ class Film:
             self.now.set_xdata([time, time])
             yield self.now
 
-    def _show_last_impact(self, time: float) -> None:
-        """Write the last impact before a time [s], with the longest words that have room.
+    def _show_last_impact(self, frame: int) -> None:
+        """Write the last impact before a frame, with the longest words that have room.
 
-        Before the first impact, nothing is written.
+        Nothing is written before the first impact, and from CAPTION_FRAMES after the end of an impact on.
         """
         recording, impacts = self.recording, self.recording.impacts
-        number = int(np.searchsorted(impacts["onset"], time, side="right"))
-        if number == self.last_impact:
+        number = int(np.searchsorted(impacts["onset"], self.times[frame], side="right"))
+        since = self.times[max(frame - CAPTION_FRAMES, 0)]
+        if number and self.contact_ends[number - 1] < since:
+            number = 0
+        if number == self.told_impact:
             return
-        self.last_impact, texts = number, [""]
+        self.told_impact, texts = number, [""]
         if number and self.tells_energies:
             count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
             whole, brief = short_names(recording, hit(recording, impact)), brief_hit(recording, impact)

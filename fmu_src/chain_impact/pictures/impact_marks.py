@@ -17,7 +17,7 @@ from chain_impact.pictures.labels import Ink, Label, listed_or_counted, place_la
 from chain_impact.pictures.legends import legend_above
 from chain_impact.pictures.message import peaks, strengths
 from chain_impact.pictures.motion import LISTED_OF_MANY, MOST_IN_LABEL, numbers_text
-from chain_impact.pictures.names import short_names
+from chain_impact.pictures.names import short_names, what_touches
 from chain_impact.pictures.over_time import SEEN_CONTACT, over_all_time
 from chain_impact.pictures.style import GREY, INK, PEAK_COLOUR, scale_numbers
 from chain_impact.recording.impacts import lasts
@@ -65,10 +65,11 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     be seen; the axis of time is below them.
     If there are impacts at walls and at stops, those at stops have their own axis on the right.
     """
-    stopped, times, tops = recording.at_stops, recording.impacts["onset"], heights(recording)
+    stopped, times, scale = recording.at_stops, recording.impacts["onset"], stop_scale(recording)
+    tops = heights(recording, scale)
     ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
-    groups, lanes = point_groups(recording), 0
-    sizes = mark_sizes(recording, [hits for *_, hits in groups])
+    groups, lanes = point_groups(recording, tops), 0
+    sizes = mark_sizes(recording, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in peaks(recording)}
     for name, mark, hits in groups:
         colour = mark["color"]
@@ -76,13 +77,13 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         colours, widths = zip(*stems, strict=True)
         axes.vlines(times[hits], 0.0, tops[hits], colors=colours, linewidths=widths)
         look = mark | {"linestyle": "", "clip_on": False}
-        scale = MARK_SCALES.get(mark["marker"], 1.0)
-        axes.plot(times[hits], tops[hits], **look, markersize=scale * IMPACT_DOT, label=name)
+        form = MARK_SCALES.get(mark["marker"], 1.0)
+        axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=name)
         for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
             wide = hits[sizes[hits] == size]
-            axes.plot(times[wide], tops[wide], **look, markersize=scale * size, label="_", zorder=1.9)
+            axes.plot(times[wide], tops[wide], **look, markersize=form * size, label="_", zorder=1.9)
         for row in strongest & {*hits.tolist()}:
-            bold = {"color": PEAK_COLOUR, "markersize": scale * IMPACT_DOT, "label": "_", "zorder": 2.1}
+            bold = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
             axes.plot(times[row], tops[row], **look | bold)
         goes_on = hits[ends[hits] - times[hits] > SEEN_CONTACT * span]
         if len(goes_on):
@@ -93,7 +94,6 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)))
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
-        scale = stop_scale(recording)
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
         _, unit, values = measure(recording, is_stop=True)
@@ -170,23 +170,23 @@ def stop_scale(recording: Recording) -> float:
     return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
 
 
-def heights(recording: Recording) -> np.ndarray:
+def heights(recording: Recording, scale: float) -> np.ndarray:
     """Return the height of each impact's mark in the panel, in the unit of the left axis, shape (I,).
 
-    The height is the value by ``measure``; at stops it is multiplied by ``stop_scale``.
+    The height is the value by ``measure``; at stops it is multiplied by ``scale``, from ``stop_scale``.
     """
     at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
-    return np.asarray(at_walls + stop_scale(recording) * at_stops)
+    return np.asarray(at_walls + scale * at_stops)
 
 
-def hardest(recording: Recording) -> np.ndarray:
-    """Return the rows of the impacts in the order of their heights, the highest first."""
-    return np.argsort(-heights(recording), kind="stable")
+def hardest(tops: np.ndarray) -> np.ndarray:
+    """Return the rows of the impacts in the order of their heights ``tops``, the highest first."""
+    return np.argsort(-tops, kind="stable")
 
 
-def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
+def common_marks(recording: Recording, tops: np.ndarray) -> dict[tuple[int, int], list[int]]:
     """Return the impacts whose marks nearly coincide: rounded (time, height) → rows in ``impacts``."""
-    times, tops = recording.impacts["onset"], heights(recording)
+    times = recording.impacts["onset"]
     scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
     marks: dict[tuple[int, int], list[int]] = {}
@@ -195,32 +195,32 @@ def common_marks(recording: Recording) -> dict[tuple[int, int], list[int]]:
     return marks
 
 
-def mark_sizes(recording: Recording, groups: Sequence[np.ndarray]) -> np.ndarray:
+def mark_sizes(recording: Recording, tops: np.ndarray, groups: Sequence[np.ndarray]) -> np.ndarray:
     """Return the size of each impact's mark, shape (I,) [points].
 
     A mark that later marks of other groups cover is larger, so that it is seen as a rim. ``groups`` has the
-    rows of the impacts in each group, in the order of drawing.
+    rows of the impacts in each group, in the order of drawing; ``tops`` is the result of ``heights``.
     """
     sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
         looks[hits] = look
-    for rows in common_marks(recording).values():
+    for rows in common_marks(recording, tops).values():
         present = np.unique(looks[rows])
         covering = len(present) - np.searchsorted(present, looks[rows], side="right")
         sizes[rows] += COVERED_RIM * covering
     return sizes
 
 
-def point_groups(recording: Recording) -> list[tuple[str, dict[str, Any], np.ndarray]]:
+def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:
     """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
     The points, and the joints at their stops, with the hardest impacts have a group each; all others share a
     grey group. The mark is given by properties with matplotlib's names.
     """
     impacts = recording.impacts
-    names = [short_names(recording, recording.toucher(row)) for row in impacts]
+    names = [short_names(recording, what_touches(recording, row)) for row in impacts]
     members = list(zip(recording.at_stops.tolist(), impacts["point"].tolist(), names, strict=True))
-    hit = list(dict.fromkeys(members[row] for row in hardest(recording)))
+    hit = list(dict.fromkeys(members[row] for row in hardest(tops)))
     marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
     marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
     groups = [
@@ -241,11 +241,12 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
 
     Returns words for the impacts without a number; "" if there are none.
     """
-    tops = list(zip(recording.impacts["onset"].tolist(), heights(recording).tolist(), strict=True))
-    order, step = hardest(recording), numbered_step(axes, recording)
+    high = heights(recording, stop_scale(recording))
+    tops = list(zip(recording.impacts["onset"].tolist(), high.tolist(), strict=True))
+    order, step = hardest(high), numbered_step(axes, recording)
     if step > 1:
         order = np.arange(step - 1, len(tops), step)
-    common = {row: rows for rows in common_marks(recording).values() for row in rows}
+    common = {row: rows for rows in common_marks(recording, high).values() for row in rows}
     strongest = {peak.row: peak.value for peak in peaks(recording)}
     wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
     numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.lines import SEPARATOR
-from chain_impact.pictures.names import brief_hit
+from chain_impact.pictures.names import brief_hit, what_touches
 from chain_impact.pictures.style import force_text, headline, is_narrow, raised
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
@@ -73,7 +73,7 @@ def dissipated(recording: Recording) -> str:
 
 def hit(recording: Recording, impact: np.void) -> str:
     """Return words for an impact: "point 4 hits y_min"."""
-    return f"{recording.toucher(impact)} hits {recording.wall_names[impact['wall']]}"
+    return f"{what_touches(recording, impact)} hits {recording.wall_names[impact['wall']]}"
 
 
 def write_head(figure: Figure, recording: Recording, title: str, *first: str, row: int | None = None) -> None:

@@ -45,6 +45,10 @@ FAINT_POSES = 40  # the largest number of faint poses, from rows of the recordin
 FAINT_APART, STRONG_APART = 0.03, 0.1
 PATH_LAYER = 2.1  # matplotlib's order of drawing (zorder) for the tip's path: above walls, where it may slide
 MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
+# PATH_WIDTH: [points] the width of the line along the tip's path; it is narrower if the line would cover more
+# than the part DENSE of the area around the path; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES: the
+# largest number of points of a path at which its density is found
+PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
 # up to this number of paths each is drawn equally strongly; more paths are the fainter the more they are
 MOST_CLEAR_PATHS = 6
 # RIM_WIDTH: [points] how much wider the chain at the start is drawn if the chain at the end would cover it;
@@ -209,9 +213,25 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
         return
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
-    path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label=name)
+    width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=name)
     path.set_zorder(PATH_LAYER)
     axes.add_collection(path)
+
+
+def density(path: np.ndarray, size: float) -> float:
+    """Return the part of the area around a path, from 0 to 1, that a line along the path covers.
+
+    The line has the width LINE_CELL, and the area consists of squares with the side AREA_CELL, both relative
+    to ``size`` [m]. A line that is passed several times counts once. ``path`` has the shape (T, 2) [m].
+    """
+    way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
+    count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
+    places = np.stack([np.interp(np.linspace(0.0, way[-1], count), way, along) for along in path.T], axis=-1)
+    areas = [
+        len(np.unique(np.floor(places / (cell * size)), axis=0)) * cell**2 for cell in (LINE_CELL, AREA_CELL)
+    ]
+    return areas[0] / areas[1]
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:

@@ -51,13 +51,20 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
 
 
 def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
-    """Draw the ground mark of a moving base at start and end, faintly in between, and the base's trace."""
+    """Draw the ground mark of a moving base at start and end, faintly in between, and the base's trace.
+
+    A base that stays within the size of its mark has one mark, because more marks would cover each other.
+    """
     bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
     line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
-    rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
-    _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **line_style)
-    for row in (0, -1):
-        _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[shade(recording.time[row])], **line_style)
+    if np.ptp(bases, axis=0).max() < np.ptp(np.concatenate(mark), axis=0).max():
+        _add(axes, mark, colors=INK, **line_style)
+    else:
+        rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
+        _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **line_style)
+        for row in (0, -1):
+            colour = shade(recording.time[row])
+            _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[colour], **line_style)
     _draw_trace(axes, bases, recording.time, shade)
 
 

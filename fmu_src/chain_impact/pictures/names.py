@@ -6,6 +6,7 @@ import numpy as np
 
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import ball_of
 from chain_impact.scene.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
@@ -24,9 +25,15 @@ def short(name: str) -> str:
     return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
 
 
+def what_touches(recording: Recording, impact: np.void) -> str:
+    """Return words for what touches in an impact, as ``Recording.toucher``; the point of a ball is "ball"."""
+    is_ball = ball_of(recording) == impact["point"] and not recording.is_stop(impact["wall"])
+    return "ball" if is_ball else recording.toucher(impact)
+
+
 def brief_hit(recording: Recording, impact: np.void) -> str:
     """Return words for an impact; a point with a name is named without its number: "heel hits y_min"."""
-    toucher, point = recording.toucher(impact), int(impact["point"])
+    toucher, point = what_touches(recording, impact), int(impact["point"])
     at_wall = toucher == point_label(point, recording.point_names)
     name = recording.point_names.get(point, "") if at_wall else ""
     return f"{short(name) or toucher} hits {short(recording.wall_names[impact['wall']])}"

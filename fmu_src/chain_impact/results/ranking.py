@@ -35,6 +35,7 @@ EXPONENTS = ("contact.exponent", "stop.exponent")
 LARGE_SHARE = 0.2
 # [1] an effect that is at most this, relative to the quantity, is round-off and counts as none
 LEAST_EFFECT = 1e-12
+NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
 PREFIXED = ("m", "m/s", "m/s2", "s", *LOAD_UNITS)
 """The units that get a prefix, such as mm, in the picture of a ranking."""
@@ -196,7 +197,7 @@ class Ranking:
             f"{more} other effects are left out" if more else "",
             f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
-            f"without {' and '.join(self.left_out)}" if self.left_out else "",
+            *(f"{name} is left out: it changes the unit of the stiffness" for name in self.left_out),
         ]
         pictures.fill_bars(
             figure,
@@ -222,7 +223,9 @@ class Ranking:
             for effect, value in zip(effects, values, strict=True)
         ]
         label = f"change of {self.quantity}{in_brackets(unit)}"
-        title = f"+ {effects[0].step}" if effects[0].value else f"+ {PART:g} of the unit (the value is 0)"
+        steps = list(dict.fromkeys(effect.step for effect in effects))
+        words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
+        title = f"+ {words} of the value" if effects[0].value else f"+ {words}, as the value is 0"
         names = [effect.parameter for effect in effects]
         return {"names": names, "values": values, "texts": texts, "label": label, "title": title}
 

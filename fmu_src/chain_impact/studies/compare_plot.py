@@ -47,16 +47,9 @@ from chain_impact.variables.impact_units import unit_at
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
-IMPULSE: dict[str, Any] = {
-    "xycoords": ("data", "axes fraction"),
-    "xytext": (2.0, 0.0),
-    "textcoords": "offset points",
-    "rotation": 90,
-    "va": "top",
-    "fontsize": "x-small",
-    "color": INK,
-}
-"""Where and how the word "impulse", with the law's name, is written along the line of a law of impulses."""
+IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
+IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2}
+"""The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
 BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
@@ -88,7 +81,7 @@ def plot_comparison(
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=legend_handles(ax, looks_of(comparison)))
+        ax.legend(handles=legend_handles(looks_of(comparison), ax))
         fit_into_figure([ax])
     return ax
 
@@ -102,7 +95,7 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     loops, energy = figure.subplots(*((2, 1) if small else (1, 2)))
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    legend_at_foot(figure, legend_handles(energy, looks))
+    legend_at_foot(figure, legend_handles(looks, energy, loops))
     settle(figure)
 
 
@@ -139,9 +132,9 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     # whether the legend names the laws in the grey band; this text then does not repeat their number
     is_told = bool(banded(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
-    limits = "" if comparison.is_free else "not free"
-    if limits and math.isfinite(most := comparison.reached[0].lossless):
-        limits += f": e′ = {most:.2f} without losses"
+    limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
+    if math.isfinite(most) and (limits or f"{most:.2f}" != "1.00"):
+        limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
     return SEPARATOR.join(filter(None, (hit, peaks, limits, stiffness, tolerance, *others)))
 
 
@@ -215,11 +208,8 @@ def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; a law of impulses is a line at penetration 0.
 
-    If more than MOST_GREY laws have no colour, their loops are drawn together as one grey band. A narrow
-    figure has no room for the name of a law of impulses without a colour, and so does not draw this law.
+    If more than MOST_GREY laws have no colour, their loops are drawn together as one grey band.
     """
-    figure = axes.get_figure(root=True)
-    small = figure is not None and is_narrow(figure)
     band = banded(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
     name = "moment" if comparison.at_stop else "force"
@@ -230,10 +220,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
         is_grey = looks[law]["color"] == GREY
-        if not (is_grey and small):
-            axes.axvline(0.0, **looks[law])
-        if is_grey and not small:
-            axes.annotate(f"{law} (impulse)", (0.0, 1.0), **IMPULSE)
+        axes.axvline(0.0, **looks[law] | (IMPULSE | {"label": f"{law}{IMPULSIVE}"} if is_grey else {}))
     draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
     axes.set(
         xlabel=f"penetration in the {compared_impact(comparison.scene)} [{depth_unit}]",
@@ -323,15 +310,15 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
             line.set_linestyle(dashes[law])
 
 
-def legend_handles(axes: Axes, looks: Looks) -> list[Any]:
-    """Return the entries of the legend: the laws with a colour and, if there is one, the grey band.
+def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
+    """Return the entries of the legend of panels: laws with a colour, laws of impulses, and the grey band.
 
     An entry shows its line undashed even if ``draw_lines`` has given the line dashes because it lies on
     others.
     """
-    styles = {look["label"]: look for look in looks.values() if look["color"] != GREY}
-    drawn = [styles[label] for line in axes.lines if (label := line.get_label()) in styles]
-    return [
-        *(Line2D([], [], **look) for look in drawn),
-        *(collection for collection in axes.collections if str(collection.get_label())[:1] != "_"),
-    ]
+    styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
+    lines = {line.get_label(): line for axes in panels for line in axes.lines}
+    bands = [collection for axes in panels for collection in axes.collections]
+    drawn = [styles[label] for label in lines if label in styles]
+    impulses = [line for label, line in lines.items() if str(label).endswith(IMPULSIVE)]
+    return [*drawn, *impulses, *(band for band in bands if str(band.get_label())[:1] != "_")]

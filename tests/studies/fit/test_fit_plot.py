@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.studies.fit.plot import MOST_DOTS
+from chain_impact.studies.fit.plot import MOST_DOTS, running_means
 from chain_impact.studies.fit.report import heading
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
@@ -33,12 +33,21 @@ def test_data_model_residuals_and_impacts(found):
     assert f"(1 of {points.get_markevery()})" in points.get_label() or shown == len(columns["time"])
     assert len(curve.get_xdata()) > 1000
     assert np.abs(np.interp(columns["time"], *curve.get_data()) - points.get_ydata()).max() < 5 * NOISE
-    (residuals,) = rest.get_lines()
+    residuals, means = rest.get_lines()
     np.testing.assert_allclose(residuals.get_ydata(), found.residuals[found.columns[TIP[0]]] / NOISE)
+    assert np.abs(means.get_ydata()).max() < 1.0 < np.abs(residuals.get_ydata()).max()
     (lines,) = values.collections
     assert len(lines.get_paths()) == 2  # impacts
     # quantities of impacts are drawn over the impact numbers
     assert axes[4].get_lines()[0].get_xdata().tolist() == [1, 2]
+
+
+def test_running_means_show_a_trend_among_noise():
+    at = np.random.default_rng(1).permutation(np.linspace(0.0, 1.0, 1000))
+    trend = np.sin(6.0 * at)
+    places, means = running_means(at, trend + np.random.default_rng(2).normal(size=1000))
+    assert np.abs(means - np.sin(6.0 * places)).max() < 0.5
+    assert np.all(np.diff(places) > 0.0)
 
 
 @pytest.mark.parametrize("count", [2, 3])

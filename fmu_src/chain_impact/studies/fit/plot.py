@@ -60,6 +60,9 @@ MOST_DOTS = 60
 # the colour of the model's curve if there is a single data set; several sets have the palette's colours
 MODEL = VERMILLION
 HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
+# MEANS: the number of parts into which the values over time are divided for the running mean of residuals;
+# LEAST_FOR_MEAN: the least number of values that have such a mean; MEAN: its identifier in matplotlib
+MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
 USUAL = 2.0  # the grey band of usual residuals extends from −USUAL to USUAL standard deviations
 
 
@@ -108,6 +111,8 @@ def fill(figure: Figure, fit: Estimates) -> None:
         more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
     more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
+    if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
+        more.append("line through Δ: its running mean")
     if any(has_lines):
         more.append("grey lines: impacts of the model")
     headline(figure, heading(fit, ": "), SEPARATOR.join([*_estimate_texts(fit), *more]))
@@ -166,7 +171,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
 
     ``results``: the run of each data set. Returns whether the panel has lines at impacts.
     """
-    axes: Any = cell.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
+    axes: Any = cell.subgridspec(2, 1, height_ratios=(5, 2)).subplots(sharex=True)
     values, residuals = axes
     parts = _columns(fit, name, results)
     over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
@@ -193,9 +198,11 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             mark_style |= {"alpha": DOT_OPACITY, "markevery": step}
             mark_style |= {"label": dots_label if step == 1 else f"{dots_label} (1 of {step})"}
             values.plot(part.at, scale * measured[part.rows], **mark_style)
-        residuals.plot(
-            part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3
-        )
+        off = fit.residuals[part.rows] / fit.sigma[part.rows]
+        residuals.plot(part.at, off, ".", color=colour, markersize=3)
+        if not over_impacts and len(off) >= LEAST_FOR_MEAN:
+            means = running_means(part.at, off)
+            residuals.plot(*means, color=colour if several else INK, linewidth=1.2, label=MEAN)
     values.set_ylabel(f"{name}{in_brackets(unit)}")
     values.tick_params(labelbottom=True)
     residuals.set_ylabel("Δ [σ]")
@@ -211,6 +218,17 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
         )
     return has_lines
+
+
+def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return positions and means of the values over parts of the axis, each of 1 / MEANS of the values.
+
+    The parts overlap by half; the result has the shape (2, M).
+    """
+    order, width = np.argsort(at, kind="stable"), len(at) // MEANS
+    starts = range(0, len(at) - width + 1, max(1, width // 2))
+    rows = [order[start : start + width] for start in starts]
+    return np.array([[at[part].mean(), values[part].mean()] for part in rows]).T
 
 
 def _curve(
