@@ -235,9 +235,9 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
     """Write the numbers of the impacts at their marks, where ``ink`` is free, the hardest impact first.
 
-    Impacts whose marks coincide share a label. The number of the impact with the largest force has the force
-    beside it, if there is room. Of impacts at equal distances in time only every k-th is
-    numbered, in order of time, if the numbers of all have no room.
+    Impacts whose marks coincide share a label. The number of an impact in ``peaks`` has the force, moment or
+    impulse beside it, if there is room. Of impacts at equal distances in time only every k-th is numbered, in
+    order of time, if the numbers of all have no room.
 
     Returns words for the impacts without a number; "" if there are none.
     """

@@ -145,8 +145,9 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
-    The default view is the result of ``view_of``. ``draw_moving`` draws walls and a base that move. The room
-    is white where the chain may be at all times, and pale grey where it may be only at some times.
+    The default view is the result of ``view_of``. Lines of walls that move, and a base that moves, are left
+    to ``draw_moving``. The room is white where the chain may be at all times, and pale grey where it may be
+    only at some times.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)

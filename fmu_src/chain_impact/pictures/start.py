@@ -132,7 +132,8 @@ def _foot(plane: HalfPlane, point: np.ndarray) -> np.ndarray:
 def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
     """Draw the line and the name of a wall, and arrows with ``letters`` along its normal and along its line.
 
-    The arrows are away from the middle of the wall, where the chain may be.
+    With one letter, only the normal has an arrow. The arrows are away from the middle of the wall, where the
+    chain may be.
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)

@@ -183,7 +183,7 @@ class Sensitivities:
     def relative(self, quantity: str) -> np.ndarray:
         """Return ``impact_changes`` divided by the quantity's value, shape (I, P).
 
-        The result is NaN for an unknown or 0 value.
+        The result is NaN for a value that is unknown or not positive.
         """
         values = self.impacts[quantity]
         valid = np.isfinite(values) & (values > 0.0)

@@ -134,7 +134,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 
 def _peak(value: float) -> str:
-    """Return the text of a peak force or a duration; a dash if it is unknown, or 0 as for an impulse."""
+    """Return the text of a peak force or a duration; a dash if it is unknown or, as at an impulse, 0."""
     return digits(value) if value else NONE
 
 

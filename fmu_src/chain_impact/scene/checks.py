@@ -160,7 +160,7 @@ def check_reach(scene: Contents) -> None:
 
 
 def check_moved_walls(scene: Contents) -> None:
-    """Refuse a name in inputs.wall_motion that is no name of a wall."""
+    """Refuse a name in inputs.wall_motion that is neither the name of a wall nor "*", all walls."""
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
