@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from errno import EACCES, EDQUOT, ENOSPC, EPERM, EROFS
+from errno import EACCES, EDQUOT, ENOENT, ENOSPC, EPERM, EROFS
 from importlib.metadata import version
 from typing import Any, NoReturn
 
@@ -29,7 +29,7 @@ from chain_impact.cli import (
     validate,
 )
 from chain_impact.cli.named_options import typed_in, with_option
-from chain_impact.cli.options import UsageError, style_of
+from chain_impact.cli.options import UsageError, near_file, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
@@ -79,8 +79,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        what += f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
-        complain(with_option(what, typed))
+        remedy = near_file(error.filename) if error.errno == ENOENT else REMEDIES.get(error.errno or 0)
+        complain(with_option(f"{what}; {remedy}" if remedy else what, typed))
         return 2
     except KeyboardInterrupt:
         complain("interrupted")

@@ -123,8 +123,20 @@ def inputs_of(options: argparse.Namespace) -> Inputs | None:
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     if options.inputs is not None and not options.inputs.exists():
-        raise UsageError(f"--inputs {options.inputs}: there is no such file; must be a CSV or Parquet table")
+        hint = near_file(options.inputs) or "must be a CSV or Parquet table"
+        raise UsageError(f"--inputs {options.inputs}: there is no such file; {hint}")
     return None if options.inputs is None else (options.inputs, options.interpolation)
+
+
+def near_file(missing: Any) -> str:
+    """Return a hint that names the file with the name most similar to a missing one; "" if none is similar.
+
+    The file has the same folder and the same suffix.
+    """
+    path = Path(str(missing))
+    beside = {file.stem: file for file in path.parent.glob(f"*{path.suffix}")} if path.parent.is_dir() else {}
+    near = nearest(path.stem, beside)
+    return f"the nearest is {beside[near]}" if near else ""
 
 
 def scene_with(source: str, settings: Sequence[str], inputs: Inputs | None) -> Scene:

@@ -83,6 +83,15 @@ def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
     return keys
 
 
+def _other_file_hint(line: str) -> str:
+    """Return a hint for a file that is a table or XML, from its first line; "" for any other file."""
+    if _COLUMNS.fullmatch(line):
+        return "; it is a table of data, must be a scene: in `fit` the scene comes first, then the data"
+    if line.lstrip().startswith("<"):
+        return "; it is XML, must be a scene: `chain-impact convert` makes one of a robot's URDF or MJCF"
+    return ""
+
+
 def fault_hint(text: str, fault: str) -> str:
     """Return a hint how to correct the line of a TOML file at which the parser found the ``fault``.
 
@@ -92,8 +101,8 @@ def fault_hint(text: str, fault: str) -> str:
     lines = text.splitlines()
     line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
     key, head = _KEY.match(line), _HEAD.match(line)
-    if named and int(named[1]) == 1 and _COLUMNS.fullmatch(line):
-        return "; it is a table of data: the scene comes first, then the data"
+    if named and int(named[1]) == 1 and (hint := _other_file_hint(line)):
+        return hint
     if "overwrite" in fault and key and named:
         steps, before = _steps(key[1]), lines[: int(named[1]) - 1]
         return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""

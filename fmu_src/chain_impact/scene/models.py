@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from chain_impact.scene.similar_names import nearest, proposed
 from chain_impact.system import included
 
 SCENE_FILE = "scene.toml"
@@ -26,3 +27,26 @@ def scene_path(source: str | os.PathLike[str]) -> Path:
     if not path.is_file() and str(source) in model_names():
         return models_folder() / source / SCENE_FILE
     return path
+
+
+def unreadable(source: object, error: Exception) -> str:
+    """Return the message for a ``source`` of which ``scene_path`` gives no readable file.
+
+    It tells the reason, what is allowed, and the scene that is probably meant: a file beside it, or a model.
+    """
+    path = Path(str(source))
+    if path.suffix.lower() == ".fmu" and isinstance(error, ValueError):
+        return (
+            f"{source}: it is an FMU, must be a scene; `simulate`, `info`, `animate` and `validate` take FMUs"
+        )
+    reason = error.strerror if isinstance(error, OSError) else error
+    reason = f"the folder has no {SCENE_FILE}" if isinstance(error, IsADirectoryError) else reason
+    try:
+        beside = {file.stem: str(file) for file in path.parent.glob("*.toml")}
+    except (OSError, ValueError):  # the path is too long, or no path at all
+        beside = {}
+    name = path.stem if path.suffix == ".toml" else path.name
+    near = None if "." in name else beside.get(nearest(name, beside) or "") or proposed(name, model_names())
+    models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
+    wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
+    return f"{source}: cannot be read ({reason}); must be {wanted}"

@@ -25,7 +25,7 @@ from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.key_rules import Derived, keys
 from chain_impact.scene.lines import fault_hint, line_of
-from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
+from chain_impact.scene.models import SCENE_FILE, model_names, scene_path, unreadable  # noqa: F401
 from chain_impact.scene.names import (
     DataPath,
     fmu_name,
@@ -35,7 +35,6 @@ from chain_impact.scene.names import (
     path_text,
 )
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, as_typed, keys_of, value_text
-from chain_impact.scene.similar_names import proposed
 from chain_impact.scene.text_file import text_of
 from chain_impact.scene.warning import warn
 
@@ -127,11 +126,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         path = scene_path(source)
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        near = proposed(str(source), model_names())
-        models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
-        wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
-        raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
+        raise SceneError(unreadable(source, error)) from None
     scene = parse_scene(text, str(path))
     warn(str(path), checks.law_hints(scene))
     return scene
