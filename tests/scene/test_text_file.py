@@ -106,6 +106,20 @@ def test_a_decimal_comma_in_a_value_is_pointed_at(text):
     assert message.endswith('or text in degrees as "90 deg"; a number has a decimal point: 0.5')
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "hint"),
+    [
+        ("contact.restitution", "0.1:0.9:9", "; one run has one value: `sweep --vary` takes several"),
+        ("contact.restitution", "0.1, 0.5", "; one run has one value: `sweep --vary` takes several"),
+        ("contact.stiffness", "10^7", "; write 1e7"),
+        ("initial.position", "0.1,-2", "; write [0.1,-2]"),
+        ("initial.position", "here", "(position of the base)"),
+    ],
+)
+def test_a_text_in_place_of_numbers_is_told_as_these(name, text, hint):
+    assert refusal(load_scene("rod_drop").with_values, {name: text}).endswith(hint)
+
+
 def test_on_the_command_line(capsys):
     assert command_line.main(["simulate", "rod_drop", "--set", "contact.restitution=0,5"]) == 2
     assert capsys.readouterr().err.endswith("a number has a decimal point: 0.5\n")

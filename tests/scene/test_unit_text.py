@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.unit_text import in_brackets, number_hint, of_power, unit_text
+from chain_impact.scene.unit_text import in_brackets, number_hint, of_power, power_hint, unit_text
 from chain_impact.variables.units import UNITS
 
 
@@ -42,6 +42,8 @@ def test_an_exponent_of_one_is_not_written():
         ("3 kN·m", "N.m", "3000"),
         ("9.81 m/s^2", "m/s2", "9.81"),
         ("20 ms", "s", "0.02"),
+        ("10 MN/m", "N/m^exponent", "10000000"),
+        ("1e7N/m^1.5", "N/m^exponent", "10000000"),
     ],
 )
 def test_a_quantity_with_a_unit_is_told_as_a_number(text, unit, number):
@@ -49,8 +51,24 @@ def test_a_quantity_with_a_unit_is_told_as_a_number(text, unit, number):
 
 
 @pytest.mark.parametrize(
+    ("text", "number"),
+    [("10^7", "1e7"), ("2.5 * 10**-3", "2.5e-3"), ("3·10^+6", "3e6"), ("10", ""), ("2^7", ""), ("10^x", "")],
+)
+def test_a_power_of_ten_is_told_as_a_number(text, number):
+    assert power_hint(text) == (f"; write {number}" if number else "")
+
+
+@pytest.mark.parametrize(
     ("text", "unit"),
-    [("hard", "m"), ("3 feet", "m"), ("450 mm", "s"), ("1e3", "m"), ("50 %", "m"), ("2 m", "")],
+    [
+        ("10 MN/mm", "N/m^exponent"),
+        ("hard", "m"),
+        ("3 feet", "m"),
+        ("450 mm", "s"),
+        ("1e3", "m"),
+        ("50 %", "m"),
+        ("2 m", ""),
+    ],
 )
 def test_other_texts_have_no_hint(text, unit):
     assert number_hint(text, [unit]) == ""

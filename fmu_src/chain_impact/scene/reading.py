@@ -16,12 +16,14 @@ from chain_impact.scene.key_rules import Derived, allowed, extended, keeps, keys
 from chain_impact.scene.names import DataPath, fmu_name, other_names, path_text
 from chain_impact.scene.refusals import sentence
 from chain_impact.scene.similar_names import nearest, one_typo, proposed
-from chain_impact.scene.unit_text import number_hint
+from chain_impact.scene.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, of the key that is proposed for an unknown key; proposals of less similar
 # keys would mislead
 ALIKE = 0.7
 MOST_PARTS = 8  # largest number of names of an owner that a message lists
+_ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
+_VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
 SHOWN = 60  # largest number of characters that a message shows of a value
 
 
@@ -270,6 +272,8 @@ class Reader:
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             names = " of names, or true for all" if rule["or_true"] else ""
+            listed = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
+            expected += f"; write [{value}]" if listed and ":" not in value else ""
             raise self._refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
@@ -351,11 +355,16 @@ def _convert(kind: Any, value: Any) -> Any:
 
 
 def meant_number(value: Any, unit: str) -> str:
-    """Return a hint how to write a number that is given as text with a unit or a decimal comma.
+    """Return a hint how to write a number that is given as text in another form; "" for any other text.
 
-    The hint is "" for any other text.
+    The text may have a unit, a power of ten, a decimal comma, or several values.
     """
-    return number_hint(value, [unit]) or decimal_comma(value) if isinstance(value, str) else ""
+    if not isinstance(value, str):
+        return ""
+    several = (
+        "; one run has one value: `sweep --vary` takes several" if _VALUES_TYPED.fullmatch(value) else ""
+    )
+    return number_hint(value, [unit]) or power_hint(value) or decimal_comma(value) or several
 
 
 def decimal_comma(value: Any) -> str:

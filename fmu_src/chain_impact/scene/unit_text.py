@@ -13,6 +13,7 @@ PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1
 USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
 """The units that ``number_hint`` knows by default; each may have any of PREFIXES."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
+_POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
 
 
 def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
@@ -29,10 +30,18 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     for unit in filter(None, units):
         # a unit in kg is split into the base unit g with the factor 0.001, because prefixes stand before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
+        base, exponent, _ = base.partition("^exponent")
+        typed = word.rstrip("0123456789") if exponent else word
         for prefix, factor in PREFIXES.items():
-            if word == prefix + _plain(base):
+            if typed == prefix + _plain(base):
                 return f"; write {number * (factor * scale):.12g}, a number in {unit_text(unit)}"
     return ""
+
+
+def power_hint(text: str) -> str:
+    """Return a hint how to write a power of ten, such as 2*10^7, as a number; "" for any other text."""
+    match = _POWER.fullmatch(text)
+    return f"; write {match[1] or 1}e{int(match[2])}" if match else ""
 
 
 def _plain(unit: str) -> str:
