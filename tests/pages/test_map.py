@@ -2,7 +2,7 @@
 
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
 # Tests: pages/browser/explore/map/map_scales.js, pages/browser/explore/map/map_rows.js
-# Tests: pages/browser/explore/map/map_outputs.js
+# Tests: pages/browser/explore/map/map_outputs.js, pages/browser/explore/map/ranking.js
 
 import math
 import re
@@ -151,6 +151,42 @@ def test_another_colour_of_a_map_needs_no_runs(show):
         found = sweep(scene, {"contact.restitution": [e], "initial.angle[1]": [angle]})
         assert found[output][0] == value
     assert "1681 runs in" in page.inner_text("#map-text")
+
+
+RANKED = """[...document.querySelectorAll('.effect')].map((row) =>
+  [row.title.split(' ')[1], row.lastElementChild.textContent])"""
+"""The parameters that a ranking lists, each with its effect as text."""
+
+
+def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
+    page = show()
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="What drives it?").click()
+    page.locator("#map-ranking-text").get_by_text("Largest force at a wall = 19.10\u202fkN.").wait_for()
+    told = page.evaluate(RANKED)
+    result = simulate("four_link_box", sensitivities=["*"])
+    ranking = result.ranking("peak_force")
+    assert [name for name, _ in told] == [effect.parameter for effect in ranking.effects[:10]]
+    shares = [float(text.replace("−", "-").removesuffix("\u202f%")) for _, text in told]
+    assert shares == pytest.approx([100 * ranking.share(effect) for effect in ranking.effects[:10]], rel=0.1)
+    page.locator("#map-output").select_option("max_penetration")
+    page.locator("#map-ranking-text").get_by_text("Largest penetration = ").wait_for()
+    deeper = result.ranking("max_penetration").effects
+    assert [name for name, _ in page.evaluate(RANKED)][:2] == [effect.parameter for effect in deeper[:2]]
+    page.locator(".effect").first.click()
+    assert page.locator("#map-x-name").input_value() == deeper[0].parameter
+    assert page.locator("#map-canvas").is_visible()
+    assert not page.locator("#map-ranking").is_visible()
+
+
+def test_a_ranking_of_impulses_knows_numbers_but_no_force(show):
+    page = show("bouncing_table", {"simulation.stop_time": 0.5})
+    page.get_by_role("button", name="Map…").click()
+    page.get_by_role("button", name="What drives it?").click()
+    page.locator("#map-ranking-text").get_by_text("Number of impacts = 5.").wait_for()
+    page.locator("#map-output").select_option("peak_force")
+    page.locator("#map-ranking-text").get_by_text("Largest force at a wall is not known").wait_for()
+    assert page.evaluate(RANKED) == []
 
 
 def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):

@@ -9,9 +9,10 @@ import { presentUnit } from "../parameters/parameter_fields.js";
 import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
-import { mainOutput, outputIn, outputsOf, rigidLaw, valuesIn } from "./map_outputs.js";
+import { mainOutput, outputIn, outputsOf, presentOutputs, valuesIn } from "./map_outputs.js";
 import { completed, rowOrder } from "./map_rows.js";
 import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
+import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
 const COARSE = 9; // number of values of each parameter in the preview
@@ -69,6 +70,11 @@ export class GridMap {
     find("map-png").addEventListener("click", () => this.#picture());
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
+    const choose = (name) => {
+      this.inputs[0][0].value = name;
+      this.inputs[0][0].dispatchEvent(new Event("change"));
+    };
+    new Ranking(changes, { startEngines: () => this.#startEngines(), wordsOf: (name) => this.#wordsOf(name), choose });
     this.canvas.addEventListener("click", (event) => this.#choose(event));
     this.canvas.addEventListener("pointermove", (event) => this.#describe(this.#runAt(event)));
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
@@ -206,9 +212,7 @@ export class GridMap {
       const { valueAt } = axisScale(first, last, isLogarithmic(name.value));
       return Array.from({ length: points }, (_, k) => Number(valueAt(k / (points - 1)).toPrecision(12)));
     });
-    // rigid: the rigid law, if any, with which an output of 0 in a run with impacts is unknown
-    const outputs = outputsOf(this.changes.scene).map((output) => ({ ...output, rigid: rigidLaw(this.changes, output.name) }));
-    return { names, axes, values: { ...this.changes.values }, outputs };
+    return { names, axes, values: { ...this.changes.values }, outputs: presentOutputs(this.changes) };
   }
 
   /** Return the number in a field for an end of an axis; an angle without a unit is in degrees, as on the axis. */
@@ -232,9 +236,13 @@ export class GridMap {
         if (shown === this.shown) this.#store(result.rows, row);
       }
     };
-    this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
+    this.#engines = this.#startEngines();
     if (!this.#refuses) this.#say(`0 of ${points} rows`);
     await Promise.all(this.#engines.map(work));
+  }
+
+  #startEngines() {
+    return Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
   }
 
   /** End the workers; a map that is not complete stays as it is. */

@@ -56,11 +56,16 @@ export function outputsOf(scene) {
   return [...first, ...largestOf(scene), ...last];
 }
 
+/** Return the outputs of a map, each with `rigid`, the rigid law, if any, with which an output of 0 in a run with impacts is unknown. */
+export function presentOutputs(changes) {
+  return outputsOf(changes.scene).map((output) => ({ ...output, rigid: rigidLaw(changes, output.name) }));
+}
+
 /**
  * Return the rigid law of the walls, for the output `peak_force`, or of the stops of joints, for `stop.peak_moment`: an impulse has no peak
  * force. The result is "" if the law is not rigid, and for all other outputs.
  */
-export function rigidLaw(changes, name) {
+function rigidLaw(changes, name) {
   return ["peak_force", "stop.peak_moment"].includes(name) ? impulsiveLaw(changes, name === "stop.peak_moment") : "";
 }
 

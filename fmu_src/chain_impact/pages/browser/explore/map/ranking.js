@@ -1,0 +1,121 @@
+// What drives an output of the map: the parameters in the order of their effects, each from a run with 1 % more of it.
+
+import { find, make } from "../../base/dom.js";
+import { digits, withMinus } from "../../base/format.js";
+import { outputIn, presentOutputs, valuesIn } from "./map_outputs.js";
+import { quantityOf, scaledTo } from "./map_scales.js";
+
+const STEP_SHARE = 0.01; // change of each parameter, relative to its value
+const LEAST_SHARE = 1e-6; // an effect that is at most this, relative to the output, can be an error of the solver, and counts as none
+const MOST_EFFECTS = 10; // largest number of parameters in the list
+// parameters that are no part of the mechanism, and exponents, which change the unit of a stiffness
+const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
+
+/** Return the changed `value` of a parameter, 1 % more or, if the scene refuses it, 1 % less, and its `sign`; undefined if it is 0. */
+function stepOf(changes, name) {
+  const steps = [1, -1].map((sign) => ({ name, sign, value: changes.valueOf(name) * (1 + sign * STEP_SHARE) }));
+  return steps.find(({ value }) => {
+    try {
+      return value !== 0 && changes.with({ [name]: value });
+    } catch {
+      return false;
+    }
+  });
+}
+
+export class Ranking {
+  #engines = []; // the workers that are in use
+
+  /**
+   * Connect the button that shows the list in place of the map. `startEngines`: a function that starts workers; `wordsOf`: a function from
+   * the name of a parameter to its words; `choose`: a function that lets the map vary a parameter.
+   */
+  constructor(changes, { startEngines, wordsOf, choose }) {
+    Object.assign(this, { changes, startEngines, wordsOf, choose });
+    [this.button, this.list, this.text] = ["map-rank", "map-ranking", "map-ranking-text"].map(find);
+    this.button.addEventListener("click", () => this.#show(this.list.hidden));
+    find("map-output").addEventListener("change", () => this.#draw());
+    find("map").addEventListener("close", () => this.#show(false));
+  }
+
+  /** Show the list in place of the map, or the map again. */
+  #show(isShown) {
+    this.list.hidden = this.text.hidden = !isShown;
+    find("map-frame").hidden = find("map-text").hidden = isShown;
+    this.button.setAttribute("aria-pressed", isShown);
+    this.#stop();
+    if (isShown) this.#rank();
+  }
+
+  #stop() {
+    this.#engines.forEach((engine) => engine.end());
+    this.#engines = [];
+  }
+
+  /** Simulate with the present parameters, and with 1 % more of each, and list the effects. */
+  async #rank() {
+    const { changes } = this;
+    const reals = changes.scene.parameters.filter(({ name, type, word }) => type === "real" && word >= 0 && !NOT_RANKED.test(name));
+    const steps = reals.map(({ name }) => stepOf(changes, name)).filter(Boolean);
+    const outputs = presentOutputs(changes);
+    const words = [changes.scene.layout.status, ...outputs.flatMap((output) => output.words)];
+    const [{ name: first }] = steps;
+    const waiting = [{ name: first, sign: 0, value: changes.valueOf(first) }, ...steps];
+    const shown = { outputs, runs: [], count: waiting.length };
+    this.shown = shown;
+    this.list.replaceChildren();
+    const work = async (engine) => {
+      while (waiting.length) {
+        const step = waiting.shift();
+        const result = await engine.ask("study", { ...changes.values }, { names: [step.name], each: Float64Array.of(step.value), words });
+        if (!result || shown !== this.shown) return;
+        const { rows } = result;
+        const integers = new BigInt64Array(rows.buffer);
+        shown.runs.push({ ...step, values: integers[0] === 0n ? valuesIn(outputs, { rows, integers, first: 1 }) : null });
+        this.text.textContent = `${shown.runs.length} of ${shown.count} runs`;
+      }
+    };
+    this.#engines = this.startEngines();
+    await Promise.all(this.#engines.map(work)).catch((error) => {
+      this.text.textContent = `${error.message}.`;
+    });
+    if (shown === this.shown && shown.runs.length === shown.count) this.#draw();
+    if (shown === this.shown) this.#stop();
+  }
+
+  /** List the effects on the chosen output, if all runs are done. */
+  #draw() {
+    const { shown, list, text } = this;
+    if (list.hidden || shown?.runs.length !== shown?.count) return;
+    const output = shown.outputs.find(({ name }) => name === find("map-output").value);
+    const valueOf = ({ values }) => values && outputIn(values, output);
+    const base = valueOf(shown.runs.find(({ sign }) => sign === 0));
+    const { factor, text: unit } = scaledTo(output, { ends: [base ?? 0] });
+    const write = (value, count) => [withMinus(digits(factor * value, count)), unit].filter(Boolean).join("\u202f");
+    const effects = shown.runs.filter((run) => run.sign && valueOf(run) !== null)
+      .map((run) => ({ name: run.name, change: run.sign * (valueOf(run) - base) }))
+      .sort((one, other) => Math.abs(other.change) - Math.abs(one.change));
+    const some = effects.filter(({ change }) => Math.abs(change) > LEAST_SHARE * Math.abs(base));
+    const largest = Math.abs(some[0]?.change);
+    list.replaceChildren(...(base === null ? [] : some.slice(0, MOST_EFFECTS)).map(({ name, change }) => {
+      const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
+      const bar = make("span", { className: "effect-bar" });
+      ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
+      const sign = change > 0 ? "+" : "";
+      const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";
+      const row = make("button", { type: "button", className: "effect", title: `Vary ${name} in the map, to the right` },
+        make("span", { textContent: this.wordsOf(name) }), bar, make("span", { textContent: sign + write(change, 2) }),
+        make("span", { textContent: share }));
+      row.addEventListener("click", () => {
+        this.#show(false);
+        this.choose(name);
+      });
+      return row;
+    }));
+    const others = [some.length > MOST_EFFECTS && `${some.length - MOST_EFFECTS} more with smaller effects`,
+      effects.length > some.length && `${effects.length - some.length} without any`].filter(Boolean).join(", ");
+    const told = `Effects of 1\u00a0% more of a parameter${others && `; ${others}`}. Click one to vary it in the map.`;
+    text.textContent = base === null ? `${quantityOf(output.name)} is not known in this run.`
+      : `${quantityOf(output.name)} = ${output.integer ? base : write(base, 4)}. ${told}`;
+  }
+}
