@@ -75,6 +75,7 @@ def files(here, fmu):
         (here / f"{name}.toml").write_text(text)
     (here / "impacts.csv").write_text("point,wall,onset,end\n4,y_min,0.1,0.2\n")
     (here / "robot.urdf").write_text('<?xml version="1.0"?>\n<robot name="a"><link name="b"/></robot>')
+    (here / "quoted.csv").write_text('time,point[0].x\n"0,5","1,5"\n')
     (here / "motion.csv").write_text("time,point[4].x\n0.1,2.4\n0.2,2.5\n")
     content = fmu.read_bytes()
     for name, data in {"empty": b"", "hello": b"hello", "half": content[: len(content) // 2]}.items():

@@ -6,12 +6,14 @@ Each verb is a module with two functions: ``add`` adds it to the parser, ``run``
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from errno import EACCES, EDQUOT, ENOENT, ENOSPC, EPERM, EROFS
 from importlib.metadata import version
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 from chain_impact.cli import (
@@ -108,10 +110,17 @@ def hints_shown() -> Iterator[None]:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of the command line that reports an error in one line, and proposes what may be meant."""
+    """A parser of the command line that reports an error in one line, and proposes what may be meant.
+
+    ``elsewhere`` has the options of other verbs: option → verbs.
+    """
+
+    elsewhere: Mapping[str, Sequence[str]] = MappingProxyType({})
 
     def error(self, message: str) -> NoReturn:
         """End the program with exit code 2 and one line: the error, without the usage of the command."""
+        for kind, needed in (("int", "a whole number"), ("float", "a number")):
+            message = re.sub(rf"invalid {kind} value: '(.*)'$", rf"\1 must be {needed}", message)
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
@@ -139,7 +148,9 @@ class Parser(argparse.ArgumentParser):
         # names are compared without their dashes, which would make short names look alike
         long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near = nearest(option.strip("-"), long)
-        return f"{option} is not an option" + (f"; the nearest is --{near}" if near else "")
+        verbs = ", ".join(self.elsewhere.get(option, ()))
+        hint = f"; it belongs to {verbs}" if verbs else f"; the nearest is --{near}" if near else ""
+        return f"{option} is not an option{hint}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not among the choices of an argument, and name the most similar choice.
@@ -168,4 +179,9 @@ def parser() -> argparse.ArgumentParser:
         free = (action for action in command._actions if action.nargs is None and action.choices is None)
         command.set_defaults(valued=[name for action in free for name in action.option_strings])
         command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
+    elsewhere: dict[str, list[str]] = {}
+    for name, command in verbs.choices.items():
+        command.elsewhere = elsewhere
+        for option in command._option_string_actions:
+            elsewhere.setdefault(option, []).append(name)
     return whole

@@ -127,6 +127,7 @@ def _check_line(where: str, names: list[str], cells: list[str]) -> None:
             float(cell)
         except ValueError:
             cell_text = f"= {cell!r}" if cell else "is empty;"
-            raise ValueError(f"{where}: {name} {cell_text} must be a number") from None
+            hint = "; a number has no quotes, and a decimal point" if '"' in cell else ""
+            raise ValueError(f"{where}: {name} {cell_text} must be a number{hint}") from None
     if len(cells) != len(names):
         raise ValueError(f"{where} has {len(cells)} cells, must have {len(names)} as the head line")

@@ -13,6 +13,7 @@ from chain_impact.scene.reading import find_names, names_matching
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
+from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.listing import absent_hint, all_outputs
 from chain_impact.variables.variable import Variable
 
@@ -99,6 +100,10 @@ def missing_output_hint(prepared: Available, name: str) -> str | None:
     if find_names(name, outputs):
         return None
     scene = prepared.scene
+    if name == JOINT_FORCE and not scene.outputs.loads:
+        return "it needs outputs.loads = true"
+    if name in (JOINT_FORCE, *PEAKS):
+        return "it is one value of a whole run: a column of each sweep, and a quantity of a ranking"
     return named_point_hint(scene, name, outputs) or parts_hint(name, outputs) or _hint_on_more(scene, name)
 
 

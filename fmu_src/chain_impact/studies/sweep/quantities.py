@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from chain_impact.studies.sweep.runs import Runs
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.selection import missing_output_hint
 
 # MOST_ASKED: the largest number of additional outputs with a panel if ``panels`` is not given; MOST_PANELS:
 # the largest number of panels that ``panels`` may name
@@ -168,7 +170,8 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
         SceneError: when there are too many.
     """
     source = prepared.scene.name
-    matches = (names_matching(source, panel, available, "not a column", lambda _: None) for panel in panels)
+    hint = partial(missing_output_hint, prepared)
+    matches = (names_matching(source, panel, available, "not a column", hint) for panel in panels)
     chosen = list(dict.fromkeys(name for names in matches for name in names))
     if len(chosen) > MOST_PANELS:
         raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_PANELS}")
