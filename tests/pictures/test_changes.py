@@ -31,10 +31,14 @@ def swing():
     return made("pinned_arm", FEW)
 
 
+@pytest.fixture(scope="module")
+def page(swing):
+    return drawn(swing)
+
+
 def drawn(recording, *outputs):
     page = Figure(figsize=(10.0, 5.4), layout="constrained")
     fill_sensitivities(page, recording, outputs)
-    page.draw_without_rendering()
     return page
 
 
@@ -42,9 +46,9 @@ def said(page):
     return [page.get_suptitle(), *(text.get_text() for text in page.texts)]
 
 
-def test_curves_are_the_changes(swing):
+def test_curves_are_the_changes(swing, page):
     found = swing.sensitivities
-    *outputs, speeds = drawn(swing).axes
+    *outputs, speeds = page.axes
     for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
         for line, changes in zip(curves, found.changes(name).T, strict=True):
@@ -56,8 +60,7 @@ def test_curves_are_the_changes(swing):
     assert [line.get_ydata().tolist() for line in dots] == right.T.tolist()
 
 
-def test_axes_have_units_and_impacts_are_marked(swing):
-    page = drawn(swing)
+def test_axes_have_units_and_impacts_are_marked(swing, page):
     labels = [axes.get_ylabel() for axes in page.axes]
     assert [re.findall(r"\[(\w+(?:/\w)?)\]$", label) for label in labels] == [["m"], ["m"], ["J"], ["m/s"]]
     assert [axes.get_xlabel().partition(";")[0] for axes in page.axes] == ["", "", "time [s]", "time [s]"]
@@ -83,8 +86,8 @@ def test_an_output_that_is_not_there(swing):
         drawn(swing, "point[9].x")
 
 
-def test_the_legend_says_what_is_changed_and_by_how_much(swing):
-    (legend,) = drawn(swing).legends
+def test_the_legend_says_what_is_changed_and_by_how_much(page):
+    (legend,) = page.legends
     assert [text.get_text() for text in legend.get_texts()] == [f"{name} + 1 %" for name in FEW]
 
 
@@ -142,8 +145,8 @@ def test_missing_derivatives_leave_a_gap_with_the_reason():
         assert band.get_x() + band.get_width() == recording.time[-1]
 
 
-def test_a_scale_fits_what_is_outside_of_impacts(swing):
-    *_, energy, _ = drawn(swing).axes
+def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
+    *_, energy, _ = page.axes
     changes, rows = swing.sensitivities.changes("energy.total"), calm(swing)
     assert np.abs(changes).max() > 3.0 * np.abs(changes[rows]).max()
     low, high = energy.get_ylim()

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.pictures.lines import SEPARATOR
 from chain_impact.pictures.message import conditions
-from chain_impact.pictures.over_time import MOST_ROWS
+from chain_impact.pictures.over_time import MOST_ROWS, energy_curves
 from chain_impact.pictures.style import GREY, INK
 from tests.helpers.scenes.friction import pendulum, sled, thrown
 from tests.pictures.pictures import WIDTHS, drawn, recorded
@@ -26,7 +26,7 @@ def test_a_picture_has_the_phases_where_there_are_some(recording):
 
 
 def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
-    *_, strip = drawn(recording)
+    (strip,) = recording.plot(panels="friction").axes
     assert [label.get_text() for label in strip.get_yticklabels()] == ["joint 2", "joint 1"]
     phases, bars = recording.stick_slip, [bar for bars in strip.containers for bar in bars]
     assert len(bars) == len(phases)
@@ -64,7 +64,7 @@ def test_the_places_that_rub_for_longest_are_shown(recording):
     many = simulate(pendulum(), 0.5)
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, MOST_ROWS + 4)]
     many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)
-    *_, strip = drawn(many)
+    (strip,) = many.plot(panels="friction").axes
     shown = {label.get_text() for label in strip.get_yticklabels()}
     assert shown == {f"joint {k}" for k in range(4, MOST_ROWS + 4)}
 
@@ -84,11 +84,11 @@ def test_a_square_stands_where_something_sticks_at_the_end():
 
 
 def test_energies_have_that_of_friction_as_a_part(recording):
-    energy = drawn(recording)[3]
+    (energy,) = recording.plot(panels="energy").axes
     (line,) = [line for line in energy.lines if line.get_label() == "friction"]
     assert line.get_linestyle() == "--"
     np.testing.assert_array_equal(line.get_ydata(), recording.columns["energy.friction"])
-    assert "friction" not in [line.get_label() for line in drawn(recorded("rod_drop"))[3].lines]
+    assert "friction" not in [look["label"] for _, look in energy_curves(recorded("rod_drop"))]
 
 
 def test_the_conditions_tell_the_coefficients(recording):

@@ -67,7 +67,7 @@ def test_the_largest_force_and_its_impact_are_told(title):
     assert (most.words, most.row) == ("peak force", row)
     force = recording.impacts["peak_force"][row]
     assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
-    page = recording.plot(title=title)
+    page = recording.plot(title=title, panels="energy")
     head, *others = [text.get_text().replace("\n", " ") for text in page.texts]
     assert (most.value in head) == (not title)
     told = f"impact {row + 1}: point 2 hits y_min at {recording.impacts['onset'][row]:.4g} s"
@@ -77,7 +77,7 @@ def test_the_largest_force_and_its_impact_are_told(title):
 
 def test_a_narrow_picture_has_the_peak_as_its_headline():
     recording = recorded("pinned_arm")
-    page = recording.plot(size=(84 / 25.4, None))
+    page = recording.plot(size=(84 / 25.4, None), panels="energy")
     assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
     (line,) = (text for text in page.texts if text.get_color() == PEAK_COLOUR)
     impact = recording.impacts[0]
@@ -121,7 +121,7 @@ def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak():
 def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
     recording = simulate(load_scene("rod_drop"), end)
     assert has_contact(recording) == touches == (len(recording.impacts) > 0)
-    told = " ".join(text.get_text() for text in recording.plot().texts)
+    told = " ".join(text.get_text() for text in recording.plot(panels="energy").texts)
     assert ("law " in told) == ("restitution" in told) == ("stiffness" in told) == touches
 
 

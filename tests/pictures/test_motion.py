@@ -164,7 +164,7 @@ def test_impacts_at_one_place_share_a_ring():
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
 def test_numbers_stand_off_the_rings(model):
     recording = crowd() if model == "crowd" else recorded(model)
-    _, motion, *_ = drawn(recording)
+    motion = motion_of(recording)
     rings = motion.transData.transform(ring_places(motion))
     for box in boxes(motion):
         assert not any(box.contains(*ring) for ring in rings)

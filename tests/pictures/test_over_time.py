@@ -118,7 +118,7 @@ def test_points_have_marks_of_their_own_without_the_colours_of_energies():
     forms = [(mark["marker"], mark.get("markerfacecolor")) for mark in (*POINT_MARKS, *STOP_MARKS)]
     assert len({*forms}) == len(forms)  # points and joints differ, too
     recording = recorded("thrown_brick")
-    (speeds,) = (axes for axes in drawn(recording)[0].axes if axes.get_label() == "impacts")
+    (speeds,) = recording.plot(panels="impacts").axes
     named = {line.get_label(): line.get_marker() for line in speeds.lines if line.get_label()[0] != "_"}
     assert len({*named.values()}) == len(named) == len({row["point"] for row in recording.impacts})
 

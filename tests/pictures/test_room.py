@@ -53,7 +53,7 @@ def test_walls_end_where_they_meet():
     assert (3.0, 0.0) in corners  # the floor and the right wall; the other walls are far from the motion
     assert len(corners) == 3
     # the ramp's walls meet at the origin; its top and its stop end at the border of the picture
-    _, motion, *_ = drawn(recorded("ramp"))
+    motion = motion_of(recorded("ramp"))
     view = [
         (value, axis) for axis, ends in enumerate((motion.get_xlim(), motion.get_ylim())) for value in ends
     ]
@@ -145,7 +145,6 @@ def test_no_large_part_of_the_axes_is_empty(model):
     recording = recorded(model)
     for size in (None, (84 / 25.4, None)):
         page = recording.plot(size=size)
-        page.draw_without_rendering()
         motion = next(axes for axes in page.axes if axes.get_label() == "motion")
         places = recording.all_points.reshape(-1, 2)
         for along, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
