@@ -69,6 +69,26 @@ def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, m
     assert chain.sum() > 2000
 
 
+@pytest.mark.parametrize("model", ["four_link_box", "kneed_leg", "simple_pendulum"])
+def test_the_list_of_impacts_is_the_file_of_the_command(show, model, tmp_path):
+    page = show(model)
+    page.get_by_role("button", name="Export…").click()
+    simulate(model).save_impacts(tmp_path / "impacts.csv")
+    (head, *rows), (expected_head, *expected) = (
+        list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+        for path in (saved(page, "Impacts as CSV"), tmp_path / "impacts.csv")
+    )
+    assert head == expected_head
+
+    def read(texts):
+        return [
+            [text if name == "wall" else text and float(text) for name, text in zip(head, row, strict=True)]
+            for row in texts
+        ]
+
+    assert read(rows) == read(expected)
+
+
 @pytest.mark.parametrize(
     ("model", "changes"),
     [

@@ -215,6 +215,19 @@ def test_a_rigid_wall_or_stop_has_the_impulse_of_an_impact(show_recording, model
         assert float(shown) == pytest.approx(impact["impulse"], rel=5e-3)
 
 
+def test_the_largest_force_stands_out_in_the_list(show_recording, recording):
+    page = show_recording()
+    largest = page.locator("#impacts .largest")
+    assert largest.count() == 1
+    row = largest.locator("xpath=..")
+    assert int(row.locator("button").inner_text()) == 1 + int(np.argmax(recording.impacts["peak_force"]))
+    weights = [
+        int(cell.evaluate("cell => getComputedStyle(cell).fontWeight"))
+        for cell in (largest, row.locator("td").nth(2))
+    ]
+    assert weights[0] > weights[1]
+
+
 def test_the_moment_that_holds_a_joint_is_told_from_the_impulse_before(show):
     page = show("kneed_leg")
     go_to(page, 0.45)

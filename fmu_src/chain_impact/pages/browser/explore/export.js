@@ -74,6 +74,14 @@ export function csvOf({ time, columns }) {
   return [["time", ...Object.keys(columns)].join(","), ...lines, ""].join("\r\n");
 }
 
+/** Return the list of impacts as CSV, with the columns of `simulate --impacts`; an unknown number is empty. */
+export function impactsCsvOf(impacts, { wallNames, layout: { contactLog } }) {
+  const lines = impacts.map((impact) =>
+    Object.values({ ...impact, wall: wallNames[impact.wall], duration: impact.end - impact.onset })
+      .map((value) => (Number.isNaN(value) ? "" : value)).join(","));
+  return [[...Object.keys(contactLog.fields), "duration"].join(","), ...lines, ""].join("\r\n");
+}
+
 /** Let the browser save a Blob as a file with a name. */
 export function save(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });

@@ -3,7 +3,7 @@
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
-import { commandOf, csvOf, pictureOf, save } from "./export.js";
+import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
 
 /**
  * Connect the buttons of the dialog with their exports.
@@ -30,6 +30,12 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
   connectFile("csv", async () => {
     const result = await ask("rows", { ...changes.values }, { inputSteps: changes.inputSteps });
     save(new Blob([csvOf(result)], { type: "text/csv" }), `${changes.scene.name}.csv`);
+    return faultOf(result, result.time.length > 0);
+  });
+  connectFile("impacts-csv", async () => {
+    const result = await ask("rows", { ...changes.values }, { names: [], inputSteps: changes.inputSteps });
+    const text = impactsCsvOf(result.impacts, changes.scene);
+    save(new Blob([text], { type: "text/csv" }), `${changes.scene.name}-impacts.csv`);
     return faultOf(result, result.time.length > 0);
   });
   connectFile("toml", async () => {

@@ -75,10 +75,23 @@ export class ImpactList {
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
     this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
+    this.#markLargest(recording.impacts);
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
     this.#showAll(element.classList.contains("whole"));
+  }
+
+  /** Mark the largest of at least two peak forces at walls, and the largest of the moments at stops. */
+  #markLargest(impacts) {
+    [true, false].forEach((ofStops) => {
+      const peaks = impacts.map(({ peak, atStop }) => (Boolean(atStop) === ofStops ? peak ?? 0 : 0));
+      const largest = peaks.reduce((most, peak) => Math.max(most, peak), 0);
+      const row = this.rows[peaks.indexOf(largest)]; // missing if the list is too long
+      if (!row || peaks.filter((peak) => peak > 0).length < 2) return;
+      const title = `The largest ${ofStops ? "moment" : "force"} of all impacts`;
+      Object.assign(row.cells[COLUMNS.indexOf("peak")], { className: "largest", title });
+    });
   }
 
   #row(body, impact, columns, goTo) {
