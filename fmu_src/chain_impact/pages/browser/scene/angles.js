@@ -8,7 +8,7 @@ const IN_DEGREES = Object.fromEntries(Object.entries(SHARED.degrees).map(([unit,
 const DEGREE = Math.PI / 180; // [rad] one degree
 const DEGREE_DIGITS = 5; // largest number of significant digits with which an angle is shown in degrees
 const ALL_DIGITS = 17; // number of digits that determine a number
-const ROOM = 8; // number of characters for which the field of a parameter has room
+const ROOM = 9; // number of characters for which the field of a parameter has room
 
 /** Return an angle in radians for a text such as "90 deg"; return any other value unchanged. */
 export function inRadians(value, unit) {
