@@ -225,3 +225,12 @@ def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
     page.get_by_role("button", name="Reset all").click()
     until(page, "!document.body.classList.contains('computing')")
     until_told(page, "14 impacts in 2 s")
+
+
+@pytest.mark.parametrize("changes", ["", "#simulation.stop_time=0.1"])
+def test_the_page_is_loaded_when_it_shows_its_first_motion(show, changes):
+    page = show(hash_=changes, begins=False)
+    at = page.evaluate("""[performance.getEntriesByName('first-frame')[0].startTime,
+      performance.getEntriesByType('navigation')[0].loadEventStart]""")
+    assert at[0] <= at[1]
+    assert page.locator("iframe").count() == 0

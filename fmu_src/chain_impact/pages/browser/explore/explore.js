@@ -60,6 +60,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about) =
   } else if (player.recording) {
     player.clock.set({ playing: false });
   }
+  window.begun.finishLoad();
 });
 const openScene = new OpenScene(changes, choice, kit);
 new Editor(changes, openScene, kit.keys);
