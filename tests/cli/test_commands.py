@@ -301,6 +301,7 @@ def test_set_takes_the_keys_of_a_scene_file(run, source):
     assert ": --set chain.links[1].mass=heavy must be " in errors
 
 
+@pytest.mark.full("takes long")
 def test_a_picture_in_a_dark_style_is_dark_and_no_other_picture_is(run, here):
     drawn = ("simulate", "pinned_arm", "--stop-time", "0.1", "--size", "84", "--plot")
     assert run(*drawn, "dark.png", "--style", "dark_background")[0] == run(*drawn, "light.png")[0] == 0

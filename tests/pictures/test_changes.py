@@ -126,6 +126,7 @@ def test_the_legend_counts_the_other_parameters(names, told):
     assert looks[-1]["label"] == told
 
 
+@pytest.mark.full("takes long")
 def test_changes_without_an_impact_say_that_there_is_none():
     page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
     assert said(page)[0] == "RodDrop: changes with 1 parameter, to first order"
@@ -155,6 +156,7 @@ def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
     assert max(-low, high) < 0.5 * np.abs(changes).max()
 
 
+@pytest.mark.full("takes long")
 def test_a_scale_is_logarithmic_where_impacts_make_changes_grow():
     recording = made("four_link_box", "contact.restitution")
     panels = drawn(recording, "point[4].x", "point[4].y").axes
@@ -182,6 +184,7 @@ def test_a_result_draws_itself(tmp_path):
         simulate("rod_drop", stop_time=0.5).plot_sensitivities()
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(
     ("scene", "label", "markers"),
     [

@@ -125,6 +125,7 @@ def test_zero_outputs_are_told_at_the_foot_and_large_forces_have_a_prefix(result
     assert len(alone.lines) == 1
 
 
+@pytest.mark.full("takes long")
 def test_more_curves_of_a_unit_than_colours_have_a_panel_for_each_quantity(result):
     page = result.plot(curves=["point[*].x", "point[*].y"], size=(4.0, None))
     assert [axes.get_ylabel() for axes in page.axes] == ["x [m]", "y [m]"]
@@ -139,6 +140,7 @@ def test_an_owner_has_one_look_in_all_panels():
     assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
 
 
+@pytest.mark.full("takes long")
 def test_the_largest_value_of_each_force_stands_at_its_curve(arm):
     names = ["joint[*].force.*", "contact[2].x_max.force", "point[2].x"]
     for width in WIDTHS:

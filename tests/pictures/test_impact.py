@@ -98,6 +98,7 @@ def test_a_comparison_draws_itself_at_any_width_and_into_axes(tmp_path):
     assert comparison.plot(tmp_path / "laws.pdf") is None
 
 
+@pytest.mark.full("takes long")
 def test_a_lasting_contact_shows_its_impact_and_that_it_lasts():
     """The peak stays visible, and the loop is open."""
     result = simulate(driven(stop_time=1.0))
@@ -118,6 +119,7 @@ def test_a_lasting_contact_shows_its_impact_and_that_it_lasts():
     check_texts(page)
 
 
+@pytest.mark.full("takes long")
 def test_an_impact_that_ends_is_shown_whole():
     result = recorded("four_link_box")
     force = result.plot_impact(1).axes[1]

@@ -117,6 +117,7 @@ def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak():
     assert "peak" not in message(run)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(("end", "touches"), [(0.05, False), (0.6, True)])
 def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
     recording = simulate(load_scene("rod_drop"), end)

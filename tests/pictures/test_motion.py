@@ -144,6 +144,7 @@ def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     assert told.get_text().replace("\n", " ") == f"{most.row + 1}: {most.value}"
 
 
+@pytest.mark.full("takes long")
 def test_impacts_at_one_place_share_a_ring():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]

@@ -96,6 +96,7 @@ def test_a_wall_has_a_trace_from_its_start_to_its_end():
     assert trace[-1, 1, 0] == pytest.approx(START - SPEED)
 
 
+@pytest.mark.full("takes long")
 def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
     """The wall starts no farther away than the width of the motion; a resting wall there is not in view."""
     _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.5 * t))

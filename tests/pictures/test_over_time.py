@@ -58,6 +58,7 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
         assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
 
 
+@pytest.mark.full("takes long")
 def test_impacts_of_two_points_with_a_common_mark_share_a_number():
     impacts = [hit(1.0, 0, "y_max", 2.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 1, "y_max", 1.0)]
     *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
@@ -91,6 +92,7 @@ def test_measured_quantities_name_their_units():
     assert speeds.get_ylabel().replace("\n", " ") == "peak force [kN]"
 
 
+@pytest.mark.full("takes long")
 def test_energy_from_inputs_is_drawn_if_there_is_any():
     _, _, _, energy, _ = drawn(recorded("pinned_arm"))
     assert "supplied" not in energy.get_legend_handles_labels()[1]
@@ -162,6 +164,7 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
     assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]
 
 
+@pytest.mark.full("takes long")
 def test_a_gap_of_energy_is_closed_and_reported():
     recording = recorded("controlled_arm")
     page = drawn(recording)[0]

@@ -145,6 +145,7 @@ def test_a_broad_motion_has_the_whole_width():
     assert [axes.get_label() for axes in over_time] == ["time", "energy"]
 
 
+@pytest.mark.full("takes long")
 def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
     name = "left_front_foot_collision_sphere"
     recording = dataclasses.replace(
@@ -250,6 +251,7 @@ def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
     check_texts(result.plot(size=(6.0, least), panels=panels))
 
 
+@pytest.mark.full("takes long")
 def test_a_page_without_a_height_is_as_high_as_its_contents_need():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     width, height = result.plot(size=(6.0, None), panels=panels).get_size_inches()
@@ -257,6 +259,7 @@ def test_a_page_without_a_height_is_as_high_as_its_contents_need():
     assert 2.0 < height < FIGURE_SIZE[1]
 
 
+@pytest.mark.full("takes long")
 def test_fonts_follow_the_settings_of_matplotlib():
     with mpl.rc_context({"font.size": 7.0, "figure.titlesize": 8.0, "font.family": "serif"}):
         page = recorded("rod_drop").plot(size=(4.7, 6.0))
@@ -324,6 +327,7 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
         assert 1 < len({round(box.x0) for box in places.values()}) < len(names)
 
 
+@pytest.mark.full("takes long")
 def test_the_legend_of_a_slim_motion_is_beside_it_on_a_narrow_page():
     page = recorded("controlled_arm").plot(size=(84 / 25.4, None), panels=["motion", "energy"])
     page.draw_without_rendering()

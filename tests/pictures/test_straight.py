@@ -28,6 +28,7 @@ def test_all_panels_call_the_ball_a_ball():
     assert not any("point 0" in text for text in (*names, told))
 
 
+@pytest.mark.full("takes long")
 def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
     recording = recorded("bouncing_table")
     page = recording.plot(size=(WIDTHS[0], 6.5))

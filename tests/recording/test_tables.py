@@ -20,6 +20,7 @@ def result():
     return simulate(default_scene(), 0.6)
 
 
+@pytest.mark.full("takes long")
 def test_a_dataframe_has_time_as_index_and_a_column_for_each_output(result):
     frame = result.to_dataframe()
     assert frame.index.name == "time"

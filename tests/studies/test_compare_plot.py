@@ -41,6 +41,7 @@ def test_the_legend_takes_no_width_from_the_panels(comparison):
     assert legend.get_window_extent().y1 <= min(box.y0 for box in boxes)
 
 
+@pytest.mark.full("takes long")
 def test_the_legend_of_a_narrow_page_is_complete(comparison):
     page = comparison.plot(size=(84 / 25.4, None))
     page.draw_without_rendering()

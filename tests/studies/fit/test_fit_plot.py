@@ -50,6 +50,7 @@ def test_running_means_show_a_trend_among_noise():
     assert np.all(np.diff(places) > 0.0)
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("count", [2, 3])
 def test_panels_have_rooms_of_their_own(count):
     columns, result = motion(0.7)
@@ -96,6 +97,7 @@ def test_an_impact_that_the_model_has_later_than_the_data_is_drawn():
     assert forces.get_lines()[0].get_ydata() == pytest.approx(1e-3 * table["peak_force"])
 
 
+@pytest.mark.full("takes long")
 def test_a_narrow_page_has_one_column(found):
     page = found.plot(size=(84 / 25.4, 12.0))
     assert (

@@ -171,6 +171,7 @@ def test_three_maps_leave_no_gap(width, across):
     assert len(lefts) == across
 
 
+@pytest.mark.full("takes long")
 def test_colours_suit_wide_ranges_and_counts():
     """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
     vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.8"}
@@ -214,6 +215,7 @@ def test_axes_are_logarithmic_where_values_are_or_spread_far():
     assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-6,4e-6"})).axes[0].get_xscale() == "linear"
 
 
+@pytest.mark.full("takes long")
 def test_a_force_over_a_logarithmic_stiffness_is_logarithmic():
     axes, penetration, *_ = drawn(sweep(SCENE, {"contact.stiffness": "1e4,1e6,1e8"})).axes
     assert axes.get_xlabel() == "contact.stiffness [N/m$^{1.5}$]"
