@@ -198,6 +198,7 @@ def test_values_of_options_are_found_as_typed():
         ("--stop-time", "-1", "S: simulation.stop_time = -1.0 must be", "S: --stop-time -1 must be"),
         ("--laws", "hertz,x", "S: x is not a law", "S: --laws x is not a law"),
         ("--sigma", "a=1%", "S: sigma of a: no such column", "S: --sigma a=1%: no such column"),
+        ("--sigma", "a=0", "sigma of a = '0' must be > 0", "--sigma a=0 must be > 0"),
         ("--threads", "0", "S: threads = 0 must be", "S: --threads 0 must be"),
         ("-o", "no/a.csv", "no/a.csv: No such folder", "-o no/a.csv: No such folder"),
     ],

@@ -54,7 +54,7 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
                 yield found.start(), found.end(), f"{option} {part}"
         return
     values = "|".join(map(re.escape, sorted(_shown(given), key=len, reverse=True)))
-    whole = rf"(?<![\w.\[*]){re.escape(name)} = (?:{values})(?![\w.])"
+    whole = rf"(?<![\w.\[*])(?:{word} of )?{re.escape(name)} = (?:{values})(?![\w.])"
     if found := re.search(whole, fault):
         yield found.start(), found.end(), f"{option} {value}"
     elif found := re.search(rf"{START}{re.escape(name)}(?:\[\d+\])* = ", fault):
@@ -73,5 +73,5 @@ def _names(value: str) -> Iterator[tuple[str, str]]:
 def _shown(given: str) -> set[str]:
     """Return the texts that an error may show for a given value."""
     value = value_of(given)
-    shown = {given, str(value), value_text(value)}
+    shown = {given, value_text(given), str(value), value_text(value)}
     return shown | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown

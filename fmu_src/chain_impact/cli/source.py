@@ -124,7 +124,10 @@ class Source:
         starts = {variable.name: variable.start for variable in read_fmu(Path(self.name)).modelVariables}
         if TOLERANCE not in starts:
             raise UsageError(f"--check: {self.name} has no parameter {TOLERANCE}")
-        return float(value_of(values.get(TOLERANCE, starts[TOLERANCE])))
+        tolerance = value_of(values.get(TOLERANCE, starts[TOLERANCE]))
+        if not isinstance(tolerance, int | float):
+            raise UsageError(f"{self.name}: {TOLERANCE} = {tolerance} must be a number")
+        return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:
         """Simulate this source, which ``tighter`` has returned, and compare the run with a recording."""

@@ -308,7 +308,7 @@ class Reader:
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
         if near := nearest(name, here, at_least=ALIKE) or one_typo(name, here):
             return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
-        if near := nearest(name, self._keys(), at_least=ALIKE):
+        if near := name if name in self._keys() else one_typo(name, self._keys()):
             return f"{what}; the nearest key is {self._keys()[near]}"
         return f"{self.label((*path, name))} {sentence('unknown', keys=', '.join(here))}"
 
