@@ -208,11 +208,11 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
-    """Yield for each parameter a table of how a small change of the parameter changes each impact.
+    """Yield for each parameter a heading and a table of how a small change of it changes the impacts.
 
-    The changes are of first order: derivatives times the change of the parameter, which the heading gives.
-    Then sentences follow on why some derivatives do not exist. Nothing is yielded if the run has no
-    derivatives.
+    The heading gives the change, such as 1 %. The table has the changes to first order: of the onset in ms,
+    of other quantities in percent. Sentences follow on derivatives that do not exist, are one-sided or
+    inexact. Nothing is yielded if the run has no derivatives.
     """
     sensitivities = recording.sensitivities
     if not sensitivities:

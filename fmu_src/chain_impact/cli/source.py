@@ -59,7 +59,8 @@ class Source:
         """Simulate the source.
 
         ``sensitivities`` are the parameters and inputs with respect to which derivatives are computed; by
-        default those that the scene asks for. An FMU is simulated without derivatives.
+        default those that the scene asks for. An FMU has no derivatives, so it is refused with
+        ``sensitivities``.
         """
         if sensitivities and self.is_fmu:
             raise UsageError(f"--sensitivity: {self.name} is an FMU; must be a scene")

@@ -72,7 +72,7 @@ def _kind(dtype: np.dtype) -> types.Type:
 
 
 def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
-    """Return path → part of the instance, for all its parts, from its layouts for ``SAMPLES``."""
+    """Return path → part, for all parts of an instance, from the layouts with the counts SAMPLES."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:

@@ -225,7 +225,7 @@ def treatments(field: str) -> list[str]:
     """Return how a field is treated: "used", "remarked", or reasons why it has no effect.
 
     ``field`` is a field of the model, or ``opt.<name>`` for an option; the list is empty if the field is
-    unknown. The patterns of WITHOUT_EFFECT do not apply to a field that is used or reported by its name.
+    unknown. The patterns of WITHOUT_EFFECT apply only to fields that are neither used nor remarked.
     """
     named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS

@@ -1,4 +1,4 @@
-"""The reader of robots in URDF, which uses the package yourdfpy."""
+"""The reader of robots in URDF, by the package yourdfpy: from a file to a ``Robot``."""
 
 from __future__ import annotations
 

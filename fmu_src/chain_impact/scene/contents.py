@@ -182,9 +182,9 @@ class Contents:
         return point_label(number, self.point_names)
 
     def stop_name(self, wall: int) -> str:
-        """Return the name of the stop with the number ``wall`` among ``wall_names``.
+        """Return the name of the stop with the index ``wall`` in ``wall_names``; "" if this is a wall.
 
-        The result is "" if the wall with this number is no stop. A stop belongs to joints or to a slider.
+        All joints share the names joint_min and joint_max; a slider has its own.
         """
         name, stops = self.wall_names[wall], STOPS if self.chain.stops else ()
         return name if name in (*stops, *self.slider_stops) else ""

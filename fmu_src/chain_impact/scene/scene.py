@@ -202,7 +202,7 @@ def _has_counts(data: Any) -> bool:
 
 
 def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
-    """Return name → path of the scene's keys, and of the entries of its lists and tables."""
+    """Return name → path of tables, keys and values: `chain.links`, `initial.angles`, `link[1].mass`."""
     return _keys() | _names(scene)
 
 

@@ -66,7 +66,7 @@ def inputs(structure: Structure) -> Iterator[Variable]:
 
 
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
-    """Return the inputs that the scenes of a structure ask for, with inputs that signals drive."""
+    """Return the inputs that the scenes of a structure ask for, also those that signals drive."""
     return (
         Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
     )

@@ -96,7 +96,7 @@ def _of_table(
 
 
 def _vector(table: type, *, path: DataPath, record_path: DataPath, text: str, **other: Any) -> list[Kind]:
-    """Return the parameters for the components of a vector, whose key is the last step of ``path``."""
+    """Return the kinds of parameters for the components x and y of a vector; ``path`` ends with its key."""
     kinds, rule = [], _rules(table)[str(path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}

@@ -1,8 +1,8 @@
 """The inputs of the chain: torques, forces, and the targets of servos. Each is an array of the record.
 
-The part `given` of the record has the given values, and `inputs` the values in use. A piece of the inputs has
-the coefficients of polynomials, one column for each value. The prescribed motions of base and walls are not
-inputs in this sense; they are in motion.py.
+The part `given` of the record has the given values, and `inputs` the values in use. In a piece of the inputs,
+each value is a polynomial of time; column j has the coefficients of value j. The prescribed motions of base
+and walls are not inputs in this sense; they are in motion.py.
 """
 
 EACH_DRIVE = 0  # stands in FIELDS for a number of values: the input has one value for each drive (drives.py)

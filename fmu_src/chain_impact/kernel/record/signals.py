@@ -77,7 +77,7 @@ def knot_dtype(knots: int) -> np.dtype:
     """
     return record(
         ("given_time", REAL, (knots,)),  # s, given times at which a signal of steps changes its value
-        # values of a signal of steps from its given times on, in the unit of the input
+        # values of a signal of steps, each from its given time on, in the unit of the input
         ("given_value", REAL, (knots,)),
         ("time", REAL, (knots,)),  # s, time at which the knot's polynomial begins
         # coefficients of the knot's polynomial in the time since the knot, one for each power

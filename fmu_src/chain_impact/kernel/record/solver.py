@@ -285,7 +285,8 @@ def search_dtype(candidates: int) -> np.dtype:
         # derivative φ′ of each candidate's φ in the step's variable, at the start of the interval
         ("phi_start_rate", REAL, (candidates,)),
         ("phi_end_rate", REAL, (candidates,)),
-        # second derivative φ″ of each candidate's φ in the step's variable, at the start of the whole step
+        # second derivative φ″ of each candidate's φ by the step's variable (time or fictitious time, both in
+        # seconds), at the start of the whole step, which may have several intervals
         ("phi_start_curve", REAL, (candidates,)),
         ("phi_end_curve", REAL, (candidates,)),
     )
@@ -310,8 +311,8 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
-    # data of the linear systems with complex shifts s, of which one of each conjugate pair is solved;
-    # ``scratch`` contains the same data for the system with the real shift
+    # data of the linear systems with complex shifts s, one of each conjugate pair; for the real shift,
+    # ``scratch`` has the same data, and ``parts`` has x
     pairs = record(
         ("factors", factors_dtype(links, COMPLEX, PAIRS)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),

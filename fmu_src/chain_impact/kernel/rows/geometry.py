@@ -44,7 +44,7 @@ OVERLAP = 1e-12
 NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """The components x and y of the inward normals of the box's walls, in the order of WALLS."""
 STOP_CODES = {"joint_min": 1, "joint_max": -1, "slider_min": 2, "slider_max": -2}
-"""Name of a stop → the value of candidate.stop; its sign is that of the normal, see ``stop_sign``."""
+"""Name of a stop → its value of candidate.stop, whose sign is that of the stop's normal (``stop_sign``)."""
 JOINT_MIN, JOINT_MAX, SLIDER_MIN, SLIDER_MAX = STOP_CODES.values()
 STOP_COUNT = len(STOP_CODES)
 AT_WALL = 0  # value of candidate.stop for a candidate at a wall, not at a stop

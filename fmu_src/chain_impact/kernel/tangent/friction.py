@@ -55,9 +55,9 @@ SAME_TIME_SLOPE = 1e-5
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
 # time is wrong, and the derivatives end there.
 NEARLY_SLIPPING_RATIO = 1000.0
-# The largest ``trust.neglected``: the changes of a position that a run may neglect in sum, relative to the
-# largest derivative of a position. With more, a fit to a position at rest would lose its accuracy of some
-# percent.
+# The largest ``trust.neglected``, the sum of the neglected derivatives of positions in a run, each
+# relative to the largest derivative of a position; the derivatives end before the sum exceeds it. With a
+# larger sum, a fit to a position at rest would be wrong by more than some percent.
 MOST_NEGLECTED = 1e-2
 # a third value of ``element.undecided``, beside 0 and 1: the element has stuck since an onset at zero speed,
 # and sticking has also set the derivatives of its speed to zero

@@ -61,7 +61,7 @@ export function hashOf(changes, shown = {}) {
   return texts.map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
 }
 
-/** Return the names and texts in `hash`, the text of an address from the # on (see `hashOf`): name → text. */
+/** Return name → text for the entries that `hashOf` writes, from `hash`: the part of an address from the # on. */
 export function changesIn(hash) {
   const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
   return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));

@@ -2,7 +2,7 @@
 
 import { mapped } from "../base/mapped.js";
 
-/** Return whether a frame is in any of some spans of frames. */
+/** Return whether a frame is in any of some spans, each with a first and a last frame, both included. */
 function isWithin(spans, frame) {
   return spans.some(([first, last]) => frame >= first && frame < last + 1);
 }

@@ -87,7 +87,11 @@ function ownersIn({ over, has, numbers, conditions }, known, lists) {
   return [...found.values()];
 }
 
-/** Return a template with an owner's words in place of the words in braces. */
+/**
+ * Return a template with an owner's words in place of words in braces.
+ *
+ * They are its number {n}, the number {of} of its link, its {name}, and {before}, the link before it or the base.
+ */
 export function filled(text, { n, of, name }) {
   const before = n > 1 ? `link ${n - 1}` : "the base";
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
