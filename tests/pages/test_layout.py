@@ -140,6 +140,16 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
     assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
 
 
+@pytest.mark.parametrize("size", [*SIZES, DESK], ids=lambda size: f"{size['width']}")
+def test_a_page_without_impacts_is_as_wide_as_the_screen(show, size):
+    page = show(hash_="#simulation.stop_time=0.2", viewport=size)
+    until(page, "document.querySelector('#impacts.none')")
+    page.evaluate("chainImpact.show({'simulation.stop_time': 0.1})")
+    until(page, "document.getElementById('impacts-before').textContent")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.locator("#list").bounding_box()["width"] > 250.0
+
+
 @pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
 def test_a_tap_on_an_impact_shows_the_motion(show, size):
     """The rows that a phone scrolls into view are not below the motion, which stays, or the controls."""
