@@ -143,11 +143,7 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         f"another law or stiffness {number(wrong, 1)} mm or more, solver {number(right['tip'], 1)} mm in "
         f"{1e3 * right['seconds']:.1g} ms  ·  numbers at points: tolerances",
     )
-    # the lines of stiffnesses, largest error first as in the panel, above the other marks
-    handles, _ = panels[0].get_legend_handles_labels()
-    lines = sorted(handles[: len(STIFFNESSES)], key=lambda line: -line.get_ydata()[-1])
-    keys = [*lines, *handles[len(STIFFNESSES) :]]
-    figure.legend(keys, [key.get_label() for key in keys], loc="outside right center")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
 
 
 def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.results.ranking import by_step, ranking_of, signed
@@ -147,6 +148,14 @@ def test_bars_of_a_quantity_that_is_zero_have_no_exponents(result):
 def test_a_heading_tells_the_steps_of_parameters_that_are_zero(result):
     page = result.ranking("peak_force", ["contact.radius", "joint[1].torque"]).plot()
     assert page.axes[0].get_title(loc="left") == "+ 0.01 m or 0.01 N·m, as the value is 0"
+
+
+def test_a_heading_ends_within_a_narrow_picture(result):
+    ranking = result.ranking("peak_force", ["contact.radius", "initial.angular_velocity[*]"])
+    page = ranking.plot(size=(84 / 25.4, None))
+    page.draw_without_rendering()
+    (heading,) = (text for text in page.axes[0].findobj(Text) if text.get_text().startswith("+ 0.01"))
+    assert heading.get_window_extent().x1 <= page.bbox.x1
 
 
 def test_at_stops_the_moment_is_ranked():

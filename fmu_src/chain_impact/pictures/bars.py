@@ -133,7 +133,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(block.label)
-    axes.set_title(block.title, fontsize="small", color=INK, loc="left")
+    axes.set_title(block.title, fontsize="small", color=INK, loc="left", wrap=True)
     axes.xaxis.set_major_locator(MaxNLocator(4 if small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
     low, high = ends
     margin = BAR_MARGIN * (high - low)

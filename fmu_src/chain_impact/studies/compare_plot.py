@@ -48,7 +48,7 @@ SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
-IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2}
+IMPULSE: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses, which has no penetration, if the law has no colour."""
 BEFORE_FIRST = 0.1  # the time shown before the first impact, relative to the time shown after it
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
@@ -191,6 +191,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
             look = {"color": mpl.rcParams["text.color"], "linewidth": 3.0, "zorder": REFERENCE_LAYER}
         elif reasons:
             look = {**next(lines), "linewidth": 1.7, "zorder": 4}
+        elif (loop := comparison[first].loop) is not None and not loop.size:
+            label, look = f"{first}{IMPULSIVE}", IMPULSE
         else:
             look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
         looks[first] = {"label": label, **look}
@@ -219,8 +221,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
-        is_grey = looks[law]["color"] == GREY
-        axes.axvline(0.0, **looks[law] | (IMPULSE | {"label": f"{law}{IMPULSIVE}"} if is_grey else {}))
+        axes.axvline(0.0, **looks[law])
     draw_lines(axes, {law: loop for law, loop in loops.items() if loop.size and law not in band}, looks)
     axes.set(
         xlabel=f"penetration in the {compared_impact(comparison.scene)} [{depth_unit}]",
@@ -302,7 +303,7 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
     Where lines with colours lie on each other, they get alternating dashes, so that each of them is seen.
     """
     order = sorted(lines, key=lambda law: looks[law]["zorder"] != REFERENCE_LAYER)
-    coloured = [law for law in order if looks[law]["color"] != GREY]
+    coloured = [law for law in order if looks[law]["color"] not in (GREY, INK)]
     dashes = dict(zip(coloured, merged_dashes([lines[law] for law in coloured]), strict=True))
     for law, (along, up) in lines.items():
         (line,) = axes.plot(along, up, **looks[law])
@@ -317,8 +318,7 @@ def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
     others.
     """
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
-    lines = {line.get_label(): line for axes in panels for line in axes.lines}
+    lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
     bands = [collection for axes in panels for collection in axes.collections]
     drawn = [styles[label] for label in lines if label in styles]
-    impulses = [line for label, line in lines.items() if str(label).endswith(IMPULSIVE)]
-    return [*drawn, *impulses, *(band for band in bands if str(band.get_label())[:1] != "_")]
+    return [*drawn, *(band for band in bands if str(band.get_label())[:1] != "_")]

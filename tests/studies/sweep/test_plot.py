@@ -4,6 +4,7 @@
 
 import itertools
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -180,6 +181,19 @@ def test_colours_suit_wide_ranges_and_counts():
     assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
     counts = np.unique(impacts.get_array())
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
+
+
+def test_a_bar_of_few_decades_has_the_same_numbers_on_a_dark_ground():
+    found = sweep(SCENE, {"contact.restitution": "0.4,0.8", "contact.stiffness": "1e6:1e9:4:log"})
+    numbers = []
+    for style in ("default", "dark_background"):
+        with mpl.style.context(style):
+            page = found.plot(panels=["peak_force"])
+            page.draw_without_rendering()
+        axis = page.axes[1].yaxis
+        numbers.append([text.get_text() for text in axis.get_ticklabels(which="both")])
+    assert numbers[0] == numbers[1]
+    assert "20" in numbers[0]
 
 
 def test_words_tell_which_values_lie_beyond_the_colours():

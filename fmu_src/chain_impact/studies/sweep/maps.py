@@ -105,7 +105,10 @@ def _draw_map(
     label = quantity.label_for(shown.compressed()) + beyond_ends((least, most), ends)
     bar = figure.colorbar(mesh, ax=axes, label=label, extend=extend)
     if isinstance(norm, LogNorm) and ends[1] < WIDE_RANGE * ends[0]:
-        number_few_decades(bar.ax.yaxis)
+        axis = bar.ax.yaxis
+        number_few_decades(axis)
+        # a bar that gets new colours, as on a dark ground, uses its own locator and formatter
+        bar.minorlocator, bar.formatter = axis.get_minor_locator(), axis.get_major_formatter()
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
