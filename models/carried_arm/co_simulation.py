@@ -46,8 +46,11 @@ def draw(path, time, columns):
     from chain_impact.pictures.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, headline
 
     forces = np.hypot(columns["joint[1].force.x"], columns["joint[1].force.y"])
-    # the largest force may lie between two communication points
-    peak, row = columns["joint[1].peak_force"].max(), forces.argmax()
+    # a new largest force lies within a communication step, at whose end it is drawn
+    peaks = columns["joint[1].peak_force"]
+    forces = np.where(np.diff(peaks, prepend=peaks[0]) > 0.0, peaks, forces)
+    row = forces.argmax()
+    peak = forces[row]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8, 5.6), layout="constrained")
         headline(

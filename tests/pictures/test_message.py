@@ -135,7 +135,17 @@ def test_without_parameters_only_the_links_are_known():
     assert conditions(swing()) == "1 link"
 
 
-@pytest.mark.parametrize(("own", "told"), [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5")])
+def test_a_law_without_losses_has_no_restitution():
+    known = recorded("rod_drop").parameters | {"contact.model": "hertz"}
+    told = conditions(swing(parameters=known))
+    assert "law hertz" in told
+    assert "restitution" not in told
+
+
+STOPS = [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5"), ("hertz", "stops law hertz")]
+
+
+@pytest.mark.parametrize(("own", "told"), STOPS)
 def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
     scene = knee(**({"stops.model": own} if own else {}))
     assert told in conditions(simulate(scene, 0.5)).split(SEPARATOR)

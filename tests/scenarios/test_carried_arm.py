@@ -1,7 +1,11 @@
 """The co-simulation of an arm on a carriage: impulses to the carriage, motion to the arm."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from tests.helpers.models import driven
 from tests.helpers.scenes.model_files import co_simulated
@@ -9,6 +13,7 @@ from tests.tiers import needs_interop
 
 START = [-2.4, -2.1]  # rad
 IMPACT = 0.49  # s, before the impact of the tip
+SCRIPT = Path(__file__).parents[2] / "models" / "carried_arm" / "co_simulation.py"
 
 
 @pytest.mark.full("builds two FMUs")
@@ -23,6 +28,18 @@ def test_the_error_before_the_impact_is_proportional_to_the_step(target, tmp_pat
         errors.append(np.abs(columns["base.x"][rows] - exact[:, 0]).max())
     assert errors[0] < 1.5e-4
     assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)
+
+
+def test_the_curve_of_the_force_reaches_its_largest_value(monkeypatch):
+    """The largest force may lie between two communication points."""
+    figures, draw = [], runpy.run_path(SCRIPT)["draw"]
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    names = ("base.x", "joint[1].force.x", "joint[1].force.y", "joint[1].impulse.x")
+    columns = dict.fromkeys(names, np.zeros(4)) | {"joint[1].force.x": np.array([1.0, 1.0, 7.0, 2.0])}
+    draw("", np.arange(4.0), columns | {"joint[1].peak_force": np.array([1.0, 1.0, 7.0, 8.0])})
+    curve, dot = figures[0].axes[1].lines
+    assert curve.get_ydata().tolist() == [1.0, 1.0, 7.0, 8.0]
+    assert dot.get_xydata().tolist() == [[3.0, 8.0]]
 
 
 @pytest.mark.full("builds two FMUs")

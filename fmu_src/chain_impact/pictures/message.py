@@ -180,7 +180,10 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
         parts.append(f"friction µ = {', '.join(rubbing)}")
     if touches and "stop.restitution" in known:
         of_stops = recording.stop_law
-        parts.append(f"stops {f'law {of_stops}, ' if of_stops else ''}e = {known['stop.restitution']:g}")
+        told = [f"law {of_stops}"] if of_stops else []
+        if uses_restitution(of_stops or known.get("contact.model", "")):
+            told.append(f"e = {known['stop.restitution']:g}")
+        parts += [f"stops {', '.join(told)}"] if told else []
     if known.get("contact.radius"):
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:
@@ -195,12 +198,18 @@ def of_contacts(recording: Recording) -> list[str]:
     if law:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
-        parts.append(f"restitution e = {known['contact.restitution']:g}")
+        if uses_restitution(law):
+            parts.append(f"restitution e = {known['contact.restitution']:g}")
         # an impulsive law uses no stiffness
         if not has_impulses(law):
             unit = raised(of_power("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     return parts
+
+
+def uses_restitution(law: str) -> bool:
+    """Return whether a contact law uses the restitution e; True for a law of a user and an unknown law."""
+    return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
 
 
 def has_impulses(law: str) -> bool:

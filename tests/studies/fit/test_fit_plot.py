@@ -3,11 +3,13 @@
 # Tests: studies/fit/plot.py
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from chain_impact import fit, load_scene, simulate
+from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MOST_DOTS, running_means
 from chain_impact.studies.fit.report import heading
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
@@ -139,6 +141,17 @@ def test_several_data_sets_and_an_input():
     assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
     for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)
+
+
+def test_laws_that_differ_by_round_off_tie(found):
+    other, worse = (replace(found, deviance=found.deviance + more) for more in (4.6e-11, 57.3))
+    fits = {"zhang_sharf": found, "ye": other, "tsuji": worse}
+    ranking = tuple(LawEstimates(law, each) for law, each in fits.items())
+    page = replace(found, ranking=ranking).plot()
+    assert [text.get_text() for text in page.axes[0].texts[:3]] == ["0", "0", "57"]
+    assert "zhang_sharf and 1 other law fit equally well" in page.get_suptitle().replace("\n", " ")
+    alone = replace(found, ranking=(ranking[0], ranking[2])).plot()
+    assert alone.get_suptitle() == heading(found, ": ")
 
 
 @pytest.mark.full("fits every law")

@@ -35,13 +35,13 @@ from chain_impact.pictures.style import (
     is_narrow,
     styled,
 )
-from chain_impact.recording.text import number
+from chain_impact.recording.text import number, plural
 from chain_impact.results.result import Result
 from chain_impact.scene.unit_text import in_brackets
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.estimates import Estimates
-from chain_impact.studies.fit.report import fits_equally, heading, rounded
+from chain_impact.studies.fit.report import count_of_best, fits_equally, heading, rounded
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.prepared import PreparedScene
@@ -132,7 +132,7 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         names=[entry.law for entry in fit.ranking],
         values=above,
         texts=[
-            "–" if entry.fit is None else number(value, 2)
+            "–" if entry.fit is None else number(round(value, 1), 2)
             for entry, value in zip(fit.ranking, above, strict=True)
         ],
         label="ΔAIC",
@@ -142,7 +142,9 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
     told = [*_estimate_texts(fit), "blue: as good as the best law"]
     if most > HARDLY:
         told.append(f"from {HARDLY:g} on (dashed): hardly supported")
-    headline(figure, heading(fit, ": "), SEPARATOR.join(told))
+    others = count_of_best(fit) - 1
+    laws = f"{fit.law} and {plural(others, 'other law')} fit equally well" if others else ""
+    headline(figure, heading(fit, ": ", laws), SEPARATOR.join(told))
     axes = figure.subplots()
     draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
     axes.scatter(above, range(len(above)), 12.0, bars.colours, zorder=3.0, clip_on=False)

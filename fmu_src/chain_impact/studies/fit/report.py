@@ -36,7 +36,7 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
         yield ""
         yield TextTable(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
-        equal = sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
+        equal = count_of_best(fit)
         if equal > 1:
             together = f"The first {equal} laws fit equally well, with ΔAIC < {EQUAL:g}"
             yield f"{together}: these data cannot tell them apart."
@@ -50,6 +50,11 @@ def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
     return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
 
 
+def count_of_best(fit: Estimates) -> int:
+    """Return the number of ranked laws between which the data cannot decide, with the best law."""
+    return sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
+
+
 def misfit(fit: Estimates, best: Estimates) -> float:
     """Return the root mean square of a fit's residuals, each divided by its σ in the best fit."""
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
@@ -60,14 +65,15 @@ def above_best(fit: Estimates, best: Estimates) -> str:
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
-def heading(fit: Estimates, mark: str = "  ") -> str:
+def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
     """Return the heading: scene, contact law, and the numbers of data sets, values and parameters.
 
-    ``mark`` separates the name of the scene from the text that follows.
+    ``mark`` separates the name of the scene from the text that follows; ``laws`` replaces the law.
     """
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
+    named = laws or fit.law
     return (
-        f"{fit.scene.name}{mark}{f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
+        f"{fit.scene.name}{mark}{f'{named}, ' if named else ''}{sets}{int(fit.used.sum())} values, "
         f"{plural(len(fit.parameters), 'free parameter')}"
     )
 
