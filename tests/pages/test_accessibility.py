@@ -1,10 +1,11 @@
-"""Accessibility of the pages: axe reports nothing."""
+"""Accessibility of the pages: axe reports nothing, and a list is one stop of the keyboard."""
 
 # Tests: pages/explore.py, pages/recorded.py
 
 import pytest
 
 from chain_impact import animate
+from tests.pages.in_pages import until
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -37,3 +38,17 @@ def test_the_page_that_simulates_and_its_dialogs_are_clean(show, scheme):
 def test_the_page_of_a_recording_is_clean(open_page, tmp_path, scheme):
     animate("four_link_box", tmp_path / "box.html")
     assert_clean(open_page((tmp_path / "box.html").as_uri(), color_scheme=scheme), "recording")
+
+
+def test_the_list_of_impacts_is_one_stop_of_the_key_tab(show):
+    page = show()
+    focused = "document.activeElement.textContent"
+    page.get_by_role("button", name="Go to impact 1, ").focus()
+    for key, number in (("ArrowDown", 2), ("ArrowDown", 3), ("ArrowUp", 2), ("Enter", 2)):
+        page.keyboard.press(key)
+        assert page.evaluate(focused) == str(number)
+    until(page, "document.querySelector('#impacts [aria-current]')?.rowIndex === 2")
+    page.keyboard.press("Tab")
+    assert not page.evaluate("document.activeElement.matches('#impacts *')")
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate(focused) == "2"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import PHONE, PIXELS, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -36,7 +36,7 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     page.get_by_role("button", name="F(δ)").click()
     assert page.evaluate(PIXELS, ["force", "pin-2"]) > 20
     rows = page.locator("#pins tbody tr").all_inner_texts()
-    for row, text in zip(rows, ("present", "as in the scene", "contact.restitution = 0.4"), strict=True):
+    for row, text in zip(rows, ("present", "as in the scene", "Restitution = 0.4"), strict=True):
         assert text in row
     first = simulate("four_link_box").impacts[0]
     assert f"{first['onset']:.4f}" in rows[1]
@@ -55,7 +55,7 @@ def test_pins_tell_place_and_largest_force_and_mark_another_place(show):
     runs = [simulate(scene.with_values({"contact.restitution": e})) for e in (0.5, 0.7)]
     until_told(page, f"{len(runs[0].impacts)} impact")
     rows = page.locator("#pins tbody tr").all()
-    assert "present: contact.restitution = 0.5" in rows[0].inner_text()
+    assert "present: Restitution = 0.5" in rows[0].inner_text()
     places = [[(one["point"], one["wall"]) for one in run.impacts[:8]] for run in runs]
     largest = [f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN" for run in runs]
     assert [row.locator("td").first.inner_text() for row in rows] == largest
@@ -203,5 +203,24 @@ def test_a_phone_has_room_for_the_change_that_names_a_pin(show):
     page = show(hash_="#contact.restitution=0.35", viewport=PHONE)
     page.get_by_role("button", name="Pin").click()
     name = page.locator(".pin-text").last
-    assert name.inner_text() == "contact.restitution = 0.35"
+    assert name.inner_text() == "Restitution = 0.35"
     assert name.evaluate("name => name.scrollWidth <= name.clientWidth")
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
+    page = show(hash_="#contact.restitution=0.4&contact.stiffness=1e6&gravity.y=-9.5", viewport=size)
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e7, 'solver.tolerance': 1e-7})")
+    until(page, "document.querySelector('.pin-text').textContent.includes('1e7')")
+    names = page.locator(".pin-text")
+    assert names.all_inner_texts() == [
+        "present: Stiffness = 1e7, Solver tolerance = 1e-7",
+        "Stiffness = 1e6, Solver tolerance as in the scene",
+    ]
+    assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)")
+    assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)")
+    page.keyboard.press("Escape")
+    page.evaluate("location.hash = '#'")
+    until(page, "document.querySelector('.pin-text').textContent === 'present'")
+    assert "Gravity, y = -9.5" in names.last.inner_text()

@@ -80,7 +80,7 @@ def test_a_change_that_cannot_start_is_undone_alone_and_nothing_plays(show):
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-label") == "Play"
     assert page.locator("footer").evaluate("footer => footer.inert")
-    page.get_by_role("button", name="Undo the change of initial.y").click()
+    page.get_by_role("button", name="Undo the change of Initial y").click()
     until(page, "document.getElementById('status').hidden")
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.4"
     assert page.evaluate("chainImpact.parameters['initial.y']") != "-3"

@@ -376,3 +376,28 @@ def test_the_map_of_a_scene_without_walls_shows_an_energy(show):
     page = show("simple_pendulum", MAP)
     page.get_by_role("button", name="Map…").click()
     assert page.locator("#map-output").input_value() == "energy.total"
+
+
+def test_another_axis_of_a_whole_map_begins_a_new_preview(show):
+    page = show("rod_drop", {"simulation.stop_time": 0.4})
+    page.get_by_role("button", name="Map…").click()
+    draw_map(page)
+    frame, names = page.locator("#map-frame"), page.locator("#map-x-name")
+    plain = frame.evaluate("frame => getComputedStyle(frame).opacity")
+    first = names.input_value()
+    names.select_option("initial.angle[1]")
+    page.get_by_text("choose two parameters").wait_for()
+    assert frame.evaluate("frame => getComputedStyle(frame).opacity") < plain, "it is of earlier fields"
+    names.select_option(first)
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    assert frame.evaluate("frame => getComputedStyle(frame).opacity") == plain
+    page.keyboard.press("Escape")
+    page.evaluate("chainImpact.show({ 'gravity.y': -5 })")
+    page.get_by_role("button", name="Map…").click()
+    assert "Other parameters have changed" in page.inner_text("#map-text")
+    names.select_option("contact.stiffness")
+    page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
+    assert any("Stiffness" in text for text in page.locator("#map-scales text").all_text_contents())
+    page.locator("#map-canvas").click(position={"x": 5, "y": 5})
+    until(page, "chainImpact.parameters['contact.stiffness'] !== '1e6'")
+    assert page.evaluate("chainImpact.parameters['gravity.y']") == "-5"

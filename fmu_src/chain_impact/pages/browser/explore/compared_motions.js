@@ -66,11 +66,18 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its changes, and its scene if the shown motion has another one. */
-  #textOf({ recording: { name, text, scene } }) {
+  /** Return words for a pinned motion: its scene, if the shown motion has another one, and its changes that other motions do not have. */
+  #textOf({ recording }) {
+    const { name, scene } = recording;
     const { name: shownName, scene: shown } = this.player.recording;
+    const text = this.#changesOf(recording);
     if (isSame(scene.file, shown.file)) return text || "as in the scene";
-    return [text, name === shownName ? "another scene" : name].filter(Boolean).join(", ");
+    return [name === shownName ? "another scene" : name, text].filter(Boolean).join(", ");
+  }
+
+  /** Return words for those changes of a motion on which the listed motions do not agree. */
+  #changesOf({ changed }) {
+    return differingText(changed, [this.player, ...this.pinned].map(({ recording }) => recording.changed));
   }
 
   unpin(motion) {
@@ -128,7 +135,7 @@ export class ComparedMotions {
     document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the list
     if (panel.hidden) return;
     const listed = pinned.map((motion) => ({ ...motion, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
-    const text = ["present", player.recording.text].filter(Boolean).join(": ");
+    const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const all = [{ recording: player.recording, text }, ...listed];
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
     const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
@@ -159,6 +166,15 @@ export class ComparedMotions {
     title.append(make("small", { textContent: count }));
     return make("th", { scope: "row", title: text }, title);
   }
+}
+
+/** Return words for the changes of a motion (`changed`) on which not `all` motions agree or, if they agree on all, for all its changes. */
+function differingText(changed, all) {
+  if (!changed.size) return "";
+  const names = [...new Set(all.flatMap((one) => [...one.keys()]))];
+  const differing = names.filter((name) => all.some((one) => one.get(name) !== changed.get(name)));
+  const textOf = (name) => (changed.has(name) ? `${name} = ${changed.get(name)}` : `${name} as in the scene`);
+  return (differing.length ? differing : [...changed.keys()]).map(textOf).join(", ");
 }
 
 /** Return whether two complete scene files have equal contents. */

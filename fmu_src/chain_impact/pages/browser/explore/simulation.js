@@ -1,9 +1,9 @@
 // The runs of the page: one run for each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
-import { readable } from "../base/format.js";
-import { inputStepTexts } from "../scene/input_steps.js";
+import { numberText, readable } from "../base/format.js";
 import { faultText, stopText } from "./console.js";
+import { wordsFor } from "./parameters/sliders.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
 // [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
@@ -19,7 +19,7 @@ export class Simulation {
 
   /**
    * `beginEngine` is a function that starts an engine for the present scene, `choice` the chosen outputs. `show` is a function that shows
-   * the parts of a motion (null if there is none), with its scene and words for its changes.
+   * the parts of a motion (null if there is none), with its scene and its changes: words for a parameter → text of its value.
    */
   constructor(beginEngine, changes, choice, show) {
     Object.assign(this, { beginEngine, changes, choice, show });
@@ -55,7 +55,7 @@ export class Simulation {
     const { scene, values, inputSteps } = changes;
     this.#started = performance.now();
     this.#nextRun = 0;
-    const text = [...changes.texts(), ...inputStepTexts(changes)].map(([name, value]) => `${name} = ${value}`).join(", ");
+    const changed = changesInWords(changes);
     const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
     const result = await this.engine
       .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
@@ -70,7 +70,7 @@ export class Simulation {
     this.#status = result.status;
     this.#sentence = result.fault ?? this.faultOf(result, result.parts);
     this.#tell();
-    this.show(result.parts, { text, scene });
+    this.show(result.parts, { changed, scene });
     if (this.#nextRun) this.soon();
   }
 
@@ -103,7 +103,8 @@ export class Simulation {
     if (last?.scene !== changes.scene) return;
     const names = Object.keys({ ...last.values, ...changes.values }).filter((name) => last.values[name] !== changes.values[name]);
     if (!names.length) return;
-    const button = make("button", { type: "button", className: "action", textContent: `Undo the change of ${names.join(", ")}` });
+    const textContent = `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
+    const button = make("button", { type: "button", className: "action", textContent });
     button.addEventListener("click", () => changes.replace(last.values, last.inputSteps));
     find("status").append(" ", button);
   }
@@ -117,4 +118,14 @@ export class Simulation {
     button.addEventListener("click", () => changes.set(Object.fromEntries(names.map((name) => [name, 0]))));
     return button;
   }
+}
+
+/** Return the changes of the reader: words for a parameter → text of its value or, for an input with steps, of all its values. */
+function changesInWords(changes) {
+  const texts = new Map(changes.texts());
+  for (const [name, steps] of Object.entries(changes.inputSteps)) {
+    const later = steps.map(([time, value]) => `${numberText(value)} from ${time} s`);
+    texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
+  }
+  return new Map([...texts].map(([name, text]) => [wordsFor(changes)(name), text]));
 }

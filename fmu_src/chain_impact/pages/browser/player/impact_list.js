@@ -46,6 +46,24 @@ export class ImpactList {
     this.more = make("button", { id: "impacts-all", type: "button" });
     this.more.addEventListener("click", () => this.#showAll(true));
     element.after(this.more);
+    element.addEventListener("focusin", ({ target }) => target.matches("td button") && this.#reach(target));
+    element.addEventListener("keydown", (event) => this.#press(event));
+  }
+
+  /** Let the key Tab reach only this button of the list, so that a long list is one stop. */
+  #reach(button) {
+    if (this.reached) this.reached.tabIndex = -1;
+    this.reached = Object.assign(button, { tabIndex: 0 });
+  }
+
+  /** Go to the button of the next or the last row with the arrow keys, which move the time elsewhere. */
+  #press(event) {
+    const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    if (!way || !event.target.matches("td button")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const shown = this.rows.filter((row) => row.checkVisibility()).map((row) => row.querySelector("button"));
+    shown[shown.indexOf(event.target) + way]?.focus();
   }
 
   /**
@@ -60,7 +78,7 @@ export class ImpactList {
   /** List the impacts of a recording. */
   show(recording) {
     const { element, goTo } = this;
-    this.current = this.rows = undefined;
+    this.current = this.rows = this.reached = undefined;
     this.more.textContent = `All ${recording.impacts.length} impacts`;
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
@@ -75,6 +93,7 @@ export class ImpactList {
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, impact, columns, goTo));
     this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
+    this.#reach(this.rows[0].querySelector("button"));
     this.#markLargest(recording.impacts);
     element.append(table);
     const others = recording.impacts.length - this.rows.length;
@@ -96,7 +115,7 @@ export class ImpactList {
 
   #row(body, impact, columns, goTo) {
     const row = body.insertRow();
-    const button = make("button", { type: "button", textContent: String(impact.number) });
+    const button = make("button", { type: "button", tabIndex: -1, textContent: String(impact.number) });
     button.setAttribute("aria-label", `Go to impact ${impact.number}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
     const texts = [

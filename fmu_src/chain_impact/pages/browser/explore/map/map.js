@@ -3,15 +3,14 @@
 import { find } from "../../base/dom.js";
 import { numberText, readable, withMinus } from "../../base/format.js";
 import { shownIn } from "../../scene/angles.js";
-import { parameterText, signalText } from "../../scene/words.js";
 import { pictureOf, save } from "../export.js";
 import { presentUnit } from "../parameters/parameter_fields.js";
-import { MAIN_PARAMETERS, mainParametersOf } from "../parameters/sliders.js";
+import { mainParametersOf, wordsFor } from "../parameters/sliders.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { mainOutput, outputIn, outputsOf, presentOutputs, valuesIn } from "./map_outputs.js";
 import { completed, rowOrder } from "./map_rows.js";
-import { axisScale, quantityOf, scaledTo } from "./map_scales.js";
+import { axisScale, isLogarithmic, quantityOf, rangeOf, scaledTo } from "./map_scales.js";
 import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
@@ -19,23 +18,6 @@ const COARSE = 9; // number of values of each parameter in the preview
 const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
-
-/** Return whether the axis of a parameter is logarithmic, as its slider is. */
-function isLogarithmic(name) {
-  return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
-}
-
-/**
- * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
- * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, the value minus and plus half of its
- * size, or −1 and 1 for a value of 0.
- */
-function rangeOf({ name, low, high }, value) {
-  if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
-  if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
-  const reach = value === 0 ? 1 : Math.abs(value) / 2;
-  return [Math.max(value - reach, low), Math.min(value + reach, high)];
-}
 
 /** Return why all runs of a map fail, and which other parameters are changed in all of them; "" if a run does not fail. */
 function failureOf({ names, values, faults, runs }) {
@@ -74,25 +56,44 @@ export class GridMap {
       this.inputs[0][0].value = name;
       this.inputs[0][0].dispatchEvent(new Event("change"));
     };
-    new Ranking(changes, { startEngines: () => this.#startEngines(), wordsOf: (name) => this.#wordsOf(name), choose });
+    new Ranking(changes, { startEngines: () => this.#startEngines(), wordsOf: (name) => this.wordsOf(name), choose });
     this.canvas.addEventListener("click", (event) => this.#choose(event));
     this.canvas.addEventListener("pointermove", (event) => this.#describe(this.#runAt(event)));
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
-  /** Show the dialog. Unless the reader has changed them, the ranges are around the present values. */
+  /**
+   * Show the dialog. A map with all its points stays as the reader has left it; otherwise, ranges that the reader has not changed are
+   * around the present values.
+   */
   open() {
+    const isKept = this.shown?.points === POINTS;
     this.inputs.forEach(([, from, to], k) => {
-      if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
+      if (!isKept && [from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
     });
     this.dialog.showModal();
     if (this.shown) this.#drawScales();
     this.#preview();
   }
 
-  /** Show, from few runs, a preview of the map that the button would compute, unless a map with all its points is shown. */
+  /** Show, from few runs, a preview of the map that the button would compute, unless all runs of the shown map are those of its fields. */
   #preview() {
-    if (this.shown?.points !== POINTS) this.run(COARSE);
+    if (this.shown?.points === POINTS && this.#fitsFields()) {
+      this.#refuse(false);
+      this.#tell();
+    } else {
+      this.run(COARSE);
+    }
+  }
+
+  /** Return whether the shown map has the parameters and the ends of the axes that the fields ask for. */
+  #fitsFields() {
+    const endsOf = ({ names, axes }) => JSON.stringify([names, axes.map((axis) => [axis[0], axis.at(-1)])]);
+    try {
+      return endsOf(this.shown) === endsOf(this.#requestOf(POINTS));
+    } catch {
+      return false; // the fields are refused
+    }
   }
 
   /**
@@ -101,29 +102,23 @@ export class GridMap {
    */
   #fill() {
     this.#stop();
-    this.#refuses = false;
+    this.#refuse(false);
     this.shown = undefined;
     this.drawing.clear();
     find("map-files").hidden = true;
     this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
-    this.labels = new Map(mainParametersOf(this.changes).map(({ name, label }) => [name, label]));
-    const restitutions = [...this.labels.keys()].filter((name) => name.endsWith("restitution"));
+    this.wordsOf = wordsFor(this.changes);
+    const restitutions = mainParametersOf(this.changes).map(({ name }) => name).filter((name) => name.endsWith("restitution"));
     const preferred = [...restitutions.slice(0, 1), "initial.angle[1]", "gravity.y"];
     this.inputs.forEach(([name], k) => {
-      name.replaceChildren(...reals.map((parameter) => new Option(this.#wordsOf(parameter.name), parameter.name)));
+      name.replaceChildren(...reals.map((parameter) => new Option(this.wordsOf(parameter.name), parameter.name)));
       name.value = preferred[k];
       this.#range(k);
     });
     const outputs = outputsOf(this.changes.scene);
     this.output.replaceChildren(...outputs.map(({ name }) => new Option(quantityOf(name), name)));
     this.output.value = mainOutput(this.changes, outputs).name;
-  }
-
-  /** Return the words for a parameter, as its slider has them. */
-  #wordsOf(name) {
-    const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
-    return this.labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
   }
 
   /** Return the factor and the unit with which a parameter is shown; `values`: the changes, on which the unit of a stiffness depends. */
@@ -146,14 +141,20 @@ export class GridMap {
     });
   }
 
+  /** Note whether the values of the fields are refused: then the map, which is that of earlier values, is pale. */
+  #refuse(isRefused) {
+    this.#refuses = isRefused;
+    find("map-frame").classList.toggle("earlier", isRefused);
+  }
+
   /** Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, tell only this. */
   async run(points = POINTS) {
     let request;
-    this.#refuses = false;
+    this.#refuse(false);
     try {
       request = this.#requestOf(points);
     } catch (error) {
-      this.#refuses = true;
+      this.#refuse(true);
       this.#say(`${error.message}.`, true);
       return;
     }
@@ -182,7 +183,8 @@ export class GridMap {
       ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
       : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
-    const done = `${summary}${inputs} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
+    const others = Object.keys(this.changes.inputSteps).length || this.#isOfPresent() ? "" : " Other parameters have changed since then.";
+    const done = `${summary}${inputs}${others} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
     const stopped = `Stopped after ${rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
     this.#say(shown.fault || (rows === points ? failureOf(shown) || done : stopped));
   }
@@ -300,7 +302,7 @@ export class GridMap {
     const varied = Object.fromEntries(names.filter((name) => name.endsWith(".exponent")).map((name) => [name, "exponent"]));
     const units = names.map((name) => ({ ...this.#unitOf(name, { ...values, ...varied }), isLogarithmic: isLogarithmic(name) }));
     const present = this.#isOfPresent() ? names.map((name) => this.changes.valueOf(name)) : null;
-    this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.#wordsOf(name)) }, units, { present, chosen: this.#chosen });
+    this.drawing.drawScales({ ...this.shown, names: names.map((name) => this.wordsOf(name)) }, units, { present, chosen: this.#chosen });
   }
 
   /** Return whether the present parameters equal those of the map, apart from the map's two; false if inputs have steps in time. */
@@ -370,7 +372,7 @@ export class GridMap {
     const { factor, text } = this.#unitOf(name, values);
     const degrees = factor === 1 ? "" : ` (${withMinus(numberText(Number((factor * value).toPrecision(4))))}\u202f${text})`;
     const shown = [withMinus(numberText(Number(value.toPrecision(5)))), presentUnit(this.changes, name, values)];
-    return `${this.#wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
+    return `${this.wordsOf(name)} = ${shown.filter(Boolean).join("\u202f")}${degrees}`;
   }
 
   /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */

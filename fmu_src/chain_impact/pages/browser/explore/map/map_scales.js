@@ -3,6 +3,24 @@
 import { unitText } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
 import { shownIn } from "../../scene/angles.js";
+import { MAIN_PARAMETERS } from "../parameters/sliders.js";
+
+/** Return whether the axis of a parameter is logarithmic, as its slider is. */
+export function isLogarithmic(name) {
+  return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
+}
+
+/**
+ * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
+ * value and ten times it; for a parameter between 0 and 1, 0.05 and 0.95; for any other parameter, the value minus and plus half of its
+ * size, or −1 and 1 for a value of 0.
+ */
+export function rangeOf({ name, low, high }, value) {
+  if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
+  if (high <= 1 && low >= 0) return [Math.max(low, 0.05), Math.min(high, 0.95)];
+  const reach = value === 0 ? 1 : Math.abs(value) / 2;
+  return [Math.max(value - reach, low), Math.min(value + reach, high)];
+}
 
 /** Return a name with its unit, as the title of an axis. */
 export function titleOf(name, unit) {
@@ -30,8 +48,8 @@ export function quantityOf(name) {
  * Return two functions for an axis from `first` to `last`: `shareOf`, from a value to the fraction of the axis, and `valueAt`, back. On a
  * logarithmic axis, equal distances stand for equal factors.
  */
-export function axisScale(first, last, isLogarithmic) {
-  const [to, from] = isLogarithmic ? [Math.log, Math.exp] : [Number, Number];
+export function axisScale(first, last, hasDecades) {
+  const [to, from] = hasDecades ? [Math.log, Math.exp] : [Number, Number];
   const [low, width] = [to(first), to(last) - to(first)];
   return { shareOf: (value) => (to(value) - low) / (width || 1), valueAt: (share) => from(low + share * width) };
 }

@@ -2,7 +2,7 @@
 
 import { make } from "../../base/dom.js";
 import { numberText } from "../../base/format.js";
-import { inputText, signalText } from "../../scene/words.js";
+import { inputText, parameterText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentUnit, refusal, resetButton, valueField } from "./parameter_fields.js";
 
 /**
@@ -203,6 +203,15 @@ export function mainParametersOf(changes) {
     const common = ofWalls.length > 0 && ofWalls.length === walls.length ? [] : [entry];
     return [...common, ...ofWalls.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, label: `${entry.label} at ${wall}` }))];
   }).filter(({ name }) => parameters.has(name)).concat(inputSliders(changes));
+}
+
+/** Return a function from the name of a parameter of the scene to its words, which are those of its slider if it has one. */
+export function wordsFor(changes) {
+  const labels = new Map(mainParametersOf(changes).map(({ name, label }) => [name, label]));
+  return (name) => {
+    const [, signal, key] = /^signal\.([^.]+)\.(.+)$/.exec(name) ?? [];
+    return labels.get(name) ?? (signal ? signalText(signal, key) : parameterText(name));
+  };
 }
 
 /**
