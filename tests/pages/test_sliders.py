@@ -336,3 +336,19 @@ def test_a_stiffness_of_stops_is_pale_without_effect(show):
         page = show("kneed_leg", values)
         page.get_by_role("slider", name="Stiffness of stops").wait_for()
         assert page.locator(".main-parameter.idle").count() == pale
+
+
+def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
+    page = show(viewport=PHONE)
+    row = page.locator(".main-parameter").filter(has_text="Restitution")
+    enter(page, "contact.restitution", "0")
+    row.get_by_text("the contact law does not allow this restitution").wait_for()
+    field = row.locator("input[type=text]")
+    assert not field.evaluate("field => field.validity.valid")
+    undo = page.get_by_role("button", name="Undo the change of Restitution")
+    box = undo.bounding_box()
+    assert box["x"] + box["width"] <= PHONE["width"]
+    undo.click()
+    until(page, "document.getElementById('status').hidden")
+    assert field.evaluate("field => field.validity.valid")
+    assert not row.locator(".refusal").is_visible()

@@ -3,6 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { numberText, readable } from "../base/format.js";
 import { faultText, stopText } from "./console.js";
+import { markFailing } from "./parameters/parameter_fields.js";
 import { wordsFor } from "./parameters/sliders.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
@@ -70,6 +71,8 @@ export class Simulation {
     this.#status = result.status;
     this.#sentence = result.fault ?? this.faultOf(result, result.parts);
     this.#tell();
+    const suspects = result.parts || result.fault ? [] : this.#newNames();
+    if (suspects.length === 1) markFailing(suspects[0], faultText(result, scene));
     this.show(result.parts, { changed, scene });
     if (this.#nextRun) this.soon();
   }
@@ -96,12 +99,18 @@ export class Simulation {
     if (all && document.body.classList.contains("stale")) this.#offerUndo();
   }
 
+  /** Return the names of the parameters that have changed since the last run of this scene that has given a motion. */
+  #newNames() {
+    const { changes: { scene, values } } = this;
+    const last = this.#last;
+    return last?.scene === scene ? Object.keys({ ...last.values, ...values }).filter((name) => last.values[name] !== values[name]) : [];
+  }
+
   /** Offer to take back the changes since the last run of this scene that has given a motion, and name their parameters. */
   #offerUndo() {
     const { changes } = this;
     const last = this.#last;
-    if (last?.scene !== changes.scene) return;
-    const names = Object.keys({ ...last.values, ...changes.values }).filter((name) => last.values[name] !== changes.values[name]);
+    const names = this.#newNames();
     if (!names.length) return;
     const textContent = `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
     const button = make("button", { type: "button", className: "action", textContent });

@@ -4,6 +4,8 @@ import { make } from "../../base/dom.js";
 import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { shortText, valueText } from "../../scene/angles.js";
 
+const FAILS = "No motion: "; // the first words on a value with which a run fails, which the page has taken
+
 /**
  * Call the function `change`; if it throws an error, because it refuses the field's value, mark the field, and show the reason in its row.
  */
@@ -26,10 +28,19 @@ export function refusal() {
   return message;
 }
 
+/** Mark the fields of a parameter with whose value a run fails, until a parameter changes; `reason`: why it fails. */
+export function markFailing(name, reason) {
+  document.querySelectorAll(`#parameters [data-parameter="${name}"]`).forEach((field) => {
+    field.setCustomValidity(FAILS + reason);
+    explain(field.closest(".main-parameter, .parameter"));
+  });
+}
+
 /** Show in a row why its value is refused, or nothing if it is allowed. */
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
-  const told = refused ? readable(`Not taken: ${refused.validationMessage}.`) : "";
+  const reason = refused?.validationMessage ?? "";
+  const told = reason && readable(`${reason.startsWith(FAILS) ? "" : "Not taken: "}${reason}.`);
   // in the sentence, the unit of a stiffness is as it is beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
@@ -55,6 +66,7 @@ export function valueField(changes, parameter) {
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
   field.title = readable(`${name}: ${text}; ${allowed}${derived?.text ?? ""}`);
   field.setAttribute("aria-label", name);
+  field.dataset.parameter = name;
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
   const isActive = () => document.activeElement === field;
   let written;
@@ -65,7 +77,7 @@ export function valueField(changes, parameter) {
   ["focus", "blur"].forEach((event) => field.addEventListener(event, () => field.checkValidity() && write()));
   field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(field, () => write()));
   const refresh = () => {
-    if (!isActive() || items.length) field.setCustomValidity("");
+    if (!isActive() || items.length || field.validationMessage.startsWith(FAILS)) field.setCustomValidity("");
     if (field.checkValidity()) write(changes.valueOf(name));
   };
   return { field, write, refresh };
