@@ -113,7 +113,8 @@ def check_cost(d):
 def check_events(d, events):
     """Add ``events``, a number, to the events of the present window of time; return a status.
 
-    The status is EVENT_STORM if the window has too many events (MOST_EVENTS), else OK.
+    The status is EVENT_STORM if the window has more than MOST_EVENTS × n events, with the n of the comment on
+    MOST_EVENTS, else OK.
     """
     limits = d.limits
     if d.step.end >= limits.event_start + EVENT_WINDOW:

@@ -89,8 +89,8 @@ def signals_fit(d):
 def friction_counts_fit(d):
     """Return whether the counts of elements with friction fit together; none may be below 0.
 
-    No more contacts have friction than elements do, no more elements stick than have friction, and no more
-    joints and slider stick than elements do.
+    The count of contacts with friction and the count of sticking elements are at most that of all elements
+    with friction; the count of sticking joints and slider is at most that of all sticking elements.
     """
     friction = d.friction
     fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0

@@ -116,10 +116,10 @@ def locate_from_link_vectors(d, y):
 
 
 def set_joint_places(d, values, first, vectors):
-    """Set x of each joint's place to the longest link, as a lever arm, times the joint's angle.
+    """Set x of each joint's place in ``vectors`` to the joint's angle times the length of the longest link.
 
-    The absolute angles of the N links begin at index ``first`` of ``values``, which may also have rates or
-    changes of angles.
+    The absolute angles of the N links begin at index ``first`` of ``values``. With rates, accelerations or
+    changes of these angles as ``values``, x gets that of the joint's angle, times the same length.
     """
     for i in range(d.links):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative(values, first, i)

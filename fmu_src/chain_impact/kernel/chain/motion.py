@@ -90,10 +90,10 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate the largest distance [m] that a channel moves in the present piece of the inputs.
+    """Estimate how far [m] any channel moves from its position at the middle of the inputs' present piece.
 
-    This is the largest distance by the polynomials of a channel, plus ``travel_of_sines``, the sum of the
-    amplitudes of all channels that sines drive.
+    This is the largest sum of the absolute coefficients of a channel's polynomial without c₀, plus
+    ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
     """
     most = 0.0
     for m in range(d.channels):

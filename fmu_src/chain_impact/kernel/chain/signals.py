@@ -84,7 +84,7 @@ def sine_at(d, j, time):
 
 
 def signal_bounds(d, j):
-    """Return bounds on the rate and on the second derivative of signal j within the last step."""
+    """Return upper bounds of |rate| and |second derivative| of signal j within the last step."""
     signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = time_since_knot(d, j, d.step.start + half)
@@ -145,11 +145,12 @@ def moves_base_as_sine(d, j):
 
 
 def signal_rate(d, j):
-    """Return the angular frequency [rad/s] at which signal j changes in the last step.
+    """Return an angular frequency [rad/s] that tells how fast signal j changes in the last step.
 
-    A polynomial of a degree above 3, as of a smooth ramp, can move and be at rest at both ends of a step. It
-    counts as half a period of a cosine that lasts as long as the segment. The result is 0 for a polynomial of
-    a lower degree, because its rates at both ends of a step bound its motion.
+    For a sine that has begun, it is the sine's largest one in the step. A polynomial of a degree above 3, as
+    of a smooth ramp, can move and be at rest at both ends of a step. It counts as half a period of a cosine
+    that lasts as long as the segment. The result is 0 for a polynomial of a lower degree, because its rates
+    at both ends of a step bound its motion.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)

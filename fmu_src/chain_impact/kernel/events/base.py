@@ -34,7 +34,10 @@ def end_at_base(d):
 
 
 def check_base(d):
-    """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK."""
+    """Return BASE_BEYOND_WALL if a wall is past the pinned base at the end of the last step, else OK.
+
+    The wall is past the base if their clearance is below −OVERLAP/2.
+    """
     move_channels(d, d.step.end)
     for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
         # if ``end_at_base`` has cut the step, the clearance is −OVERLAP up to round-off, so half of it is a
@@ -55,9 +58,10 @@ def overlap_margin(d, c, time):
 
 
 def time_of_meeting(d, c, until):
-    """Return the time [s] at which the wall of candidate c reaches the base in the last step.
+    """Return the time [s] in the last step at which the base's clearance from a wall falls to −OVERLAP.
 
-    The result is ``until`` if the wall does not reach the base before this time.
+    The wall is that of candidate c. The result is ``until`` if the clearance does not fall so far before this
+    time, and an earlier time without meaning if the cost exceeds its limit, which ends the run.
     """
     _, acceleration = prescribed_bounds(d, c)
     a, b = d.step.start, until

@@ -94,7 +94,7 @@ def find_peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Return whether the last step ends at the kink δ̇ = 0 of candidate c, whose law damps on approach only.
+    """Return whether candidate c's law damps on approach only and the last step ends at its kink δ̇ = 0.
 
     There the penetration is largest, so no search for its maximum is needed.
     """
@@ -267,7 +267,7 @@ def log_active(d):
 
 
 def log_with_peaks(d, c, row, end, separation_speed):
-    """Log the contact of candidate c with its peaks, and update the peaks of all contacts (``d.peaks``).
+    """Log the contact of candidate c with its peaks, and include these in the run's peaks (``d.peaks``).
 
     ``row``, ``end`` and ``separation_speed`` are as for ``log_contact``.
     """

@@ -108,9 +108,10 @@ def set_slack(d, e):
 
 
 def widen_slack(d, e):
-    """Widen the slack of an element e at rest to at least twice its present speed against its direction.
+    """Widen the slack of element e, if it is at rest, to twice its speed against its direction of sliding.
 
-    The exact speed is zero; the present speed is the error with which the event at zero speed was located.
+    A larger slack stays. The exact speed is zero; the present speed is the error with which the event at zero
+    speed was located.
     """
     backward = -d.element.mode[e] * tangential_rate(d, e)
     if d.element.undecided[e]:
@@ -131,7 +132,7 @@ def first_mode(d, e, jumped):
     resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
-    # a speed of a sliding element against its direction is an error up to the slack
+    # an element that has been sliding counts as at rest up to its slack, because such a speed may be an error
     slides = abs(before) == 1 and not jumped
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
@@ -227,7 +228,8 @@ def is_inconsistent(d, e):
 def acceleration_error(d):
     """Return the acceleration [m/s²] against the direction of sliding that may be an error.
 
-    It contains round-off and what the constraints of sticking elements leave.
+    It is the sum of round-off (ACCELERATION_ERROR) and of twice the largest acceleration that the constraints
+    leave to a sticking element.
     """
     left = 0.0
     for i in range(d.friction.stuck_count):

@@ -83,7 +83,7 @@ def apply_event(d, c, kind):
 
 
 def apply_events(d):
-    """Apply the events at the end of the last step, and choose the size and the method of the next one.
+    """Apply the events at the end of the last step, and choose size and method of the next step.
 
     Returns:
         Whether a force may have jumped. This is so at a kink and at a new impact speed; where a contact
@@ -154,7 +154,10 @@ def renew_modes(d, jumped):
 
 
 def recompute_active_set(d):
-    """End held contacts that changed laws or inputs release, and reset the last step to zero length."""
+    """End the held contacts that do not go on under changed laws or inputs.
+
+    If there is any held contact, the last step is also reset to zero length.
+    """
     if not any_point_held(d):
         return
     end_changed_contacts(d)
@@ -188,7 +191,7 @@ def choose_next_size(d, onset, goes_on):
 def force_has_kink(d):
     """Return whether the force of a contact has a kink at a marked event, so that the step must end there.
 
-    KINK is such an event, and END, unless the contact is regularized.
+    KINK and END are such events; but if the regularized contact ends, the result is False.
     """
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False

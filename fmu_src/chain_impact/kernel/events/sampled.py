@@ -166,7 +166,7 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return by how much [N or m/s] contact c is on that side of its kink whose force the step uses."""
+    """Return contact c's distance [N or m/s] to its kink, < 0 beyond the side whose force the step uses."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
@@ -261,7 +261,7 @@ def least_force(d, _c, theta):
 
 
 def mark_pulling(d, _c, theta):
-    """Mark with RELEASE the held contacts that pull at the fraction θ of the last step."""
+    """Mark with RELEASE the held contacts that pull by ``pull_limit`` or more at θ of the last step."""
     least_force(d, 0, theta)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.constraints.impulse[k] + pull_limit(d) <= 0.0:
@@ -331,7 +331,7 @@ def element_margin(d, e, theta):
 
 
 def margin_is_halved(d):
-    """Return whether, for any mode that is marked to end, the repeated step at least halves its margin.
+    """Return whether the repeated step at least halves the margin of one or more modes marked to end.
 
     The margin at the end of the step (``element_margin``) is compared with that at its start. The dense
     output of a long implicit step has errors, and may show an end of a mode that a shorter step does not
@@ -369,7 +369,7 @@ def is_past_limit(d, _c):
 
 
 def drive_margin(d, _c, theta):
-    """Return the least margin [N·m] of a drive to the end of its mode, at the fraction θ of the last step."""
+    """Return ``mode_margin`` [N·m], the least margin of a drive to its mode's end, at θ of the last step."""
     locate_at(d, theta)
     ensure_inputs(d, d.scratch.y)
     return mode_margin(d, d.scratch.y)

@@ -51,16 +51,16 @@ DEEPEST_ONSET = 1e-9
 # start of the step, whose relative error there is 1e-9; the interpolant of a stiff step can have larger
 # errors.
 EARLY_THETA = 1e-3
-# A step that was repeated to end at an onset is rejected if the onset is farther from its end than this part
-# of its size.
+# A step that was repeated to end at an onset is rejected if the onset is farther from the step's end than
+# this part of the step's size.
 LANDING_TIME = 1e-2
 # A clearance at an onset up to CLEARANCE_ROUND_OFF is round-off, relative to a link length plus the
 # coordinates of the point. A slow point may need more than LANDING_TIME to move this distance; its time after
 # the onset then counts as 0.
 CLEARANCE_ROUND_OFF = 1e-15
-# A step with a crossing that is not credible (``is_credible_crossing``) is rejected only if it is longer than
-# SIMULTANEOUS_TIME plus this part of the present time: ten times the resolution of time, because the next try
-# may be a tenth as long.
+# A step whose crossing or onset is not credible (``is_credible_crossing``, ``onset_fraction``) is rejected
+# only if it is longer than SIMULTANEOUS_TIME plus this part of the present time: ten times the resolution of
+# time, because the next try may be a tenth as long.
 TIME_RESOLUTION = 4e-15
 
 
@@ -128,7 +128,7 @@ def find_sampled_event(d, theta):
 
 
 def is_credible_crossing(d, theta):
-    """Return whether the crossings at the fraction θ of the step are real: points really arrive or leave.
+    """Return whether the crossings at the fraction θ of the step are real, and no errors of the step.
 
     The state, the clearances and their rates must be set at θ. Positions and rates of the interpolant may be
     inconsistent within the tolerance. Three kinds of crossing are errors of a step that is too long: an onset

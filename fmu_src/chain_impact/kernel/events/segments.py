@@ -99,7 +99,7 @@ def begin_next_segment(d, j):
 def begin_segments(d):
     """Begin the segments that follow those that end at the end of the last step.
 
-    If an input jumps, springs gain energy at once; this energy counts as supplied.
+    If an input jumps, springs gain or lose energy at once; this change counts as supplied energy.
 
     Returns:
         The largest effect of all signals: NO_JUMP, BENDS or JUMPS, in this order.
