@@ -95,7 +95,7 @@ def apply_contacts(d):
 def apply_true_contacts(d):
     """Set the loads as ``apply_contacts`` does, but with the true contact forces, which never pull.
 
-    A step continues the force of one side of a kink beyond it; the true force does not.
+    A step continues the force of one side of a kink beyond it; the true force does not. Nothing is returned.
     """
     clear_loads(d)
     for k in range(d.touch.compliant_count):
@@ -110,7 +110,7 @@ def apply_true_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of active candidate c, for the located points.
 
-    F is the contact force and δ the penetration. Both slopes are 0 while the force is cut off at 0.
+    F is the contact force and δ the penetration. Both slopes are 0 in a step that uses F = 0 (``is_cut_off``).
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
@@ -196,7 +196,7 @@ def set_rates(d, c, speed, force_rate):
 def expect_peaks(d):
     """Let the next step be searched for peaks of all contact forces.
 
-    This is needed after changes of friction modes, because the forces may rise then.
+    This is needed after changes of modes, laws or inputs, because the forces may rise then.
     """
     for k in range(d.touch.compliant_count):
         d.touch.force_rate[d.touch.active_index[k]] = 1.0

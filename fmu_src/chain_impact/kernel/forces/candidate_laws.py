@@ -102,7 +102,7 @@ def update_laws(d):
 def check_laws(d):
     """Check the given laws, and return a status.
 
-    RIGID_WHILE_TOUCHING means that the law of an active contact would become rigid.
+    RIGID_WHILE_TOUCHING means that an active contact with a force law would get the law of rigid walls.
     """
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK

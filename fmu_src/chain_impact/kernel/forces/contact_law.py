@@ -66,7 +66,7 @@ class ContactLaw:
 
     @property
     def continuous(self) -> bool:
-        """Whether the force begins at 0 at the onset, without a jump."""
+        """Whether the law has a force that begins at 0 at the onset, without a jump."""
         return self.rate_exponent != 0.0 and not self.impulsive
 
     def allows_exponent(self, exponent: float) -> bool:

@@ -264,7 +264,7 @@ def damping_slope(d, c, depth, leaves, spring):
 def law_slopes(d, c, depth, rate):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate.
 
-    Both are 0 where the force is cut off.
+    Both are 0 if a step uses the force 0 (``is_cut_off``). A ∂F/∂δ < 0 counts as 0, as does that at δ = 0.
     """
     if is_cut_off(d, c):
         return 0.0, 0.0

@@ -124,9 +124,10 @@ def list_sticking(d):
 
 
 def suspend_sticking(d):
-    """Remove all elements from the list of sticking elements during an impact on rigid walls.
+    """Remove all elements from the list of sticking elements, before impulses that may let them slide.
 
-    No limit of friction applies to impulses.
+    These are the impulses of an impact on rigid walls and of a move of points off these walls. An element in
+    the list would be held by an impulse of any size, because no limit of friction applies to impulses.
     """
     d.friction.stuck_count, d.friction.stuck_joints = 0, 0
 
