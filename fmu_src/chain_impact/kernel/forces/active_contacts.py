@@ -110,7 +110,7 @@ def apply_true_contacts(d):
 def contact_slopes(d, c):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of active candidate c, for the located points.
 
-    F is the contact force and δ the penetration. Both slopes are 0 in a step that uses F = 0 (``is_cut_off``).
+    F is the contact force and δ the penetration. Both slopes are 0 if a step uses F = 0 (``is_cut_off``).
     """
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
