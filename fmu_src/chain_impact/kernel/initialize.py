@@ -217,8 +217,9 @@ def derive_sites(d):
 
 
 def derive_drives(d):
-    """Derive, from the values in use, which effects drives have, and a bound [1/s] on the rates they cause.
+    """Derive, from the values in use, which effects drives have, and ``chain.joint_rate_bound``.
 
+    This is a bound [1/s] on the rates of oscillations and decays that springs and dampers of drives cause.
     The modes of all drives are first set to "below the limit".
     """
     clear_saturation(d)

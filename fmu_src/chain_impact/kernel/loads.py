@@ -99,8 +99,8 @@ def joint_forces(d, contact_force, friction_force, x, y):
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
     """Subtract the force or impulse of candidate c's wall from the entry of x and y of the link it acts on.
 
-    ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored,
-    because they act between links.
+    ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored:
+    those of a joint act between links, those of the slider on its carriage.
     """
     if at_wall(d, c):
         fx, fy = wall_force(d, c, along_normal, along_tangent)
@@ -207,7 +207,7 @@ def fill_load_peaks(d):
     """Fill the outputs of the largest joint forces since the start, up to the communication point.
 
     A whole step is searched only once. Only if the step raises a peak, an output at a time within the step
-    needs a second search, up to this time. Afterwards the points are located at another time.
+    needs a second search, up to this time. A search leaves the points located at another time.
     """
     out, transmitted, rises = d.output.load, d.transmitted, False
     if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
