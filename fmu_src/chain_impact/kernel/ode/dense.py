@@ -110,7 +110,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Return, for each basis function of the interpolant, its largest |value| and |slope| on [0, 1]."""
+    """Return two tuples with an entry for each basis function: its largest |value| and |slope| on [0, 1]."""
     theta = np.linspace(0.0, 1.0, 10001)
     remaining = 1.0 - theta
     values = [theta**p * remaining**q for p, q in POWERS]
