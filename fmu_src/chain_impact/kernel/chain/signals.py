@@ -338,7 +338,10 @@ def derive_ramp(d, i, k, shape):
 
 
 def integrate(d, j, time):
-    """Replace the polynomials of signal j by their integral over time, which is 0 at a ``time`` [s]."""
+    """Replace the polynomials of signal j such that the signal becomes its integral, 0 at a ``time`` [s].
+
+    ``sine_at`` adds the integral of a sine; the polynomials' constants keep the sum continuous at knots.
+    """
     signal, knot = d.signal, d.knot
     signal.integrals[j] += 1
     for k in range(signal.first[j], signal.last[j] + 1):

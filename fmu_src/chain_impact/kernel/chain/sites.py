@@ -61,8 +61,8 @@ def locate_sites(d, y, first, position, velocity):
 def set_site_motions(d, link_vectors, turns, first, vectors):
     """Set in ``vectors`` the vectors of the sites, from those of the joints and from the links' rotations.
 
-    The vectors are velocities or small motions. The rotations of the links, angular velocities or small
-    angles, begin at index ``first`` of ``turns``.
+    The vectors are velocities, small motions, or accelerations without the part −ω² r. The rotations of the
+    links, angular velocities, small angles or angular accelerations, begin at index ``first`` of ``turns``.
     """
     for s in range(d.sites):
         i, k = d.site.link[s], site_place(d, s)
