@@ -258,7 +258,7 @@ def end_rebounding_contacts(d):
 
 
 def is_gentle(d):
-    """Return whether all arriving points are so slow, or together have so little energy, that they rest.
+    """Return whether all arriving points are so slow, or together have so little energy, that they stop.
 
     LEAST_REBOUND_SPEED limits their speeds, NEAR_WALL_CLEARANCE their energy. In a gentle impact sticking
     elements continue to stick. If the small impulses made a joint slide, its friction would lift points,

@@ -166,7 +166,7 @@ def mark_kinks(d, c, theta):
 
 
 def side_of_kink(d, c):
-    """Return contact c's distance [N or m/s] to its kink, < 0 beyond the side whose force the step uses."""
+    """Return contact c's distance [N or m/s] to its kink: > 0 on the side that the step uses, else < 0."""
     height = kink_height(d, c)
     return -height if d.touch.beyond_kink[c] else height
 
