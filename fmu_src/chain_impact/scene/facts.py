@@ -183,7 +183,7 @@ class SceneFacts(dict[str, Any]):
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links, with None in place of each default of a key in ``_OFF_KEYS``, which rules do not see."""
+        """The links, with None in place of the default of a key in ``_OFF_KEYS``: for rules it is missing."""
         missing: dict[int, dict[str, Any]] = {}
         for path in self._off:
             match path:
@@ -266,4 +266,4 @@ FOUND: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
     "signals": _signals,
     "steps": _steps,
 }
-"""Name of a list without a rule → the function that finds its members."""
+"""Name of a list in LISTS that no rule finds → function that returns its members from the facts."""

@@ -13,7 +13,7 @@ MASSES = ("length", "center_of_mass", "center_of_mass_offset", "inertia")
 
 
 def chain_view(chain: Any) -> SimpleNamespace:
-    """Return a chain table as the argument of ``loose_links`` in kernel/chain/inertia.py."""
+    """Return the table ``chain`` of a scene as the argument of ``loose_links`` in kernel/chain/inertia.py."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in MASSES}
     return SimpleNamespace(has_base_joint=chain.has_base_joint, **columns)
 

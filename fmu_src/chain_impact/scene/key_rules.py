@@ -112,7 +112,7 @@ def quantity(unit: str, description: str, default: Any = MISSING, **rules: Unpac
 def simple_default(rule: Mapping[str, Any]) -> Any:
     """Return the default that the metadata ``rule`` have.
 
-    A `Derived` with ``off`` is replaced by this number.
+    A `Derived` with ``off`` is replaced by the constant ``off``.
     """
     default = rule["default"]
     return default if not isinstance(default, Derived) or default.off is None else default.off
@@ -125,7 +125,7 @@ def without_none(kind: Any) -> Any:
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
-    """Return whether a value keeps all rules in the metadata `rule`."""
+    """Return whether a value, no list, keeps the rules of ``_KEEPS`` that the metadata `rule` have."""
     for name, keep in _KEEPS.items():
         bound = rule[name]
         if bound is not None and not keep(value, bound):

@@ -23,8 +23,8 @@ _DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)
 def line_of(text: str, path: DataPath) -> int | None:
     """Return the number, from 1, of the line with a key.
 
-    If the text does not have the key, the result is the line of the innermost table around the key that the
-    text has; None if it has none.
+    If the text does not have the key itself, the result is the line of the innermost list or table that
+    contains the key; None if the text has none of them.
 
     Args:
         text: a scene file.
@@ -56,7 +56,7 @@ def line_of(text: str, path: DataPath) -> int | None:
 
 
 def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
-    """Return the path of the table whose head has the keys ``steps``, with the indices of lists of tables.
+    """Return the path of the table whose head has the keys ``steps``, with indices before its last key.
 
     A head has no indices: it belongs to the last entry so far of each list, whose index is in ``counts``.
     """
@@ -73,7 +73,7 @@ def _steps(dotted: str) -> DataPath:
 
 
 def _keys_of_last_table(lines: Sequence[str]) -> set[DataPath]:
-    """Return the keys, each as a path, in those lines of a TOML file that follow the last head of a table."""
+    """Return the keys, as paths in their table, in those lines of a TOML file that follow the last head."""
     keys: set[DataPath] = set()
     for line in lines:
         if _HEAD.match(line):
@@ -93,7 +93,7 @@ def _other_file_hint(line: str) -> str:
 
 
 def fault_hint(text: str, fault: str) -> str:
-    """Return a hint how to correct the line of a TOML file at which the parser found the ``fault``.
+    """Return a hint how to correct the line of a TOML file that the parser's message ``fault`` names.
 
     The result is "" if no hint is known.
     """

@@ -270,7 +270,7 @@ AT_START = {
     "slider.position": "initial.x and initial.y set the base, where it is 0,",
     "slider.velocity": "initial.slider_velocity sets it",
 }
-"""Quantity that changes in a motion → which parameters set it at the start; {n} stands for a number."""
+"""Quantity that changes in a motion → words on the parameters that set it at the start; {n}: a number."""
 
 
 def start_hint(name: str) -> str | None:

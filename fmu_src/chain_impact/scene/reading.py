@@ -135,7 +135,7 @@ def names_matching(
     what: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
-    """Return the names that equal ``name``, or that match it, where ``*`` in ``name`` stands for any text.
+    """Return the names that ``find_names`` finds for ``name``, in which ``*`` stands for any text.
 
     If no name matches, the error ends with the text that the function ``hint`` returns for ``name``. If this
     text is None, the error ends with the most similar name.
@@ -151,7 +151,10 @@ def names_matching(
 
 
 def find_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return the names that equal ``name``, or that match it, where ``*`` in ``name`` stands for any text."""
+    """Return the name that equals ``name`` or its form in the FMU, else all that match ``name``.
+
+    In a match, ``*`` in ``name`` stands for any text.
+    """
     for spelling in (name, fmu_name(name)):
         if spelling in names:
             return [spelling]
@@ -176,7 +179,7 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 def entry_type(kind: Any) -> Any:
-    """Return the type of a tuple's entries, or of a mapping's values; for another type, ``kind`` itself."""
+    """Return the type of a tuple's entries or a mapping's values; a union's first type; else ``kind``."""
     item, *others = get_args(kind) or (kind,)
     return others[0] if get_origin(kind) is Mapping else item
 

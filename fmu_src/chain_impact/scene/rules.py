@@ -131,16 +131,16 @@ def holds(rule: str, value_of: ValueOf) -> bool:
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
-    """Return the value of a rule that is a number or a text; None if a value in the rule is missing.
+    """Return the value of a rule, a number or a text; None if the value is missing.
 
-    A condition gives 0 or 1.
+    A condition gives 0 or 1, a list its length.
     """
     value = _counted(_function(rule)(value_of))
     return int(value) if value is True or value is False else value
 
 
 def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any]:
-    """Return the value of a rule for each member of a list."""
+    """Return the value of a rule for each of ``members``, as ``number_in`` gives it."""
     number = partial(number_in, rule)
     return _for_members(number, tuple(names_in(tree(rule))), members, value_of)
 

@@ -54,7 +54,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
 
 
 def _material(name: str, material: Material) -> str:
-    """Return the values in which a wall's material differs from [contact], as text; "" if there are none."""
+    """Return the given values of the material of the wall ``name``, as text; "" if there are none."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
     parts += _friction(material.friction, material.static_friction)
@@ -62,7 +62,7 @@ def _material(name: str, material: Material) -> str:
 
 
 def _friction(sliding: float | None, static: float | None) -> list[str]:
-    """Return the text of the given coefficients of dry friction."""
+    """Return a text, such as "µ = 0.3", for each coefficient of dry friction that is not None."""
     given = {"µ": sliding, "static µ": static}
     return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
 

@@ -20,7 +20,7 @@ from chain_impact.scene.table_file import read_table, samples_of
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
 """The end of the names of target velocities. Their signals come last: their values replace the derivatives of
-target angles."""
+target angles and positions."""
 
 
 class Driven(NamedTuple):

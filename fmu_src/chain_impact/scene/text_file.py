@@ -33,7 +33,7 @@ def text_of(path: Path) -> str:
 
 
 def comma_in(text: str, fault: str) -> str:
-    """Return a hint for a TOML file with a decimal comma in the line at which the parser found a ``fault``.
+    """Return a hint for a decimal comma in the line of a TOML file that the parser's message ``fault`` names.
 
     The result is "" if this line has no decimal comma.
     """

@@ -45,8 +45,8 @@ from chain_impact.variables.variable import Variable
 IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
 """The columns of impacts that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
-"""[1] An error of derivatives above this, relative to the largest derivative, is told to users; the tolerance
-allows smaller ones anyway."""
+"""[1] An error that dry friction causes in derivatives of positions is told to users if it is larger than this,
+relative to the largest of them; the solver's tolerance allows smaller errors anyway."""
 # quantities of an impact that are known when it begins; all others are known at its end
 AT_ONSET = ("onset", "impact_speed", "effective_mass")
 
@@ -126,7 +126,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def _directions(self) -> int:
-        """The number of derivatives that are computed: P, rounded up to a multiple of ``DIRECTIONS``."""
+        """The number of derivatives of each number: P, rounded up to a multiple of ``DIRECTIONS``."""
         return len(self._tangents) * DIRECTIONS
 
     @property
@@ -205,7 +205,7 @@ class DifferentiatedInstance(Instance):
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """Sentences for users: which derivatives are NaN and why, and errors by dry friction."""
+        """Sentences for users: which derivatives are NaN or one-sided and why, and errors by dry friction."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         missing = [of for of, is_missing in zip(self.varied, self._missing, strict=True) if is_missing]
         told = [
@@ -248,8 +248,8 @@ class Differentiated:
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: quantity of an impact → its derivatives, shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences that tell from which time on derivatives are NaN and why, and errors that dry
-            friction causes.
+        limits: sentences that tell from which time on derivatives are NaN and why, which are one-sided,
+            and errors that dry friction causes.
     """
 
     __eq__ = same

@@ -240,6 +240,7 @@ class Follower:
     def _break(self, start: float, end: float) -> tuple[float, float] | None:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
+        Both are the time of a kink if the functions at a searched time fit the polynomials of both sides.
         The result is None if there is none or more than one, or if the polynomials beside it have a degree >
         SIMPLE.
         """
@@ -346,7 +347,7 @@ class Follower:
         """
         start, end = ends[:-1, np.newaxis], ends[1:, np.newaxis]
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        # two more times, close to both ends: a change of the function between an end and the nearest node
+        # two more times, one close to each end: a change of the function between an end and the nearest node
         # shows there
         inside = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inside, end - inside])

@@ -73,14 +73,14 @@ class Pieces:
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the values of the pieces ``which``, each at one time [s]."""
+        """Return the signals in the pieces ``which``, each piece at its own one of the times [s], shape (P, M)."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
 
     @cached_property
     def _largest(self) -> np.ndarray:
-        """An upper bound of the absolute values of each signal, shape (M,); 1 where the bound is 0.
+        """An upper bound of each signal's absolute values in all pieces, shape (M,); 1 where the bound is 0.
 
         For a motion, the bound is without the constant terms, so it is the size of the motion.
         """
