@@ -89,7 +89,8 @@ def joined_by(signal: Signal, driven: str) -> str:
 def is_closed(signal: Signal) -> bool:
     """Return whether the last row of a periodic table lies one period after its first row.
 
-    Both rows then stand for the same time in the period, so they must have the same values, except with ``hold``.
+    Both rows then stand for the same time in the period, so they must have the same values, except with
+    ``hold``.
     """
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
