@@ -18,7 +18,7 @@ VALUE, RATE, SECOND = range(3)
 
 
 def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
-    """Return the indices of knots (starts of polynomials) at t = 0 at which a signal makes accelerations jump.
+    """Return the indices of knots (starts of polynomials) at t = 0 where a signal makes accelerations jump.
 
     If such a knot came later, the run would begin with the accelerations before it; if it came earlier, it
     would not.

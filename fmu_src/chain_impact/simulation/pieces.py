@@ -73,7 +73,7 @@ class Pieces:
         return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
 
     def _at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the signals' values in the pieces ``which``, piece k at the time ``times[k]`` [s]: shape (P, M)."""
+        """Return the signals' values in the pieces ``which``, each at its own time [s], shape (P, M)."""
         x = (times - self.middle[which]) * self.scale[which]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
         return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))

@@ -21,8 +21,9 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 # For P parameters and N values with a time, at least VALUES_PER_PARAMETER × P values lie before the first
 # horizon, or N / VALUES_PER_PARAMETER if that number is smaller, but never fewer than P values.
 VALUES_PER_PARAMETER = 3
-# The model follows the data as long as each difference from a measured value is at most this part of the size
-# of the value's column: the first number in the first series of searches, the second in a second series.
+# The model follows the data as long as its difference from each value of ``Problem.followed`` is at most this
+# part of the size of the value's column: the first number in the first series of searches, the second in a
+# second series.
 FAR = (0.01, 0.0025)
 # A second series of searches follows if the first one does not converge; or if the mean square of the
 # residuals with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of a
@@ -57,7 +58,7 @@ class Found:
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: the horizon of each search: the time [s] up to which it used data.
         worse: mean square of the residuals with all data, divided by the smallest mean square with fewer
-            data.
+            data; 0 if each search with fewer data had fewer than MANY_VALUES values.
     """
 
     search: Search
@@ -85,7 +86,7 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
     ``start`` is the model at the start. Each next horizon is the time at which the model first differs from a
-    measured value by more than ``far`` × the size of its column, but at least GROWTH × the horizon before.
+    value of ``Problem.followed`` by more than ``far`` × the size of its column, but at least GROWTH × the horizon before.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))

@@ -25,8 +25,8 @@ class Search:
 
     Attributes:
         best: the model at the end.
-        converged: whether the search ended because no allowed step reduces the sum of squares notably, and
-            not because it had made too many steps.
+        converged: whether the search ended because no allowed step reduces the sum of squares notably; False
+            after too many steps, or if the search could not begin.
         steps: the number of tried steps.
     """
 

@@ -60,8 +60,8 @@ MOST_DOTS = 60
 # the colour of the model's curve if there is a single data set; several sets have the palette's colours
 MODEL = VERMILLION
 HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
-# MEANS: the number of parts into which the values over time are divided for the running mean of residuals;
-# LEAST_FOR_MEAN: the least number of values that have such a mean; MEAN: its identifier in matplotlib
+# MEANS: in the running mean of residuals over time, each mean is that of 1/MEANS of the values;
+# LEAST_FOR_MEAN: the least number of values that have a running mean; MEAN: its identifier in matplotlib
 MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
 USUAL = 2.0  # the grey band of usual residuals extends from −USUAL to USUAL standard deviations
 
@@ -225,7 +225,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
 def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return positions and means of the values over parts of the axis, each of 1 / MEANS of the values.
 
-    The parts overlap by half; the result has the shape (2, M).
+    The parts overlap by half; the result has the shape (2, number of parts).
     """
     order, width = np.argsort(at, kind="stable"), len(at) // MEANS
     starts = range(0, len(at) - width + 1, max(1, width // 2))

@@ -12,7 +12,7 @@ from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.uncertainty import exceeded, information
 
-# a residual that is at most this part of the range of its column's values is too small for a remark
+# a value whose residual is at most this part of the range of its column's values is never an outlier
 SMALL = 1e-3
 # if the mean square of a column's residuals r/σ is at most this number, correlations between them do not
 # matter
