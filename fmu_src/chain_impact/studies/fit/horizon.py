@@ -86,7 +86,8 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Progress)
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
     ``start`` is the model at the start. Each next horizon is the time at which the model first differs from a
-    value of ``Problem.followed`` by more than ``far`` × the size of its column, but at least GROWTH × the horizon before.
+    value of ``Problem.followed`` by more than ``far`` × the size of its column, but at least GROWTH × the
+    horizon before.
     """
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
