@@ -1,7 +1,8 @@
 """The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
 
 At most six laws have a colour and a name: the reference, the scene's own law, the law without losses, the law
-whose restitution differs most from the reference, and other common laws. All further laws are grey.
+whose restitution differs most from the reference, and other common laws. All further laws are grey, or
+dotted if they are laws of impulses.
 """
 
 from __future__ import annotations
@@ -141,10 +142,11 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
-    The reason of the law without losses is "no losses". Among all other laws, the reason "differs most"
-    belongs to the law whose restitution in the first impact is farthest from that of the reference law. The
-    law without losses does not count there, because it ignores the prescribed restitution and so would
-    usually be the farthest.
+    The reasons of the reference and of the scene's own law are "reference" and "of the scene", that of the
+    law without losses is "no losses". Among all other laws, the reason "differs most with losses" belongs to
+    the law whose restitution in the first impact is farthest from that of the reference law. The law without
+    losses does not count there, because it ignores the prescribed restitution and so would usually be the
+    farthest.
     """
     reference = comparison.reference
     why = {reference: "reference"}
@@ -231,7 +233,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 
 def banded(comparison: LawRuns, looks: Looks) -> list[str]:
-    """Return the laws that share a grey band: those without a colour, if they are more than MOST_GREY."""
+    """Return the laws that share a grey band: the grey ones that have a result, if they exceed MOST_GREY."""
     grey = [
         law for law, look in looks.items() if look["color"] == GREY and comparison[law].result is not None
     ]

@@ -44,7 +44,7 @@ def heading(comparison: LawRuns) -> str:
 def law_table(comparison: LawRuns) -> TextTable:
     """Return the table with a row for each law; the last column, which has no name, has the notes.
 
-    The unit of each column has a prefix that suits its largest value.
+    A unit in the head has a prefix that suits the largest value of the column.
     """
     force, depth = (unit_at(name, stop=comparison.at_stop) for name in ("peak_force", "max_penetration"))
     quantities = {

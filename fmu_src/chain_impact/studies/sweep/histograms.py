@@ -55,8 +55,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
     """Return the edges of the bars for some values, in ascending order.
 
-    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole``, for values that are whole
-    numbers, the edges lie in the middle between two such numbers.
+    They are equally spaced; with ``logarithmic`` in the logarithm. With ``whole`` alone, for values that are
+    whole numbers, the edges lie in the middle between two such numbers.
     """
     # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))
