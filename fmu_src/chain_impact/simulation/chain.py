@@ -277,7 +277,7 @@ class Chain:
         return _restored, (self.scene, self.save())
 
     def __repr__(self) -> str:
-        """Return a text with the name of the scene and the present time."""
+        """Return a text with the name of the scene, its number of links and the present time."""
         links = plural(len(self.scene.chain.links), "link")
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
