@@ -236,7 +236,7 @@ class Instance:
         done, impacts, last = 0, [], len(course.times)
         ends = np.append(course.first[1:], last) if course.paths else None
         while done < last and self.status == OK:
-            # a call ends with a piece of the inputs, because each piece has other inputs
+            # a call of ``rows.fill`` ends with a piece of the inputs, because each piece has other inputs
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
             end = min(done + rows.chunk, until)
             course.set(self.record, done)

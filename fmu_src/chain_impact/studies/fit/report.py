@@ -45,7 +45,7 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
 def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
     """Return whether the data cannot decide between a law and the best law.
 
-    This is so if the law uses as many values, and its criterion is larger by less than EQUAL.
+    This is so if the law uses as many values as the best law, and its criterion is larger by less than EQUAL.
     """
     return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + EQUAL
 
